@@ -1,0 +1,5 @@
+"""`python -m geomkin`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,54 @@
+"""What can go wrong, as types: every message says what was found, what is allowed and what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class GeomkinError(Exception):
+    """Anything geomkin refuses to do. Its text is meant for a person, without a traceback."""
+
+
+class DesignError(GeomkinError, ValueError):
+    """A mechanism that cannot exist as asked.
+
+    field: the size that is wrong, as its class spells it; problem: what was found and what is
+    allowed; remedy: what to change.
+    """
+
+    def __init__(self, field: str, problem: str, remedy: str):
+        super().__init__(f"{field}: {problem}; {remedy}")
+        self.field, self.problem, self.remedy = field, problem, remedy
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong in a recipe. key: dotted, as in `linkage.crank`; "" for the whole file."""
+
+    key: str
+    problem: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}"
+
+
+class RecipeError(GeomkinError, ValueError):
+    """A recipe that cannot be read or made: all its problems at once, each with its key."""
+
+    def __init__(self, file: str, problems: list[Problem]):
+        super().__init__("\n".join(f"{printable(file)}: {p}" for p in problems))
+        self.file, self.problems = file, tuple(problems)
+
+
+class FileError(GeomkinError, OSError):
+    """A file that could not be read or written; what stood under its name still stands there."""
+
+
+def printable(text: object, longest: int = 80) -> str:
+    """`text` as one line fit for a terminal: no control characters, no more than `longest` characters.
+
+    A longer one loses its middle, since a path is known by its two ends.
+    """
+    line = "".join(c if c.isprintable() else "?" for c in str(text))
+    return line if len(line) <= longest else f"{line[: longest // 2]}...{line[-(longest // 2 - 3) :]}"

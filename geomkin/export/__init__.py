@@ -1,0 +1,1 @@
+"""Parts and tables as files. Nothing here knows a mechanism."""

@@ -1,0 +1,150 @@
+"""Parts as the loops that a machine follows: flattened once, checked once, the same for every format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import DesignError
+from ..part import Part
+from ..plane import region
+from ..plane.arcs import to_arcs
+from ..plane.curve import AbstractCurve, reach
+from ..plane.flatten import flatten
+from ..plane.measure import area
+from ..plane.primitives import Circle, Polyline
+from ..plane.vec import Array
+
+
+# A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
+LARGEST = 1e5
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One closed cut. shape: a Circle, or a closed Polyline whose vertices are rounded; layer: its operation.
+
+    points: the same as a plain polygon (n,) complex, mm, counterclockwise.
+    """
+
+    shape: Circle | Polyline
+    points: Array
+    layer: str
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A part ready for its files: outline loop first, then the holes."""
+
+    part: Part
+    loops: tuple[Loop, ...]
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of the outline, mm."""
+        z = self.loops[0].points
+        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+
+
+def decimals(tolerance: float) -> int:
+    """Decimals of mm that files carry: a ten-thousandth of the tolerance.
+
+    Fewer would show; more would let the last bit of a processor's sine reach the file, and the same
+    recipe would no longer give the same bytes everywhere.
+    """
+    return max(0, 4 - int(np.floor(np.log10(tolerance))))
+
+
+def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
+    """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
+
+    arcs: polylines keep arcs instead of chords, where no kerf is asked for or the parallel curve is smooth.
+    """
+    _check_scale(part, tolerance)
+    outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name, "outline")
+    holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name, "holes") for h in part.holes]
+    for k, hole in enumerate(holes):
+        if not region.contains(outline.points, hole.points):
+            raise DesignError(
+                f"{part.name}.holes",
+                f"hole {k + 1} reaches the outline",
+                "make the hole smaller or the part larger",
+            )
+        for other in holes[:k]:
+            if region.overlap([hole.points], [other.points]) > 0:
+                raise DesignError(f"{part.name}.holes", "two holes meet", "move them apart or make them smaller")
+    return Cut(part, (outline, *holes))
+
+
+def _check_scale(part: Part, tolerance: float) -> None:
+    size = reach(part.outline)
+    if not 10 * tolerance < size < LARGEST:
+        raise DesignError(
+            part.name,
+            f"it is about {size:.3g} mm across",
+            f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {LARGEST:g} mm",
+        )
+
+
+def _loop(
+    curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str, field: str
+) -> Loop:
+    digits = decimals(tolerance)
+    if isinstance(curve, Circle):
+        radius = curve.radius + grow
+        if radius <= 0:
+            raise DesignError(f"{name}.{field}", "the kerf is wider than the hole", "give a smaller kerf")
+        shape = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
+        return Loop(shape, _rounded_loop(flatten(shape, tolerance), digits), layer)
+    points = flatten(curve, tolerance)
+    if grow:
+        points = _grown(_rounded_loop(points, digits), grow, tolerance, f"{name}.{field}")
+    points = _rounded_loop(points, digits)
+    if len(points) < 3 or not region.is_simple(points):
+        raise DesignError(
+            f"{name}.{field}", "the outline crosses itself", "change the sizes that make it overlap"
+        )
+    shape = Polyline(points)
+    if arcs and not grow:
+        shape = _rounded_arcs(to_arcs(curve, tolerance), digits)
+    return Loop(shape, points, layer)
+
+
+def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
+    """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
+    z = _round(np.asarray(exact.vertices), digits)
+    bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
+    flat = np.abs(bulges * (np.roll(z, -1) - z)) < 10.0**-digits
+    # Twelve decimals of a bulge lie below the last decimal of any vertex.
+    shape = Polyline(z, np.where(flat, 0.0, np.round(bulges, 12)))
+    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(shape.bulges[::-1], -1))
+
+
+def _grown(points: Array, grow: float, tolerance: float, field: str) -> Array:
+    regions = region.offset([points], grow, tolerance)
+    if len(regions) != 1 or len(regions[0]) != 1:
+        raise DesignError(field, "the kerf closes a gap or a neck", "give a smaller kerf or a larger part")
+    return regions[0][0]
+
+
+def _rounded_loop(z: Array, digits: int) -> Array:
+    """Rounded, without repeats, counterclockwise."""
+    z = _round(z, digits)
+    z = z[z != np.roll(z, 1)]
+    return z if _signed_area(z) >= 0 else z[::-1]
+
+
+def _round(z: Array, digits: int) -> Array:
+    # Adding zero turns -0.0, which prints differently, into 0.0.
+    return np.round(z, digits) + 0.0
+
+
+def _signed_area(z: Array) -> float:
+    about = z - z[0]
+    return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())
+
+
+def polygon_area(cut: Cut) -> float:
+    """Area of the part's polygons, mm2, holes taken off: what its STL stands on."""
+    return sum((1 if k == 0 else -1) * _signed_area(loop.points) for k, loop in enumerate(cut.loops))

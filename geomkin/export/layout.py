@@ -1,0 +1,51 @@
+"""Parts laid out flat, apart and at full size: where each copy stands on the sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .cut import Cut
+
+# Clear space between parts, mm: less lets kerf and heat of one cut reach the next part.
+GAP = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """One copy of a part and the shift, complex mm, that takes its own frame to the sheet."""
+
+    cut: Cut
+    shift: complex
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """All copies; the sheet reaches from the origin to (width, height), mm, margins included."""
+
+    placed: tuple[Placed, ...]
+    width: float
+    height: float
+
+
+def lay_out(cuts: Sequence[Cut]) -> Sheet:
+    """Rows of parts, highest first, in a sheet about as wide as it is high."""
+    copies = [c for c in cuts for _ in range(c.part.count)]
+    sizes = [c.box[1] - c.box[0] for c in copies]
+    order = sorted(range(len(copies)), key=lambda k: (-sizes[k].imag, k))
+    room = sum((s.real + GAP) * (s.imag + GAP) for s in sizes)
+    across = max(max(s.real for s in sizes) + 2 * GAP, float(np.sqrt(room)) * 1.2)
+    placed: dict[int, Placed] = {}
+    x = y = GAP
+    row = width = 0.0
+    for k in order:
+        low, size = copies[k].box[0], sizes[k]
+        if x > GAP and x + size.real + GAP > across:
+            x, y, row = GAP, y + row + GAP, 0.0
+        # Whole millimetres keep the parts' own digits as they were rounded.
+        placed[k] = Placed(copies[k], complex(np.ceil(x - low.real), np.ceil(y - low.imag)))
+        top = placed[k].shift + low + size
+        x, row, width = top.real + GAP, max(row, top.imag - y), max(width, top.real + GAP)
+    return Sheet(tuple(placed[k] for k in range(len(copies))), np.ceil(width).item(), np.ceil(y + row + GAP).item())

@@ -1,0 +1,69 @@
+"""SVG at full size in mm: the sheet as a picture, and for cutters that read SVG."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from ..plane.primitives import Circle, Polyline
+from .cut import Loop, decimals
+from .layers import LAYERS
+from .layout import Sheet
+
+# Hairlines, mm, as cutting programs expect; thick enough to be seen on a screen.
+STROKE = 0.25
+
+
+def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
+    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm."""
+    digits = decimals(tolerance)
+    colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
+    size = f"{sheet.width:g}", f"{sheet.height:g}"
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
+        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}">',
+        f"<title>{escape(_plain(title))}</title>",
+        f'<rect width="{size[0]}" height="{size[1]}" fill="#ffffff"/>',
+    ]
+    for placed in sheet.placed:
+        lines.append(f'<g id="{escape(placed.cut.part.name)}-{len(lines)}">')
+        for loop in placed.cut.loops:
+            shape = _shape(loop, placed.shift, sheet.height, digits)
+            lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
+        lines.append("</g>")
+    lines.append("</svg>\n")
+    return "\n".join(lines).encode("utf-8")
+
+
+def _shape(loop: Loop, shift: complex, height: float, digits: int) -> str:
+    if isinstance(loop.shape, Circle):
+        c = loop.shape.centre + shift
+        return f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(loop.shape.radius, digits)}"'
+    z = np.asarray(loop.shape.vertices) + shift
+    places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
+    if loop.shape.bulges is None:
+        return f'<path d="M{" ".join(places)}Z"'
+    return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, places[1:] + places[:1], digits))}Z"'
+
+
+def _arcs(shape: Polyline, ends: list[str], digits: int) -> list[str]:
+    radii = 1 / np.where(shape.bulges == 0, np.inf, np.abs(shape.curvature(np.arange(len(ends)) + 0.5)))
+    steps = []
+    for bulge, radius, end in zip(shape.bulges.tolist(), radii.tolist(), ends):
+        # No arc exceeds half a turn; y down makes counterclockwise the format's negative sweep.
+        steps.append(f"A{_n(radius, digits)} {_n(radius, digits)} 0 0 {int(bulge < 0)} {end}" if bulge else f"L{end}")
+    return steps
+
+
+def _n(value: float, digits: int) -> str:
+    """Shortest decimal text of a number already rounded to `digits`."""
+    text = f"{value:.{digits}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text == "-0" else text
+
+
+def _plain(text: str) -> str:
+    """Without the control characters that XML forbids."""
+    return "".join(c if c.isprintable() else " " for c in text)

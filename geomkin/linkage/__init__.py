@@ -1,0 +1,1 @@
+"""Planar linkages: sizes, closed-form motion, measures. Knows nothing of plates, pins or files."""

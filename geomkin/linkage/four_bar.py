@@ -1,0 +1,42 @@
+"""The four-bar linkage: its sizes, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..errors import DesignError
+from ..sizes import PointXY, check_sizes, entry, quantity
+
+
+@dataclass(frozen=True)
+class FourBar:
+    """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
+
+    The crank turns about the origin; the rocker's ground pivot lies on +x at `ground`. `origin` and
+    `ground_angle_deg` place the whole.
+    """
+
+    ground: float = quantity("distance between the two ground pivots", "mm", above=0, example=100)
+    crank: float = quantity("length of the driving link", "mm", above=0, example=30)
+    coupler: float = quantity("length of the floating link between crank and rocker", "mm", above=0, example=90)
+    rocker: float = quantity("length of the driven link", "mm", above=0, example=70)
+    coupler_point: Annotated[complex, PointXY()] = entry(
+        "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
+        default=0j,
+    )
+    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity("direction from crank pivot to rocker pivot", "deg", default=0.0)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
+        longest = max(lengths, key=lengths.__getitem__)
+        others = sum(lengths.values()) - lengths[longest]
+        if lengths[longest] >= others:
+            raise DesignError(
+                longest,
+                f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
+                "so the loop cannot close",
+                f"give {longest} less than {others:g} mm or lengthen the others",
+            )

@@ -1,0 +1,23 @@
+"""A part: what a cutter or a printer needs to know of a body, and nothing of its mechanism."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .plane.curve import AbstractCurve
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A flat plate.
+
+    name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
+    direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make.
+    """
+
+    name: str
+    outline: AbstractCurve
+    holes: tuple[AbstractCurve, ...]
+    thickness: float
+    layer: str = "CUT"
+    count: int = 1

@@ -1,0 +1,1 @@
+"""Plane geometry in complex numbers, in mm: points, poses, curves and measures. No mechanisms here."""

@@ -1,0 +1,123 @@
+"""Curves made from one curve: moved, reversed, mirrored, parallel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .curve import AbstractCurve
+from .pose import Pose
+from .vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Moved(AbstractCurve):
+    """A curve seen from outside when its own frame stands at `pose`."""
+
+    curve: AbstractCurve
+    pose: Pose
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.pose.place(self.curve.point(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.pose.direction * self.curve.velocity(t)
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self.curve.curvature(t)
+
+    @property
+    def breaks(self) -> Array:
+        return self.curve.breaks
+
+    @property
+    def closed(self) -> bool:
+        return self.curve.closed
+
+
+@dataclass(frozen=True, eq=False)
+class Reversed(AbstractCurve):
+    """The same points the other way round: t runs over the negated domain."""
+
+    curve: AbstractCurve
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.curve.point(self._back(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return -self.curve.velocity(self._back(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return -self.curve.curvature(self._back(t))
+
+    def _back(self, t: ArrayLike) -> Array:
+        # The piece that starts at a break here is the one that ends there in the curve itself.
+        t = -np.asarray(t, dtype=float)
+        return np.where(np.isin(t, self.curve.breaks[1:]), np.nextafter(t, -np.inf), t)
+
+    @property
+    def breaks(self) -> Array:
+        return -self.curve.breaks[::-1]
+
+    @property
+    def closed(self) -> bool:
+        return self.curve.closed
+
+
+@dataclass(frozen=True, eq=False)
+class Mirrored(AbstractCurve):
+    """The mirror image of a curve in the y axis."""
+
+    curve: AbstractCurve
+
+    def point(self, t: ArrayLike) -> Array:
+        return -np.conj(self.curve.point(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return -np.conj(self.curve.velocity(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return -self.curve.curvature(t)
+
+    @property
+    def breaks(self) -> Array:
+        return self.curve.breaks
+
+    @property
+    def closed(self) -> bool:
+        return self.curve.closed
+
+
+@dataclass(frozen=True, eq=False)
+class Offset(AbstractCurve):
+    """The parallel curve at a signed distance, mm, to the right of a curve.
+
+    Right is outside for a counterclockwise outline. Exact, loops included: where the distance
+    exceeds the radius of curvature the parallel curve turns back on itself, and nothing trims it.
+    Corners of the curve leave gaps.
+    """
+
+    curve: AbstractCurve
+    distance: float
+
+    def point(self, t: ArrayLike) -> Array:
+        v = self.curve.velocity(t)
+        return self.curve.point(t) - 1j * self.distance * v / np.abs(v)
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.curve.velocity(t) * (1 + self.distance * self.curve.curvature(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        bend = self.curve.curvature(t)
+        with np.errstate(divide="ignore"):
+            return bend / np.abs(1 + self.distance * bend)
+
+    @property
+    def breaks(self) -> Array:
+        return self.curve.breaks
+
+    @property
+    def closed(self) -> bool:
+        return self.curve.closed

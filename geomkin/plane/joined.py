@@ -1,0 +1,124 @@
+"""Curves made of pieces: a path end to end, a ring of equal copies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import DesignError
+from .curve import AbstractCurve
+from .vec import Array
+
+# Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
+# a visible gap pass as closed, smaller refuses pieces that differ by rounding.
+GAP = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Path(AbstractCurve):
+    """Pieces end to end; piece k runs over k <= t <= k + 1, whatever its own parameter."""
+
+    pieces: tuple[AbstractCurve, ...]
+
+    def __post_init__(self) -> None:
+        starts, ends = self._ends
+        gaps = np.abs(starts[1:] - ends[:-1])
+        if len(gaps) and gaps.max() > GAP * np.abs(starts).max():
+            worst = int(gaps.argmax())
+            raise DesignError(
+                "pieces",
+                f"piece {worst} ends {gaps[worst]:.3g} mm from the start of the next",
+                "give pieces that join end to end",
+            )
+
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        starts = np.array([p.point(p.breaks[0]) for p in self.pieces])
+        return starts, np.array([p.point(p.breaks[-1]) for p in self.pieces])
+
+    @cached_property
+    def breaks(self) -> Array:
+        inner = [np.array([0.0])]
+        for k, piece in enumerate(self.pieces):
+            b = piece.breaks
+            inner.append(k + (b[1:] - b[0]) / (b[-1] - b[0]))
+        return np.concatenate(inner)
+
+    @cached_property
+    def closed(self) -> bool:
+        starts, ends = self._ends
+        return bool(abs(ends[-1] - starts[0]) <= GAP * np.abs(starts).max())
+
+    def point(self, t: ArrayLike) -> Array:
+        return self._each(t, lambda piece, s, span: piece.point(s), complex)
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self._each(t, lambda piece, s, span: piece.velocity(s) * span, complex)
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self._each(t, lambda piece, s, span: piece.curvature(s), float)
+
+    def _each(self, t: ArrayLike, value, dtype) -> Array:
+        t = np.asarray(t, dtype=float)
+        which = np.clip(np.floor(t), 0, len(self.pieces) - 1).astype(int)
+        out = np.empty(t.shape, dtype)
+        for k in np.unique(which):
+            piece, mask = self.pieces[k], which == k
+            first, last = piece.breaks[0], piece.breaks[-1]
+            s = t[mask] - k
+            out[mask] = value(piece, first * (1 - s) + last * s, last - first)
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Ring(AbstractCurve):
+    """`count` copies of a piece, each turned about the origin by one count-th of a turn more.
+
+    The piece must end where its next copy starts. Each copy takes as much of t as the piece itself,
+    from t = 0. Whatever is worked out for one copy serves all, and the copies are alike to the last bit.
+    """
+
+    piece: AbstractCurve
+    count: int
+
+    def __post_init__(self) -> None:
+        start, end = (complex(self.piece.point(t)) for t in (self.piece.breaks[0], self.piece.breaks[-1]))
+        gap = abs(end - start * self.turns[1 % self.count])
+        if gap > GAP * abs(start):
+            raise DesignError(
+                "piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap"
+            )
+
+    @cached_property
+    def turns(self) -> Array:
+        """Direction of each copy, (count,)."""
+        return np.exp(2j * np.pi * np.arange(self.count) / self.count)
+
+    @cached_property
+    def breaks(self) -> Array:
+        b = self.piece.breaks - self.piece.breaks[0]
+        return np.append((np.arange(self.count)[:, None] * b[-1] + b[:-1]).ravel(), self.count * b[-1])
+
+    @property
+    def closed(self) -> bool:
+        return True
+
+    def point(self, t: ArrayLike) -> Array:
+        copy, s = self._local(t)
+        return self.piece.point(s) * self.turns[copy]
+
+    def velocity(self, t: ArrayLike) -> Array:
+        copy, s = self._local(t)
+        return self.piece.velocity(s) * self.turns[copy]
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self.piece.curvature(self._local(t)[1])
+
+    def _local(self, t: ArrayLike) -> tuple[Array, Array]:
+        t = np.asarray(t, dtype=float)
+        span = self.piece.breaks[-1] - self.piece.breaks[0]
+        copy = np.clip(np.floor(t / span), 0, self.count - 1).astype(int)
+        return copy, self.piece.breaks[0] + (t - copy * span)

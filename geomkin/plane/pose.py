@@ -1,0 +1,25 @@
+"""Where a body is: the place of its origin and the direction of its x axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from .vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A rigid placement: origin, mm, and direction, a unit complex number; arrays of one shape."""
+
+    origin: Array | complex = 0j
+    direction: Array | complex = 1 + 0j
+
+    def place(self, z: ArrayLike) -> Array:
+        """A body's own points as seen from outside."""
+        return self.origin + self.direction * z
+
+    def locate(self, z: ArrayLike) -> Array:
+        """Outside points in the body's own coordinates: the inverse of `place`."""
+        return (z - self.origin) * self.direction.conjugate()

@@ -1,0 +1,204 @@
+"""The plain shapes: segment, arc, circle, polyline with bulges, slot, rounded hull."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import DesignError
+from .curve import AbstractCurve
+from .derived import Moved
+from .joined import Path
+from .pose import Pose
+from .vec import Array, cross
+
+
+@dataclass(frozen=True, eq=False)
+class Segment(AbstractCurve):
+    """The straight line from `start` to `end`, mm, over 0 <= t <= 1."""
+
+    start: complex
+    end: complex
+
+    def point(self, t: ArrayLike) -> Array:
+        t = np.asarray(t, dtype=float)
+        return self.start * (1 - t) + self.end * t
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return np.full(np.shape(t), self.end - self.start, dtype=complex)
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return np.zeros(np.shape(t))
+
+    @property
+    def breaks(self) -> Array:
+        return np.array([0.0, 1.0])
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class Arc(AbstractCurve):
+    """The circular arc about `centre` from the point `start` over `sweep` rad, counterclockwise positive.
+
+    0 <= t <= 1.
+    """
+
+    centre: complex
+    start: complex
+    sweep: float
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.centre + (self.start - self.centre) * np.exp(1j * self.sweep * np.asarray(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return 1j * self.sweep * (self.point(t) - self.centre)
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return np.full(np.shape(t), np.sign(self.sweep) / abs(self.start - self.centre))
+
+    @property
+    def breaks(self) -> Array:
+        return np.array([0.0, 1.0])
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class Circle(AbstractCurve):
+    """A whole circle, counterclockwise from its rightmost point; t is the angle in rad."""
+
+    centre: complex
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
+            raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.centre + self.radius * np.exp(1j * np.asarray(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return 1j * self.radius * np.exp(1j * np.asarray(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return np.full(np.shape(t), 1 / self.radius)
+
+    @property
+    def breaks(self) -> Array:
+        return np.array([0.0, 2 * np.pi])
+
+    @property
+    def closed(self) -> bool:
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class Polyline(AbstractCurve):
+    """Straight edges and arcs through `vertices`; edge k runs over k <= t <= k + 1.
+
+    vertices: (n,) complex, mm, the start not repeated. bulges: (n,) for a closed, (n - 1,) for an open
+    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left.
+    """
+
+    vertices: Array
+    bulges: Array | None = None
+    is_closed: bool = True
+
+    def __post_init__(self) -> None:
+        if len(self.vertices) < 2 or not np.isfinite(self.vertices).all():
+            raise DesignError("vertices", "found fewer than two finite points", "give at least two")
+
+    @cached_property
+    def _edges(self) -> tuple[Array, Array]:
+        z = np.asarray(self.vertices, dtype=complex)
+        chords = np.roll(z, -1) - z if self.is_closed else np.diff(z)
+        sweeps = np.zeros(len(chords)) if self.bulges is None else 4 * np.arctan(self.bulges)
+        return chords, sweeps
+
+    def _local(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        t = np.asarray(t, dtype=float)
+        chords, sweeps = self._edges
+        k = np.clip(np.floor(t), 0, len(chords) - 1).astype(int)
+        return k, t - k, chords[k], sweeps[k]
+
+    def point(self, t: ArrayLike) -> Array:
+        k, s, chord, sweep = self._local(t)
+        # np.sinc keeps a straight edge (sweep 0) an ordinary case: s sinc(s phi) / sinc(phi) -> s.
+        along = s * np.sinc(s * sweep / (2 * np.pi)) / np.sinc(sweep / (2 * np.pi))
+        return np.asarray(self.vertices)[k] + chord * along * np.exp(0.5j * sweep * (s - 1))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        _, s, chord, sweep = self._local(t)
+        return chord / np.sinc(sweep / (2 * np.pi)) * np.exp(0.5j * sweep * (2 * s - 1))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        _, _, chord, sweep = self._local(t)
+        return 2 * np.sin(sweep / 2) / np.abs(chord)
+
+    @property
+    def breaks(self) -> Array:
+        return np.arange(len(self._edges[0]) + 1.0)
+
+    @property
+    def closed(self) -> bool:
+        return self.is_closed
+
+
+def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
+    """A curve placed by a pose; a circle stays a circle, so that it can be written as one."""
+    if isinstance(curve, Circle):
+        return Circle(complex(pose.place(curve.centre)), curve.radius)
+    return Moved(curve, pose)
+
+
+def rounded_hull(centres: ArrayLike, radius: float) -> AbstractCurve:
+    """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
+
+    centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
+    centre gives a circle, two a slot.
+    """
+    corners = _convex_hull(np.atleast_1d(np.asarray(centres, dtype=complex)))
+    if len(corners) == 1:
+        return Circle(corners[0], radius)
+    pieces: list[AbstractCurve] = []
+    for before, corner, after in zip(np.roll(corners, 1), corners, np.roll(corners, -1)):
+        incoming, outgoing = corner - before, after - corner
+        incoming, outgoing = incoming / abs(incoming), outgoing / abs(outgoing)
+        # A slot's end turns by exactly half a turn, whose sign rounding would leave to chance.
+        turn = np.pi if len(corners) == 2 else float(np.angle(outgoing * incoming.conjugate()))
+        pieces.append(Arc(corner, corner - 1j * radius * incoming, turn))
+        pieces.append(Segment(corner - 1j * radius * outgoing, after - 1j * radius * outgoing))
+    return Path(tuple(pieces))
+
+
+def slot(start: complex, end: complex, radius: float) -> AbstractCurve:
+    """The outline swept by a disc from `start` to `end`, counterclockwise."""
+    return rounded_hull([start, end], radius)
+
+
+def _convex_hull(z: Array) -> list[complex]:
+    """Corners of the convex hull, counterclockwise, by the monotone chain; no three in line."""
+    points = sorted({(p.real, p.imag) for p in z.tolist()})
+    points = [complex(*p) for p in points]
+    if len(points) < 3:
+        return points
+    size = abs(points[-1] - points[0])
+
+    def chain(run: list[complex]) -> list[complex]:
+        corners: list[complex] = []
+        for p in run:
+            # A corner that turns by less than 1e-12 of the size would give an arc lost in rounding.
+            while len(corners) > 1 and cross(corners[-1] - corners[-2], p - corners[-1]) <= 1e-12 * size**2:
+                corners.pop()
+            corners.append(p)
+        return corners[:-1]
+
+    return chain(points) + chain(points[::-1])

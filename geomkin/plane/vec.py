@@ -1,0 +1,39 @@
+"""Points and directions as complex numbers: x + iy in mm, a direction is a unit complex number."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+Array = np.ndarray
+
+
+def xy(z: ArrayLike) -> Array:
+    """Points (...,) complex as coordinates (..., 2): a view where `z` is contiguous complex128."""
+    z = np.ascontiguousarray(z, dtype=complex)
+    return z.view(float).reshape(*z.shape, 2)
+
+
+def unit(z: ArrayLike) -> Array:
+    """Direction of each vector; nan where the vector is zero."""
+    z = np.asarray(z, dtype=complex)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return z / np.abs(z)
+
+
+def dot(a: ArrayLike, b: ArrayLike) -> Array:
+    """Scalar product of vectors."""
+    return np.real(np.conj(a) * b)
+
+
+def cross(a: ArrayLike, b: ArrayLike) -> Array:
+    """z of the vector product: positive where `b` lies to the left of `a`."""
+    return np.imag(np.conj(a) * b)
+
+
+def direction_deg(angle: ArrayLike) -> Array:
+    """Direction at an angle in degrees, counterclockwise from +x; exact at multiples of 90."""
+    angle = np.asarray(angle, dtype=float)
+    quarters = np.rint(angle / 90.0)
+    rest = np.exp(1j * np.radians(angle - 90.0 * quarters))
+    return rest * np.array([1, 1j, -1, -1j])[quarters.astype(int) % 4]

@@ -1,0 +1,1 @@
+"""Recipes: text to frozen data, one class for each kind of mechanism."""

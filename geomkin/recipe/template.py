@@ -1,0 +1,78 @@
+"""A recipe to start from: every key with its meaning, written from the same declarations that validate it."""
+
+from __future__ import annotations
+
+import dataclasses
+import textwrap
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from ..sizes import allowed
+from .kinds import KINDS
+
+
+def template(kind: str) -> str:
+    """A commented TOML text of a kind that runs as it is; what may be left out stands commented out."""
+    recipe = KINDS[kind].recipe
+    head = textwrap.indent(textwrap.fill((recipe.__doc__ or "").strip(), 90), "# ")
+    return f"{head}\n" + "\n".join(_table("", example(recipe, kind))).rstrip() + "\n"
+
+
+def example(cls: type, kind: str | None = None) -> Any:
+    """An instance of a dataclass from the examples its fields give."""
+    hints = get_type_hints(cls)
+    values = {}
+    for field in dataclasses.fields(cls):
+        shown = field.metadata.get("examples", [None])[0]
+        if field.name == "kind":
+            values["kind"] = kind or field.default
+        elif shown is not None and shown is not dataclasses.MISSING:
+            values[field.name] = shown
+        elif field.default is dataclasses.MISSING:
+            values[field.name] = example(hints[field.name])
+    return cls(**values)
+
+
+def _table(path: str, value: Any) -> list[str]:
+    """Lines of a table: plain keys first, then its own tables."""
+    plain, tables = [], []
+    for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
+        inner = getattr(value, field.name)
+        name = f"{path}.{field.name}" if path else field.name
+        if hasattr(inner, "segments"):
+            for segment in inner.segments:
+                tables += ["", f"[[{name}]]", *_table(name, segment)]
+        elif dataclasses.is_dataclass(inner):
+            tables += ["", f"[{name}]", *_table(name, inner)]
+        else:
+            plain.append(_line(field, inner, get_type_hints(type(value))[field.name]))
+    width = min(36, max((len(text) for text, _ in plain), default=0))
+    return [f"{text:<{width}}  # {note}" if note else text for text, note in plain] + tables
+
+
+def _line(field: dataclasses.Field, value: Any, hint: Any) -> tuple[str, str]:
+    note = field.metadata.get("description", "")
+    if "unit" in field.metadata:
+        limits = allowed(field.metadata | {"unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
+        note += f"; {limits}" if limits else ""
+    elif get_origin(hint) is Literal and len(get_args(hint)) > 1:
+        note += "; " + " or ".join(map(str, get_args(hint)))
+    if value is None:
+        return f"# {field.name} =", note
+    optional = field.default is not dataclasses.MISSING and value == field.default and field.name != "kind"
+    return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
+
+
+def _toml(value: Any) -> str:
+    match value:
+        case bool():
+            return str(value).lower()
+        case str():
+            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+        case complex():
+            return f"[{value.real:g}, {value.imag:g}]"
+        case tuple() | list():
+            return "[" + ", ".join(map(_toml, value)) + "]"
+        case float():
+            return f"{value:.12g}"
+        case _:
+            return str(value)

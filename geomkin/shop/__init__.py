@@ -1,0 +1,1 @@
+"""Mechanism and stock to parts. The one place that knows both."""

@@ -1,0 +1,34 @@
+"""Gear blanks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import DesignError
+from ..gear.spur import SpurGear
+from ..part import Part
+from ..plane.primitives import Circle
+from ..sizes import check_sizes, quantity
+
+
+@dataclass(frozen=True)
+class GearStock:
+    """What a gear is cut from."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, above=0)
+    bore: float = quantity("diameter of the hole for the shaft, 0 for none", "mm", default=0.0, at_least=0)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+def gear_parts(gear: SpurGear, stock: GearStock) -> list[Part]:
+    """The gear about its axis."""
+    if stock.bore / 2 >= gear.root_radius:
+        raise DesignError(
+            "stock.bore",
+            f"found {stock.bore:g} mm, but the root circle is {2 * gear.root_radius:.4g} mm wide",
+            f"give less than {2 * gear.root_radius:.4g} mm",
+        )
+    bore = (Circle(0j, stock.bore / 2),) if stock.bore else ()
+    return [Part("gear", gear.outline, bore, stock.thickness)]

@@ -1,0 +1,102 @@
+"""Sizes with meaning: one declaration gives the range check, the unit, the template and the schema.
+
+A size is an ordinary dataclass field whose metadata carries what a person and a program need to
+know. The key names of the metadata are those that pydantic reads from dataclass fields, so a
+recipe is validated from the same declaration without importing pydantic here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import MISSING
+from typing import Any
+
+import numpy as np
+
+from .errors import DesignError, printable
+
+
+def quantity(
+    meaning: str,
+    unit: str = "",
+    *,
+    default: Any = MISSING,
+    example: Any = None,
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    at_most: float | None = None,
+    whole: bool = False,
+) -> Any:
+    """A dataclass field for a number: what it means, its unit, its limits, and an example for templates."""
+    limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
+    metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
+    metadata |= {name: limit for name, limit in limits.items() if limit is not None}
+    metadata |= {"whole": True, "strict": True} if whole else {"strict": True, "allow_inf_nan": False}
+    metadata["examples"] = [example if example is not None else default]
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def entry(meaning: str, *, default: Any = MISSING, example: Any = None) -> Any:
+    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
+    shown = example if example is not None else default
+    return dataclasses.field(default=default, metadata={"description": meaning, "examples": [shown]})
+
+
+def allowed(metadata: Any) -> str:
+    """The range of a quantity in words, e.g. `a number above 0, in mm`."""
+    words = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+    limits = [f"{word} {metadata[key]:g}" for key, word in words.items() if key in metadata]
+    text = ("a whole number " if metadata.get("whole") else "a number ") + " and ".join(limits)
+    return text.strip() + (f", in {metadata['unit']}" if metadata.get("unit") else "")
+
+
+def check_sizes(thing: Any) -> None:
+    """Raise DesignError for the first quantity of a dataclass that is no finite number in its range.
+
+    Call it from `__post_init__`. Arrays pass when every element does.
+    """
+    for field in dataclasses.fields(thing):
+        about, value = field.metadata, getattr(thing, field.name)
+        if "unit" not in about or value is None:
+            continue
+        if not _fits(value, about):
+            raise DesignError(field.name, f"found {printable(value)}", f"give {allowed(about)}")
+
+
+def _fits(value: Any, about: Any) -> bool:
+    try:
+        number = np.asarray(value)
+        if number.dtype.kind not in ("iu" if about.get("whole") else "iuf") or not np.isfinite(number).all():
+            return False
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return bool(
+        np.all(number > about.get("gt", -np.inf))
+        and np.all(number >= about.get("ge", -np.inf))
+        and np.all(number < about.get("lt", np.inf))
+        and np.all(number <= about.get("le", np.inf))
+    )
+
+
+class PointXY:
+    """Marks a complex field that a recipe gives as `[x, y]` in mm."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(allow_inf_nan=False, strict=True)
+        return core_schema.no_info_after_validator_function(
+            lambda xy: complex(*xy),
+            core_schema.tuple_schema([number, number]),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda z: [z.real, z.imag]),
+        )
+
+
+class OneOfKinds:
+    """Marks a union of dataclasses told apart by their `kind`, so that errors speak of the right one."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic import Discriminator
+
+        return Discriminator("kind").__get_pydantic_core_schema__(source, handler)

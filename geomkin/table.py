@@ -1,0 +1,44 @@
+"""Tables: arrays of equal length, each with its unit and meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One quantity over the frames. values: (frames,), numbers or text; nan where there is none."""
+
+    name: str
+    unit: str
+    meaning: str
+    values: np.ndarray
+
+    @property
+    def header(self) -> str:
+        """Name with its unit, `omega_rad_per_s`, so that a file explains itself."""
+        unit = self.unit.replace("/", "_per_")
+        return f"{self.name}_{unit}" if unit else self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of equal length; the first one rises."""
+
+    columns: tuple[Column, ...]
+
+    def __post_init__(self) -> None:
+        lengths = {len(c.values) for c in self.columns}
+        headers = [c.header for c in self.columns]
+        if len(lengths) != 1 or len(set(headers)) != len(headers):
+            raise ValueError(f"columns must be of one length and of different names: {lengths}, {headers}")
+
+
+def xy_columns(name: str, unit: str, meaning: str, values: np.ndarray) -> tuple[Column, Column]:
+    """A complex quantity as its x and y columns."""
+    return (
+        Column(f"{name}_x", unit, f"{meaning}, x", np.asarray(values).real),
+        Column(f"{name}_y", unit, f"{meaning}, y", np.asarray(values).imag),
+    )
