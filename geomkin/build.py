@@ -13,7 +13,7 @@ from .check import Check
 from .errors import DesignError, Problem, RecipeError
 from .part import Part
 from .plane.measure import area
-from .recipe.kinds import KINDS
+from .recipe.kinds import kind
 from .recipe.load import adapter, load
 
 
@@ -66,16 +66,15 @@ class _naming:
 
     def __enter__(self) -> None: ...
 
-    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
+    def __exit__(self, error_type: Any, error: BaseException | None, trace: Any) -> None:
         if isinstance(error, DesignError):
             raise RecipeError(self.file, [Problem(error.field, error.problem, error.remedy)]) from None
 
 
 def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Part]]:
-    kind = KINDS[recipe.kind]
     with _naming(file):
-        parts = kind.parts(recipe)
-        return tuple(kind.checks(recipe)), parts
+        parts = kind(recipe.kind).parts(recipe)
+        return tuple(kind(recipe.kind).checks(recipe)), parts
 
 
 def _cuts(recipe: Any, parts: list[Part], kerf: float = 0.0, arcs: bool = False) -> list[Any]:
@@ -109,7 +108,7 @@ def _contents(
     if "csv" in wanted:
         from .export.csv import csv
 
-        contents[f"{name}.csv"] = csv(KINDS[recipe.kind].table(recipe))
+        contents[f"{name}.csv"] = csv(kind(recipe.kind).table(recipe))
     contents["summary.json"] = _summary(recipe, name, parts, checks, contents)
     return contents
 

@@ -70,26 +70,26 @@ def check_command(recipes: tuple[Path, ...]) -> None:
 @cli.command("list")
 def list_command() -> None:
     """List the kinds of mechanism."""
-    from .recipe.kinds import KINDS
+    from .recipe.kinds import KINDS, kind
 
     width = max(map(len, KINDS))
-    for name, kind in KINDS.items():
-        click.echo(f"{name:<{width}}  {' '.join((kind.recipe.__doc__ or '').split())}")
+    for name in KINDS:
+        click.echo(f"{name:<{width}}  {kind(name).about}")
 
 
 @cli.command()
-@click.argument("kind")
-def new(kind: str) -> None:
+@click.argument("name", metavar="KIND")
+def new(name: str) -> None:
     """Print a commented recipe of a KIND, ready to run."""
     from .recipe.kinds import KINDS
 
-    if kind not in KINDS:
+    if name not in KINDS:
         from .recipe.explain import nearest
 
-        raise click.BadParameter(f"unknown kind {kind!r}; choose of {', '.join(KINDS)}{nearest(kind, KINDS)}")
+        raise click.BadParameter(f"unknown kind {name!r}; choose of {', '.join(KINDS)}{nearest(name, KINDS)}")
     from .recipe.template import template
 
-    click.echo(template(kind), nl=False)
+    click.echo(template(name), nl=False)
 
 
 @cli.command()

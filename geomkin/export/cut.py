@@ -13,6 +13,7 @@ from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
 from ..plane.measure import area
+from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array
 
@@ -59,7 +60,7 @@ def decimals(tolerance: float) -> int:
 def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
-    arcs: polylines keep arcs instead of chords, where no kerf is asked for or the parallel curve is smooth.
+    arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
     """
     _check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name, "outline")
@@ -97,18 +98,25 @@ def _loop(
             raise DesignError(f"{name}.{field}", "the kerf is wider than the hole", "give a smaller kerf")
         shape = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
         return Loop(shape, _rounded_loop(flatten(shape, tolerance), digits), layer)
-    points = flatten(curve, tolerance)
-    if grow:
-        points = _grown(_rounded_loop(points, digits), grow, tolerance, f"{name}.{field}")
-    points = _rounded_loop(points, digits)
-    if len(points) < 3 or not region.is_simple(points):
-        raise DesignError(
-            f"{name}.{field}", "the outline crosses itself", "change the sizes that make it overlap"
-        )
-    shape = Polyline(points)
-    if arcs and not grow:
-        shape = _rounded_arcs(to_arcs(curve, tolerance), digits)
+    moved = _moved(curve, grow)
+    points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
+    if grow and not _is_outline(points):
+        # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
+        moved, points = None, _grown(flatten(curve, tolerance / 2), grow, tolerance / 2, f"{name}.{field}")
+        points = _rounded_loop(points, digits)
+    if not _is_outline(points):
+        raise DesignError(f"{name}.{field}", "the outline crosses itself", "change the sizes that make it overlap")
+    shape = _rounded_arcs(to_arcs(moved, tolerance), digits) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
+
+
+def _moved(curve: AbstractCurve, grow: float) -> AbstractCurve | None:
+    """The curve grown by a distance, exact, where a parallel curve can be drawn."""
+    return parallel(curve, grow * float(np.sign(area(curve, 1e-3)))) if grow else curve
+
+
+def _is_outline(points: Array) -> bool:
+    return len(points) >= 3 and region.is_simple(points)
 
 
 def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
@@ -122,6 +130,7 @@ def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
 
 
 def _grown(points: Array, grow: float, tolerance: float, field: str) -> Array:
+    points = points if _signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
     if len(regions) != 1 or len(regions[0]) != 1:
         raise DesignError(field, "the kerf closes a gap or a neck", "give a smaller kerf or a larger part")

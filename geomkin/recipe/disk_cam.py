@@ -14,6 +14,7 @@ from ..part import Part
 from ..shop.cams import CamStock, cam_parts
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .kind import Kind
 from .settings import Drive, Files
 
 
@@ -28,7 +29,7 @@ class DiskCamRecipe:
     files: Files = entry("what is written", default=Files())
 
 
-def disk_cam_table(recipe: DiskCamRecipe) -> Table:
+def _table(recipe: DiskCamRecipe) -> Table:
     """Follower motion, pressure angle and coordinates over one turn."""
     cam, speed, angle = recipe.cam, recipe.drive.speed, recipe.drive.angles
     motion = cam.program.motion(angle)
@@ -48,7 +49,7 @@ def disk_cam_table(recipe: DiskCamRecipe) -> Table:
     )
 
 
-def disk_cam_checks(recipe: DiskCamRecipe) -> list[Check]:
+def _checks(recipe: DiskCamRecipe) -> list[Check]:
     """Pressure angles of rise and return, and the room left before undercut."""
     cam = recipe.cam
     angles = cam_angles(cam)
@@ -70,6 +71,9 @@ def disk_cam_checks(recipe: DiskCamRecipe) -> list[Check]:
     return checks
 
 
-def disk_cam_plates(recipe: DiskCamRecipe) -> list[Part]:
+def _parts(recipe: DiskCamRecipe) -> list[Part]:
     """Cam and roller."""
     return cam_parts(recipe.cam, recipe.stock)
+
+
+KIND = Kind(DiskCamRecipe, _table, _checks, _parts)

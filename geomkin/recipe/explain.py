@@ -100,6 +100,6 @@ def _tag(table: type) -> Any:
 def _join(key: str, part: str) -> str:
     """`cam` + `program[2].law`: dotted, without saying a table's name twice."""
     last = key.rsplit(".", 1)[-1]
-    if key and part.startswith(f"{last}["):
+    if part == last or part.startswith(f"{last}["):
         return key + part[len(last) :]
     return f"{key}.{part}" if key else part

@@ -16,6 +16,7 @@ from ..plane.vec import Array
 from ..shop.links import LinkStock, four_bar_parts
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .kind import Kind
 from .settings import Drive, Files
 
 
@@ -33,7 +34,7 @@ class FourBarRecipe:
     files: Files = entry("what is written", default=Files())
 
 
-def four_bar_table(recipe: FourBarRecipe) -> Table:
+def _table(recipe: FourBarRecipe) -> Table:
     """One turn of the crank."""
     motion = _motion(recipe)
     point = motion.point("coupler_point")
@@ -58,7 +59,7 @@ def four_bar_table(recipe: FourBarRecipe) -> Table:
     return Table(tuple(columns))
 
 
-def four_bar_checks(recipe: FourBarRecipe) -> list[Check]:
+def _checks(recipe: FourBarRecipe) -> list[Check]:
     """Whether the crank turns fully, and how well the coupler drives the rocker."""
     motion = _motion(recipe)
     reached = 100 * motion.closed.mean()
@@ -79,7 +80,7 @@ def four_bar_checks(recipe: FourBarRecipe) -> list[Check]:
     ]
 
 
-def four_bar_plates(recipe: FourBarRecipe) -> list[Part]:
+def _parts(recipe: FourBarRecipe) -> list[Part]:
     """Ground, crank, coupler and rocker."""
     return four_bar_parts(recipe.linkage, recipe.stock)
 
@@ -93,3 +94,6 @@ def _unwrapped_deg(direction: Array) -> Array:
     angle, known = np.angle(direction), np.isfinite(direction)
     angle[known] = np.unwrap(angle[known])
     return np.degrees(angle)
+
+
+KIND = Kind(FourBarRecipe, _table, _checks, _parts)

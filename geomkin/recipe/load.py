@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable
 from .explain import explain, nearest
-from .kinds import KINDS
+from .kinds import KINDS, kind
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake.
 LARGEST = 10_000_000
@@ -34,31 +34,32 @@ def parse(text: str, file: str = "recipe") -> Any:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
-    kind = data.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        found = "is missing" if "kind" not in data else f"found {printable(repr(kind))}"
-        hint = nearest(kind, KINDS) if isinstance(kind, str) else ""
+    name = data.get("kind")
+    if not isinstance(name, str) or name not in KINDS:
+        found = "is missing" if "kind" not in data else f"found {printable(repr(name))}"
+        hint = nearest(name, KINDS) if isinstance(name, str) else ""
         raise RecipeError(file, [Problem("kind", found, f"give one of {', '.join(KINDS)}{hint}")])
     try:
-        return adapter(kind).validate_python(data, extra="forbid")
+        return adapter(name).validate_python(data, extra="forbid")
     except ValidationError as error:
-        raise RecipeError(file, explain(error, KINDS[kind].recipe)) from None
+        raise RecipeError(file, explain(error, kind(name).recipe)) from None
 
 
 @cache
-def adapter(kind: str) -> TypeAdapter:
+def adapter(name: str) -> TypeAdapter:
     """Validator and serialiser of a kind's recipes."""
-    return TypeAdapter(KINDS[kind].recipe)
+    return TypeAdapter(kind(name).recipe)
 
 
 def schema() -> dict:
     """JSON Schema of all recipes, for editors that complete and check TOML."""
-    kinds = [k.recipe for k in KINDS.values()]
-    inputs = [(i, "validation", TypeAdapter(recipe)) for i, recipe in enumerate(kinds)]
+    inputs = [(name, "validation", adapter(name)) for name in KINDS]
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
+    for table in shared["$defs"].values():
+        table["additionalProperties"] = False
     return shared | {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [by_kind[i, "validation"] for i in range(len(kinds))],
+        "oneOf": [by_kind[name, "validation"] for name in KINDS],
     }
 
 

@@ -14,6 +14,7 @@ from ..plane.flatten import flatten
 from ..shop.gears import GearStock, gear_parts
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .kind import Kind
 from .settings import Files
 
 
@@ -27,7 +28,7 @@ class SpurGearRecipe:
     files: Files = entry("what is written", default=Files())
 
 
-def spur_gear_table(recipe: SpurGearRecipe) -> Table:
+def _table(recipe: SpurGearRecipe) -> Table:
     """One side of a tooth from root to tip, as finely as the tolerance asks."""
     curves = {"root": recipe.gear.root_curve, "involute": recipe.gear.flank}
     sides = [flatten(curve, recipe.files.tolerance) for curve in curves.values()]
@@ -44,7 +45,7 @@ def spur_gear_table(recipe: SpurGearRecipe) -> Table:
     )
 
 
-def spur_gear_checks(recipe: SpurGearRecipe) -> list[Check]:
+def _checks(recipe: SpurGearRecipe) -> list[Check]:
     """Tip, undercut and what holds the teeth."""
     gear = recipe.gear
     lost = max(0.0, gear.form_radius - gear.base_radius) / gear.module if gear.is_undercut else 0.0
@@ -56,6 +57,9 @@ def spur_gear_checks(recipe: SpurGearRecipe) -> list[Check]:
     ]
 
 
-def spur_gear_plates(recipe: SpurGearRecipe) -> list[Part]:
+def _parts(recipe: SpurGearRecipe) -> list[Part]:
     """The gear."""
     return gear_parts(recipe.gear, recipe.stock)
+
+
+KIND = Kind(SpurGearRecipe, _table, _checks, _parts)

@@ -7,24 +7,23 @@ import textwrap
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from ..sizes import allowed
-from .kinds import KINDS
+from .kinds import kind
 
 
-def template(kind: str) -> str:
+def template(name: str) -> str:
     """A commented TOML text of a kind that runs as it is; what may be left out stands commented out."""
-    recipe = KINDS[kind].recipe
-    head = textwrap.indent(textwrap.fill((recipe.__doc__ or "").strip(), 90), "# ")
-    return f"{head}\n" + "\n".join(_table("", example(recipe, kind))).rstrip() + "\n"
+    head = textwrap.indent(textwrap.fill(kind(name).about, 90), "# ")
+    return f"{head}\n" + "\n".join(_table("", example(kind(name).recipe, name))).rstrip() + "\n"
 
 
-def example(cls: type, kind: str | None = None) -> Any:
+def example(cls: type, name: str | None = None) -> Any:
     """An instance of a dataclass from the examples its fields give."""
     hints = get_type_hints(cls)
     values = {}
     for field in dataclasses.fields(cls):
         shown = field.metadata.get("examples", [None])[0]
         if field.name == "kind":
-            values["kind"] = kind or field.default
+            values["kind"] = name or field.default
         elif shown is not None and shown is not dataclasses.MISSING:
             values[field.name] = shown
         elif field.default is dataclasses.MISSING:

@@ -1,0 +1,86 @@
+"""The outline at a distance from an outline, kept as exact curves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .curve import AbstractCurve
+from .derived import Offset
+from .flatten import CORNER, smooth_runs
+from .joined import Path, Ring
+from .primitives import Arc
+from .spread import direction
+from .vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch(AbstractCurve):
+    """The part of a curve over `run`, two or more of its neighbouring breaks."""
+
+    curve: AbstractCurve
+    run: Array
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.curve.point(t)
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.curve.velocity(self._inside(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self.curve.curvature(self._inside(t))
+
+    def _inside(self, t: ArrayLike) -> Array:
+        """At its end the curve would answer for the piece beyond."""
+        return np.minimum(t, np.nextafter(self.run[-1], -np.inf))
+
+    @property
+    def breaks(self) -> Array:
+        return self.run
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+
+def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
+    """A closed curve moved by `distance`, mm, to its right, with an arc round every corner that opens.
+
+    None where a corner closes instead, since the curves would have to be trimmed there. A distance
+    beyond a radius of curvature gives loops, which nothing trims either.
+    """
+    if isinstance(curve, Ring):
+        turn = complex(curve.turns[1 % curve.count])
+        pieces = _pieces(curve.piece, distance, first_after=turn)
+        return pieces and Ring(Path(tuple(pieces)), curve.count)
+    if len(smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
+        return Offset(curve, distance)
+    pieces = _pieces(curve, distance, first_after=1 + 0j)
+    return pieces and Path(tuple(pieces))
+
+
+def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list[AbstractCurve] | None:
+    """Offset stretches and corner arcs, the arc at the end included; the start comes again turned by `first_after`."""
+    runs = smooth_runs(curve)
+    pieces: list[AbstractCurve] = []
+    for k, run in enumerate(runs):
+        pieces.append(Offset(Stretch(curve, run), distance))
+        following = runs[(k + 1) % len(runs)][0]
+        turn = _turn(curve, run[-1], following, first_after if k == len(runs) - 1 else 1 + 0j)
+        if turn * distance < 0:
+            return None
+        if turn:
+            corner = complex(curve.point(run[-1]))
+            start = complex(pieces[-1].point(run[-1]))
+            pieces.append(Arc(corner, start, turn))
+    return pieces
+
+
+def _turn(curve: AbstractCurve, before: float, after: float, turned: complex = 1 + 0j) -> float:
+    """Turn at a corner, rad, from the end of one stretch to the start of the next; 0 where it is smooth."""
+    incoming = direction(curve, np.array([before]), after=False)[0]
+    outgoing = direction(curve, np.array([after]), after=True)[0] * turned
+    turn = float(np.angle(outgoing * incoming.conjugate()))
+    return turn if abs(turn) > CORNER else 0.0

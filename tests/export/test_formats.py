@@ -1,0 +1,189 @@
+"""Files read back: by the libraries that wrote them, by plain parsing, and against the exact curves."""
+
+import csv as plain_csv
+import io
+import re
+import struct
+import xml.etree.ElementTree as ET
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.export.csv import csv
+from geomkin.export.cut import cut
+from geomkin.export.dxf import dxf
+from geomkin.export.layout import lay_out
+from geomkin.export.stl import stl
+from geomkin.export.svg import svg
+from geomkin.table import xy_columns
+
+TOLERANCE = 0.005
+PLATE = gk.Part("plate", gk.rounded_hull([0, 90, 40 + 25j], 8), (gk.Circle(0, 2.1), gk.Circle(90, 2.1)), 3.0, count=3)
+GEAR = gk.Part("gear", gk.SpurGear(17, 2).outline, (gk.Circle(0, 4),), 6.0)
+CLOCKWISE = gk.Part("clockwise", gk.Reversed(gk.slot(-10, 30j, 6)), (gk.Reversed(gk.slot(-10, -6 + 12j, 2)),), 2.0)
+PARTS = [PLATE, GEAR, CLOCKWISE]
+
+
+def exact_area(part):
+    return abs(gk.area(part.outline)) - sum(abs(gk.area(h)) for h in part.holes)
+
+
+def sheet_of(parts, **how):
+    return lay_out([cut(p, TOLERANCE, **how) for p in parts])
+
+
+def read_dxf(content):
+    return ezdxf.read(io.StringIO(content.decode()))
+
+
+def polygons(document):
+    """(layer, polygon) for each closed entity, arcs flattened finely."""
+    for entity in document.modelspace():
+        path = ezdxf.path.make_path(entity)
+        yield entity.dxf.layer, shapely.Polygon([(v.x, v.y) for v in path.flattening(1e-4)])
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+def test_dxf_says_millimetres_has_clean_layers_and_the_right_area(arcs):
+    document = read_dxf(dxf(sheet_of(PARTS, arcs=arcs)))
+    audit = document.audit()
+    assert not audit.errors and not audit.fixes
+    assert document.dxfversion >= "AC1015"
+    assert document.header["$INSUNITS"] == 4 and document.header["$MEASUREMENT"] == 1
+    assert {"CUT", "HOLE", "ENGRAVE", "REFERENCE"} <= {layer.dxf.name for layer in document.layers}
+    kinds = {e.dxftype() for e in document.modelspace()}
+    assert kinds == {"LWPOLYLINE", "CIRCLE"}
+    assert all(e.closed for e in document.modelspace().query("LWPOLYLINE"))
+    net = sum(p.area if layer == "CUT" else -p.area for layer, p in polygons(document))
+    wanted = sum(exact_area(p) * p.count for p in PARTS)
+    outlines = sum(gk.length(p.outline) * p.count for p in PARTS)
+    assert abs(net - wanted) < TOLERANCE * outlines
+    has_bulges = any(v[2] for e in document.modelspace().query("LWPOLYLINE") for v in e.get_points("xyb"))
+    assert has_bulges == arcs
+
+
+def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
+    sheet = sheet_of(PARTS)
+    outlines = [p for layer, p in polygons(read_dxf(dxf(sheet))) if layer == "CUT"]
+    assert len(outlines) == 5
+    for k, a in enumerate(outlines):
+        assert all(a.distance(b) >= 4.9 for b in outlines[:k])
+        assert a.within(shapely.box(0, 0, sheet.width, sheet.height).buffer(-3.9))
+    box = np.array(outlines[0].bounds)
+    assert box[2:] - box[:2] == pytest.approx([90 + 16, 25 + 16], abs=2 * TOLERANCE)
+
+
+def test_arcs_take_a_tenth_of_the_points_of_chords():
+    cam = gk.load("recipes/roller-cam.toml").cam
+    part = gk.Part("cam", cam.profile, (), 3.0)
+    chords, arcs = (cut(part, TOLERANCE, arcs=a).loops[0].shape for a in (False, True))
+    assert len(arcs.vertices) * 5 < len(chords.vertices)
+    for curve in (chords, arcs):
+        assert abs(gk.area(curve) - exact_area(part)) < TOLERANCE * gk.length(cam.profile)
+
+
+@pytest.mark.parametrize("kerf", [0.2, 1.0])
+@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize("part", PARTS, ids=lambda p: p.name)
+def test_kerf_moves_outlines_out_and_holes_in(part, kerf, arcs):
+    made = cut(part, TOLERANCE, kerf=kerf, arcs=arcs)
+    fine = [cut(part, 1e-4).loops[k] for k in range(len(made.loops))]
+    for k, (loop, exact) in enumerate(zip(made.loops, fine)):
+        grown = shapely.Polygon(gk.xy(exact.points)).buffer(kerf / 2 * (-1 if k else 1), quad_segs=200)
+        got = shapely.Polygon(gk.xy(loop.points))
+        assert got.symmetric_difference(grown).area < 1.5 * TOLERANCE * grown.length
+        shape = gk.flatten(loop.shape, 1e-4)
+        assert shapely.Polygon(gk.xy(shape)).symmetric_difference(grown).area < 1.5 * TOLERANCE * grown.length
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda p: p.name)
+def test_stl_is_closed_upright_and_of_the_right_volume(part):
+    """Read by hand: every edge once in each direction, outward normals, volume by the divergence theorem."""
+    content = stl(cut(part, TOLERANCE))
+    count = struct.unpack("<I", content[80:84])[0]
+    assert len(content) == 84 + 50 * count
+    rows = np.frombuffer(content[84:], dtype=[("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
+    corners = rows["v"].astype(float)
+    keys = [tuple(map(bytes, triangle)) for triangle in rows["v"]]
+    edges = {(t[i], t[(i + 1) % 3]) for t in keys for i in range(3)}
+    assert len(edges) == 3 * count and all((b, a) in edges for a, b in edges)
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    assert volume == pytest.approx(exact_area(part) * part.thickness, rel=1e-3)
+    assert corners[..., 2].min() == 0 and corners[..., 2].max() == pytest.approx(part.thickness)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.einsum("ij,ij->i", normal, rows["n"].astype(float)).min() > 0
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
+    sheet = sheet_of(PARTS, arcs=arcs)
+    root = ET.fromstring(svg(sheet, "a <b> & c", TOLERANCE))
+    assert root.get("width") == f"{sheet.width:g}mm" and root.get("viewBox") == f"0 0 {sheet.width:g} {sheet.height:g}"
+    space = "{http://www.w3.org/2000/svg}"
+    assert root.find(f"{space}title").text == "a <b> & c"
+    drawn = [e for e in root.iter() if e.get("class") in ("CUT", "HOLE")]
+    cuts = [loop for placed in sheet.placed for loop in placed.cut.loops]
+    assert len(drawn) == len(cuts)
+    starts = [placed.shift for placed in sheet.placed for _ in placed.cut.loops]
+    for element, loop, shift in zip(drawn, cuts, starts):
+        if element.tag == f"{space}circle":
+            assert float(element.get("r")) == loop.shape.radius
+            continue
+        first = complex(*map(float, re.match(r"M([-\d.]+),([-\d.]+)", element.get("d")).groups()))
+        assert first == pytest.approx((loop.shape.vertices[0] + shift).conjugate() + 1j * sheet.height)
+        assert ("A" in element.get("d")) == arcs
+
+
+def test_csv_reads_back_to_ten_digits_and_hides_no_formula():
+    values = np.array([0.0, -0.0, np.pi * 1e6, np.nan, 1e-20])
+    table = gk.Table(
+        (
+            gk.Column("angle", "deg", "", np.arange(5.0)),
+            *xy_columns("p", "mm/s", "", values * (1 + 1j)),
+            gk.Column("note", "", "", np.array(["=1+1", "@x", "-y", "plain", 'a,"b"'])),
+        )
+    )
+    rows = list(plain_csv.reader(io.StringIO(csv(table).decode())))
+    assert rows[0] == ["angle_deg", "p_x_mm_per_s", "p_y_mm_per_s", "note"]
+    assert rows[4][1] == "" and "nan" not in csv(table).decode() and "-0.0" not in csv(table).decode()
+    assert float(rows[3][1]) == pytest.approx(np.pi * 1e6, rel=5e-10)
+    assert [r[3] for r in rows[1:]] == ["'=1+1", "'@x", "'-y", "plain", 'a,"b"']
+
+
+def test_same_parts_give_the_same_bytes():
+    assert dxf(sheet_of(PARTS)) == dxf(sheet_of(PARTS))
+    assert stl(cut(GEAR, TOLERANCE)) == stl(cut(GEAR, TOLERANCE))
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(0, 11),), 1), "reaches the outline"),
+        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(9, 2),), 1), "reaches the outline"),
+        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(0, 2), gk.Circle(3, 2)), 1), "two holes meet"),
+        (gk.Part("p", gk.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 1), "crosses itself"),
+        (gk.Part("p", gk.Circle(0, 1e-3), (), 1), "ten times the tolerance"),
+        (gk.Part("p", gk.Circle(0, 1e9), (), 1), "make parts between"),
+    ],
+)
+def test_what_cannot_be_cut_is_refused(part, words):
+    with pytest.raises(gk.DesignError, match=words):
+        cut(part, TOLERANCE)
+
+
+def test_a_kerf_wider_than_a_hole_is_refused():
+    with pytest.raises(gk.DesignError, match="kerf"):
+        cut(PLATE, TOLERANCE, kerf=5)
+
+
+def test_a_hundred_thousand_points_stay_linear():
+    """Twice the points, about twice the bytes; the quadratic way would not finish in the time of the suite."""
+    sizes = []
+    for n in (50_000, 100_000):
+        t = np.linspace(0, 2 * np.pi, n, endpoint=False)
+        wavy = gk.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
+        sizes.append(len(dxf(sheet_of([gk.Part("wavy", wavy, (), 1)]))))
+    assert sizes[1] / sizes[0] == pytest.approx(2, rel=0.05)

@@ -1,0 +1,158 @@
+"""Spur gears by second roads: the rack rolled by brute force, meshing outlines, independent geometry."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.plane import region
+
+GEARS = [(z, x) for z in (4, 5, 8, 12, 17, 18, 24, 100) for x in (-0.3, 0.0, 0.4, 1.0)] + [(1000, 0.0), (40, 1.5)]
+
+
+def gears():
+    for teeth, shift in GEARS:
+        try:
+            yield gk.SpurGear(teeth, 2, shift)
+        except gk.DesignError:
+            continue  # pointed or cut away; what is refused is tested below
+
+
+GEARS_MADE = [pytest.param(gear, id=f"{gear.teeth},{gear.profile_shift}") for gear in gears()]
+
+
+def clearance(gear, z, rolled):
+    """Signed distance of points of the gear from the rack, negative inside, when it has rolled by an angle.
+
+    The rack's tooth is a wedge with its corners rounded: the distance to the wedge between the rounding's
+    centres, less the rounding. Seen from the rack, the gear's points turn and slide along it.
+    """
+    m, rack = gear.module, gear.rack
+    a, rho = rack.pressure_angle, rack.tip_radius * m
+    deep = rack.dedendum * m - rho
+    side = np.pi * m / 4 - deep * np.tan(a) - rho / np.cos(a)
+    seen = z * np.exp(1j * rolled) + gear.pitch_radius * rolled
+    # Distance from the middle of the nearest rack tooth; the gear's tooth on +y stands in a space of the rack.
+    pitch = np.pi * m
+    u = np.abs(np.mod(seen.real, pitch) - pitch / 2)
+    v = seen.imag - gear.pitch_radius - gear.profile_shift * m
+    below, beside = -deep - v, (u - side) * np.cos(a) - (v + deep) * np.sin(a)
+    # Where the nearest point of the wedge is its corner: between the normals of its two faces.
+    at_corner = (u > side) & ((v + deep) * np.cos(a) + (u - side) * np.sin(a) < 0)
+    return np.where(at_corner, np.hypot(u - side, v + deep), np.maximum(below, beside)) - rho
+
+
+@pytest.mark.parametrize("gear", GEARS_MADE)
+def test_the_rolling_rack_never_enters_the_tooth_and_touches_it_everywhere(gear):
+    tooth = gear.outline.piece
+    t = np.concatenate([np.linspace(b0, b1, 25)[1:-1] for b0, b1 in zip(tooth.breaks, tooth.breaks[1:])])
+    z = tooth.point(t)[:, None]
+    middle, reach = np.zeros_like(z, dtype=float), 12 / gear.teeth
+    for _ in range(6):
+        rolled = middle + reach * np.linspace(-1, 1, 2001)
+        near = clearance(gear, z, rolled)
+        middle = np.take_along_axis(rolled, near.argmin(axis=1)[:, None], 1)
+        reach /= 500
+    least = near.min(axis=1)
+    tip = np.abs(z[:, 0]) > gear.tip_radius * (1 - 1e-9)  # the tip is the blank's, not the rack's
+    assert least.min() > -1e-10 * gear.module
+    assert np.abs(least[~tip]).max() < 1e-10 * gear.module
+
+
+@pytest.mark.parametrize("gear", GEARS_MADE)
+def test_outline_is_one_simple_loop_of_equal_teeth(gear):
+    polygon = gk.flatten(gear.outline, 0.001 * gear.module)
+    assert region.is_simple(polygon)
+    assert np.abs(polygon).max() == pytest.approx(gear.tip_radius, rel=1e-12)
+    assert np.abs(polygon).min() == pytest.approx(gear.root_radius, rel=1e-6)
+    turned = polygon * np.exp(2j * np.pi / gear.teeth)
+    assert np.abs(np.roll(polygon, -len(polygon) // gear.teeth) - turned).max() < 1e-12 * gear.tip_radius
+    # A tooth is centred on +y: mirrored points of the tooth lie on the tooth.
+    one = polygon[: len(polygon) // gear.teeth]
+    assert gk.nearest(gear.outline.piece, -np.conj(one))[1].max() < 1e-9 * gear.module
+
+
+@pytest.mark.parametrize("gear", GEARS_MADE)
+def test_joints_are_smooth_unless_the_tooth_is_undercut(gear):
+    root, flank = gear.root_curve, gear.flank
+    assert abs(root.point(root.breaks[-1]) - flank.point(flank.breaks[0])) < 1e-9 * gear.module
+    before, after = root.velocity(root.breaks[-1] - 1e-9), flank.velocity(flank.breaks[0] + 1e-9)
+    bend = abs(np.angle(after / before))
+    assert (bend < 1e-4) == (not gear.is_undercut)
+
+
+@pytest.mark.parametrize("gear", GEARS_MADE)
+def test_flank_unwinds_from_the_base_circle(gear):
+    """The tangent length from the base circle equals the arc it unwound from, for two points of the flank."""
+    t = np.linspace(gear.flank.breaks[0], gear.flank.breaks[-1], 9)
+    z = gear.flank.point(t)
+    tangent = np.sqrt(np.abs(z) ** 2 - gear.base_radius**2)
+    foot = np.angle(z) + np.arctan(tangent / gear.base_radius)  # where the string leaves the circle
+    assert np.diff(gear.base_radius * foot) == pytest.approx(np.diff(tangent), rel=1e-9)
+
+
+def test_thickness_at_the_pitch_circle_is_half_a_pitch_and_grows_with_the_shift():
+    for shift in (0.0, 0.3):
+        gear = gk.SpurGear(30, 2, shift)
+        half = np.pi * 2 / 2 + 2 * shift * 2 * np.tan(np.radians(20))
+        assert gear.thickness(gear.pitch_radius) == pytest.approx(half, rel=1e-12)
+        polygon = gk.flatten(gear.outline, 1e-5)
+        near = polygon[(np.abs(np.angle(polygon / 1j)) < np.pi / 30) & (polygon.real > 0)]
+        order = np.argsort(np.abs(near))
+        angle = np.interp(gear.pitch_radius, np.abs(near)[order], np.angle(1j / near)[order])
+        assert 2 * angle * gear.pitch_radius == pytest.approx(half, abs=1e-4)
+
+
+@pytest.mark.parametrize(("a", "b"), [(24, 24), (18, 40), (24, 100)])
+def test_two_gears_mesh_without_overlap_and_overlap_when_turned(a, b):
+    """At the nominal distance without backlash, outlines touch; turned by a hundredth of a tooth they overlap."""
+    tolerance = 1e-4
+    first, second = gk.SpurGear(a, 2), gk.SpurGear(b, 2)
+    outline = [gk.flatten(g.outline, tolerance) for g in (first, second)]
+    distance = first.pitch_radius + second.pitch_radius
+    for step in np.linspace(0, 1, 5):
+        turn = 2 * np.pi / a * step
+        one = outline[0] * np.exp(1j * turn)
+        # Opposite a tooth of the first on +y stands a space of the second.
+        two = outline[1] * np.exp(1j * (np.pi + np.pi / b - turn * a / b)) + 1j * distance
+        # The rounding of the roots cuts below where the mate's tips reach, so only flanks can touch.
+        assert region.overlap([one], [two]) < 20 * tolerance
+        assert region.overlap([one], [(two - 1j * distance) * np.exp(0.01j * np.pi / b) + 1j * distance]) > 40 * tolerance
+
+
+def test_sharp_and_full_round_racks_work():
+    round_tip = (np.pi / 4 - 1.25 * np.tan(np.radians(20))) * np.cos(np.radians(20)) / (1 - np.sin(np.radians(20)))
+    for rack in (gk.Rack(tip_radius=0), gk.Rack(tip_radius=round_tip * (1 - 1e-12))):
+        for teeth in (6, 24):
+            gear = gk.SpurGear(teeth, 2, rack=rack)
+            assert region.is_simple(gk.flatten(gear.outline, 0.002))
+    # With a sharp corner the undercut limit moves from 17.10 to 21.37 teeth.
+    sharp = gk.Rack(tip_radius=0)
+    assert gk.SpurGear(21, 2, rack=sharp).is_undercut and not gk.SpurGear(22, 2, rack=sharp).is_undercut
+
+
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (lambda: gk.SpurGear(0, 2), "teeth"),
+        (lambda: gk.SpurGear(2.5, 2), "teeth"),
+        (lambda: gk.SpurGear(10_000_000, 2), "teeth"),
+        (lambda: gk.SpurGear(True, 2), "teeth"),
+        (lambda: gk.SpurGear(24, -2), "module"),
+        (lambda: gk.SpurGear(24, np.inf), "module"),
+        (lambda: gk.SpurGear(8, 2, 1.2), "profile_shift"),
+        (lambda: gk.SpurGear(8, 2, -3), "profile_shift"),
+        (lambda: gk.Rack(tip_radius=1), "tip_radius"),
+        (lambda: gk.Rack(dedendum=3), "dedendum"),
+    ],
+)
+def test_impossible_gears_are_refused_by_name(make, field):
+    with pytest.raises(gk.DesignError) as caught:
+        make()
+    assert caught.value.field == field and caught.value.remedy
+
+
+def test_the_largest_shift_named_in_the_refusal_works():
+    with pytest.raises(gk.DesignError, match="pointed") as caught:
+        gk.SpurGear(12, 2, 1.2)
+    largest = float(caught.value.remedy.split("at most ")[1].split(",")[0])
+    assert 0 <= gk.SpurGear(12, 2, largest).tip_thickness < 0.01 * 2

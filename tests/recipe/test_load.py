@@ -1,0 +1,111 @@
+"""Recipes as text: what is read, what is refused, what templates and the schema promise."""
+
+import json
+
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.kinds import KINDS, kind
+from geomkin.recipe.load import parse, schema
+from geomkin.recipe.template import template
+
+GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
+
+
+def test_a_recipe_is_its_frozen_dataclass():
+    recipe = parse(GEAR + "[stock]\nbore = 8\n")
+    assert recipe.gear == gk.SpurGear(24, 2.0) and recipe.stock.bore == 8.0
+    with pytest.raises(AttributeError):
+        recipe.gear = None
+
+
+def test_every_problem_is_told_at_once_with_key_found_and_remedy():
+    text = 'kind = "spur-gear"\nspeed = 1\n[gear]\nteeth = 2.5\nmodule = "2"\nprofil_shift = 0.1\n[stock]\nthickness = -1\n'
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text, "wrong.toml")
+    problems = {p.key: p for p in caught.value.problems}
+    assert set(problems) == {"speed", "gear.teeth", "gear.module", "gear.profil_shift", "stock.thickness"}
+    assert "2.5" in problems["gear.teeth"].problem and "whole number" in problems["gear.teeth"].remedy
+    assert "did you mean profile_shift?" in problems["gear.profil_shift"].remedy
+    assert "above 0, in mm" in problems["stock.thickness"].remedy
+    assert all(line.startswith("wrong.toml: ") for line in str(caught.value).splitlines())
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        ("", "kind", "is missing"),
+        ('kind = "spur-gaer"', "kind", "did you mean spur-gear?"),
+        ("kind = 3", "kind", "found 3"),
+        ('kind = "spur-gear"', "gear", "is missing"),
+        ('kind = "spur-gear"\ngear = 3', "gear", "give a table with teeth"),
+        (GEAR + '[files]\ncurves = "arc"\n', "files.curves", "did you mean arcs?"),
+        (GEAR + '[files]\nwrite = ["dfx"]\n', "files.write[0]", "did you mean dxf?"),
+        (GEAR.replace("2\n", "nan\n"), "gear.module", "above 0"),
+        (GEAR.replace("24", "10000000"), "gear.teeth", "at most 10000"),
+        (GEAR.replace("24", "0"), "gear.teeth", "at least 4"),
+        (GEAR.replace("24", "true"), "gear.teeth", "found True"),
+        ("kind = [", "", "not TOML"),
+        ("a = " + "[" * 10_000, "", "nests too deep"),
+        ("kind = " + "9" * 5000, "", "not TOML"),
+    ],
+)
+def test_bad_text_names_its_key(text, key, words):
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text)
+    assert [p.key for p in caught.value.problems] == [key]
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("segment", "key", "words"),
+    [
+        ('kind = "dwel"\nend_deg = 360', "cam.program[0].kind", "did you mean dwell?"),
+        ("end_deg = 360", "cam.program[0].kind", "is missing"),
+        ('kind = "dwell"\nend = 360', "cam.program[0].end", "did you mean end_deg?"),
+        ('kind = "rise"\nlaw = "harmonik"\nrise = 2\nend_deg = 360', "cam.program[0].law", "did you mean harmonic?"),
+        ('kind = "dwell"\nend_deg = 300', "cam.program", "300"),
+        ('kind = "dwell"\nstart_deg = 5\nend_deg = 360', "cam.program[0].start_deg", "gap"),
+    ],
+)
+def test_bad_cam_segments_are_named_by_their_place(segment, key, words):
+    text = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\nfollower = {kind = "translating-roller", roller_radius = 10}\n'
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text + "[[cam.program]]\n" + segment)
+    assert [p.key for p in caught.value.problems] == [key] and words in str(caught.value)
+
+
+def test_a_design_error_names_the_field_of_the_recipe():
+    text = 'kind = "four-bar"\n[linkage]\nground = 1\ncrank = 1\ncoupler = 1\nrocker = 5\n'
+    with pytest.raises(gk.RecipeError, match="linkage.rocker: found 5 mm.*cannot close"):
+        parse(text)
+    with pytest.raises(gk.RecipeError, match=r"linkage.coupler_point\[1\]: found 'up'"):
+        parse(text.replace("5\n", "1\n") + 'coupler_point = [1, "up"]\n')
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_value(name, tmp_path):
+    text = template(name)
+    assert parse(text).kind == name
+    lines = [line for line in text.splitlines() if not line.split("#")[1 if line.startswith("# ") else 0].rstrip().endswith("=")]
+    opened = "\n".join(line.removeprefix("# ") if " = " in line else line for line in lines)
+    assert parse(opened) == parse(text)
+    (tmp_path / "new.toml").write_text(text)
+    made = gk.make(tmp_path / "new.toml", tmp_path / "out")
+    assert {p.suffix for p in made.files} == {".dxf", ".stl", ".svg", ".csv", ".json"}
+
+
+def test_every_key_has_a_meaning_in_the_template():
+    for name in KINDS:
+        for line in template(name).splitlines():
+            if "=" in line and "kind" not in line:
+                assert "#" in line[2:], line
+
+
+def test_schema_covers_every_kind_and_key():
+    whole = json.dumps(schema())
+    for name in KINDS:
+        assert f'"const": "{name}"' in whole
+        for key in kind(name).recipe.__dataclass_fields__:
+            assert f'"{key}"' in whole
+    assert '"exclusiveMinimum": 0' in whole and "additionalProperties" in whole

@@ -1,0 +1,115 @@
+"""The house plan as tests: who may import whom, what loads what, how long a file may be."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parent.parent / "geomkin"
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+# Each room and the rooms it may look into; every room may also use errors and sizes.
+MAY = {
+    "errors": set(),
+    "sizes": set(),
+    "table": {"plane"},
+    "check": set(),
+    "part": {"plane"},
+    "plane": set(),
+    "linkage": {"plane", "table"},
+    "cam": {"plane", "table"},
+    "gear": {"plane", "table"},
+    "export": {"plane", "part", "table"},
+    "shop": {"plane", "part", "table", "linkage", "cam", "gear", "check"},
+    "recipe": {"plane", "part", "table", "check", "linkage", "cam", "gear", "shop"},
+    "build": {"plane", "part", "check", "recipe", "export", "__init__"},
+    "public": {"plane", "part", "table", "check", "linkage", "cam", "gear"},
+    "commands": {"build", "recipe"},
+    "cli": {"commands"},
+    "__init__": {"public", "build", "recipe"},
+    "__main__": {"cli"},
+}
+# The only files that may load each heavy library.
+ALONE = {
+    "shapely": {"plane/region.py"},
+    "ezdxf": {"export/dxf.py"},
+    "trimesh": {"export/stl.py"},
+    "pydantic": {"recipe/load.py", "recipe/explain.py", "sizes.py"},
+    "pydantic_core": {"sizes.py", "cam/program.py"},
+    "click": {"commands.py"},
+}
+
+
+def imports(file):
+    """(top-level library) or (room of geomkin) for every import of a file, wherever it stands."""
+    here = file.relative_to(PACKAGE).parts
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (("library", name.name.split(".")[0]) for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield "library", (node.module or "").split(".")[0]
+        elif isinstance(node, ast.ImportFrom):
+            base = here[: len(here) - node.level]
+            if node.module:
+                yield "room", (*base, *node.module.split("."))[0]
+            else:
+                yield from (("room", (*base, n.name if not n.name.startswith("_") else "__init__")[0]) for n in node.names)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))
+def test_imports_point_one_way(file):
+    room = file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    allowed = MAY[room] | {room, "errors", "sizes"}
+    used = {name for what, name in imports(file) if what == "room"}
+    assert used <= allowed, f"{room} must not import {used - allowed}"
+    for library, homes in ALONE.items():
+        if ("library", library) in set(imports(file)):
+            assert str(file.relative_to(PACKAGE)) in homes
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))
+def test_no_file_outgrows_a_reader(file):
+    assert len(file.read_text().splitlines()) <= 350
+    assert not {"utils", "helpers", "misc", "extended", "common"} & set(file.stem.split("_"))
+
+
+def loaded_by(code):
+    """Modules in memory after running code in a fresh interpreter."""
+    text = f"import sys\n{code}\nprint(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    return set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
+
+
+HEAVY = {"shapely", "trimesh", "ezdxf", "pydantic", "click", "scipy", "matplotlib", "numba", "pandas", "networkx"}
+
+
+def test_importing_geomkin_loads_nothing_heavier_than_numpy():
+    used = "import geomkin as gk; gk.FourBar; gk.SpurGear(24, 2).outline; gk.flatten(gk.Circle(0, 1), 0.1)"
+    assert not loaded_by(used) & HEAVY
+    assert "numpy" not in loaded_by("import geomkin")
+
+
+def test_help_loads_no_numpy():
+    code = "from geomkin.commands import cli\ntry: cli(['--help'])\nexcept SystemExit: pass"
+    assert "numpy" not in loaded_by(code)
+
+
+@pytest.mark.parametrize(
+    ("formats", "unloaded"),
+    [("dxf", {"trimesh", "matplotlib"}), ("csv", {"trimesh", "ezdxf"}), ("stl", {"ezdxf"}), ("svg", {"ezdxf", "trimesh"})],
+)
+def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
+    recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"
+    code = f"import geomkin; geomkin.make({str(recipe)!r}, {str(tmp_path)!r}, [{formats!r}])"
+    assert not loaded_by(code) & unloaded
+    assert (tmp_path / "spur-gear" / ("gear.stl" if formats == "stl" else f"spur-gear.{formats}")).exists()
+
+
+def test_every_public_name_is_there_and_documented():
+    import geomkin
+    from geomkin import public
+
+    for name in public.__all__:
+        assert getattr(geomkin, name).__doc__, name
+    assert set(public.__all__) < set(dir(geomkin))
