@@ -113,9 +113,7 @@ def _contents(
     return contents
 
 
-def _summary(
-    recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...], contents: dict[str, bytes]
-) -> bytes:
+def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...], contents: dict[str, bytes]) -> bytes:
     from . import __version__
 
     def part_summary(part: Part) -> dict[str, Any]:

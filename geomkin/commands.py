@@ -117,7 +117,9 @@ def _refuse_twins(files: list[Path]) -> None:
     stems = [f.stem for f in files]
     twins = [f for f in files if stems.count(f.stem) > 1]
     if twins:
-        raise click.UsageError(f"{' and '.join(map(str, twins))} would write the same folder; run them with another --out")
+        raise click.UsageError(
+            f"{' and '.join(map(str, twins))} would write the same folder; run them with another --out"
+        )
 
 
 def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], int]:
@@ -126,7 +128,11 @@ def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], 
 
     results, failures = [], []
     with click.progressbar(
-        files, label="Recipes", item_show_func=lambda f: f.stem if f else "", file=sys.stderr, hidden=len(files) < 2 or not sys.stderr.isatty()
+        files,
+        label="Recipes",
+        item_show_func=lambda f: f.stem if f else "",
+        file=sys.stderr,
+        hidden=len(files) < 2 or not sys.stderr.isatty(),
     ) as bar:
         for file in bar:
             try:

@@ -55,7 +55,9 @@ def imports(file):
             if node.module:
                 yield "room", (*base, *node.module.split("."))[0]
             else:
-                yield from (("room", (*base, n.name if not n.name.startswith("_") else "__init__")[0]) for n in node.names)
+                yield from (
+                    ("room", (*base, n.name if not n.name.startswith("_") else "__init__")[0]) for n in node.names
+                )
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))
@@ -97,7 +99,12 @@ def test_help_loads_no_numpy():
 
 @pytest.mark.parametrize(
     ("formats", "unloaded"),
-    [("dxf", {"trimesh", "matplotlib"}), ("csv", {"trimesh", "ezdxf"}), ("stl", {"ezdxf"}), ("svg", {"ezdxf", "trimesh"})],
+    [
+        ("dxf", {"trimesh", "matplotlib"}),
+        ("csv", {"trimesh", "ezdxf"}),
+        ("stl", {"ezdxf"}),
+        ("svg", {"ezdxf", "trimesh"}),
+    ],
 )
 def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
     recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"

@@ -83,7 +83,7 @@ def test_cam_worked_case_of_a_harmonic_lift_equal_to_the_prime_radius():
     angles = np.linspace(0, 2 * np.pi, 20001)
     leaning = np.abs(gk.pressure_angle(cam, angles))
     assert leaning.max() == pytest.approx(np.arcsin(1 / 3), abs=1e-8)
-    assert np.degrees(angles[: 10001][leaning[:10001].argmax()]) == pytest.approx(70.5288, abs=0.02)
+    assert np.degrees(angles[:10001][leaning[:10001].argmax()]) == pytest.approx(70.5288, abs=0.02)
     radius = 1 / gk.curvature(cam.pitch_curve, angles)
     assert [radius[0], radius[10000]] == pytest.approx([4, 3.2])
     assert radius.min() == pytest.approx(2 * np.sqrt(2), abs=1e-7)

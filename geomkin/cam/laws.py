@@ -27,9 +27,7 @@ def cycloidal(x: Array) -> Array:
 def harmonic(x: Array) -> Array:
     """f = (1 - cos(pi x)) / 2: acceleration jumps against a dwell. Peaks pi / 2, pi^2 / 2."""
     turn = np.pi * x
-    return 0.5 * np.stack(
-        [1 - np.cos(turn), np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)]
-    )
+    return 0.5 * np.stack([1 - np.cos(turn), np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
 
 
 def _polynomial(coefficients: list[float]) -> Law:

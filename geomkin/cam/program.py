@@ -110,9 +110,7 @@ class Program:
             lifts.append(_end_lift(segment, lifts[-1], place))
             laws.append(None if isinstance(segment, Dwell) else segment.law)
         if abs(limits[-1] - 360) > SLIP:
-            raise DesignError(
-                "program", f"the segments end at {limits[-1]:g} deg", "make the last one end at 360 deg"
-            )
+            raise DesignError("program", f"the segments end at {limits[-1]:g} deg", "make the last one end at 360 deg")
         if abs(lifts[-1] - lifts[0]) > SLIP:
             raise DesignError(
                 "program", f"the lift ends at {lifts[-1]:g} mm, not at 0", "add a return, or correct its end_lift"
@@ -168,9 +166,9 @@ def _end(segment: Dwell | Rise | Return, before: float, place: str) -> float:
 def _end_lift(segment: Dwell | Rise | Return, before: float, place: str) -> float:
     if isinstance(segment, Dwell):
         return before
-    end = segment.end_lift
     if isinstance(segment, Rise):
-        ways = [v for v in (end, None if segment.rise is None else before + segment.rise) if v is not None]
+        reached = None if segment.rise is None else before + segment.rise
+        ways = [v for v in (segment.end_lift, reached) if v is not None]
         if len(ways) != 1:
             raise DesignError(
                 f"{place}.rise", f"of rise and end_lift found {('neither', '', 'both')[len(ways)]}", "give one of them"
@@ -178,7 +176,9 @@ def _end_lift(segment: Dwell | Rise | Return, before: float, place: str) -> floa
         end = ways[0]
         if end <= before:
             raise DesignError(f"{place}.rise", f"it ends at {end:g} mm, not above its start", "use a return to go down")
-    elif end >= before:
+        return end
+    end = segment.end_lift
+    if end >= before:
         raise DesignError(f"{place}.end_lift", f"found {end:g} mm, not below its start", "use a rise to go up")
     if end < 0:
         raise DesignError(f"{place}.end_lift", f"found {end:g} mm, below the base circle", "give 0 mm or more")

@@ -17,7 +17,6 @@ from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array
 
-
 # A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
 LARGEST = 1e5
 
@@ -88,16 +87,14 @@ def _check_scale(part: Part, tolerance: float) -> None:
         )
 
 
-def _loop(
-    curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str, field: str
-) -> Loop:
+def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str, field: str) -> Loop:
     digits = decimals(tolerance)
     if isinstance(curve, Circle):
         radius = curve.radius + grow
         if radius <= 0:
             raise DesignError(f"{name}.{field}", "the kerf is wider than the hole", "give a smaller kerf")
-        shape = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
-        return Loop(shape, _rounded_loop(flatten(shape, tolerance), digits), layer)
+        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
+        return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     moved = _moved(curve, grow)
     points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
     if grow and not _is_outline(points):
@@ -125,8 +122,9 @@ def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
     flat = np.abs(bulges * (np.roll(z, -1) - z)) < 10.0**-digits
     # Twelve decimals of a bulge lie below the last decimal of any vertex.
-    shape = Polyline(z, np.where(flat, 0.0, np.round(bulges, 12)))
-    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(shape.bulges[::-1], -1))
+    bulges = np.where(flat, 0.0, np.round(bulges, 12))
+    shape = Polyline(z, bulges)
+    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
 def _grown(points: Array, grow: float, tolerance: float, field: str) -> Array:

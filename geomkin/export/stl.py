@@ -26,4 +26,4 @@ def stl(cut: Cut) -> bytes:
             f"{cut.part.name}: its solid has volume {mesh.volume:.6g} mm3 where {expected:.6g} is right; "
             "please report this with the recipe"
         )
-    return mesh.export(file_type="stl")
+    return trimesh.exchange.stl.export_stl(mesh)

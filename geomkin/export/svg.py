@@ -7,6 +7,7 @@ from html import escape
 import numpy as np
 
 from ..plane.primitives import Circle, Polyline
+from ..plane.vec import Array
 from .cut import Loop, decimals
 from .layers import LAYERS
 from .layout import Sheet
@@ -40,18 +41,21 @@ def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
 def _shape(loop: Loop, shift: complex, height: float, digits: int) -> str:
     if isinstance(loop.shape, Circle):
         c = loop.shape.centre + shift
-        return f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(loop.shape.radius, digits)}"'
+        return (
+            f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(loop.shape.radius, digits)}"'
+        )
     z = np.asarray(loop.shape.vertices) + shift
     places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
-    if loop.shape.bulges is None:
+    bulges = loop.shape.bulges
+    if bulges is None:
         return f'<path d="M{" ".join(places)}Z"'
-    return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, places[1:] + places[:1], digits))}Z"'
+    return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, bulges, places[1:] + places[:1], digits))}Z"'
 
 
-def _arcs(shape: Polyline, ends: list[str], digits: int) -> list[str]:
-    radii = 1 / np.where(shape.bulges == 0, np.inf, np.abs(shape.curvature(np.arange(len(ends)) + 0.5)))
+def _arcs(shape: Polyline, bulges: Array, ends: list[str], digits: int) -> list[str]:
+    radii = 1 / np.where(bulges == 0, np.inf, np.abs(shape.curvature(np.arange(len(ends)) + 0.5)))
     steps = []
-    for bulge, radius, end in zip(shape.bulges.tolist(), radii.tolist(), ends):
+    for bulge, radius, end in zip(bulges.tolist(), radii.tolist(), ends):
         # No arc exceeds half a turn; y down makes counterclockwise the format's negative sweep.
         steps.append(f"A{_n(radius, digits)} {_n(radius, digits)} 0 0 {int(bulge < 0)} {end}" if bulge else f"L{end}")
     return steps

@@ -39,9 +39,7 @@ def move(
     zero = np.zeros(len(angle))
     pivots = still(linkage.origin, len(angle)), still(linkage.origin + frame * linkage.ground, len(angle))
     ground = Body(pivots[0], zero + frame, zero, zero)
-    crank = Body(
-        pivots[0], open_is_nan(frame * np.exp(1j * angle)), open_is_nan(rate), open_is_nan(gain)
-    )
+    crank = Body(pivots[0], open_is_nan(frame * np.exp(1j * angle)), open_is_nan(rate), open_is_nan(gain))
     coupler = Body(
         crank.point(linkage.crank),
         frame * loop.coupler,

@@ -30,7 +30,7 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     if isinstance(curve, Ring):
         one = to_arcs(curve.piece, tolerance)
         vertices = (curve.turns[:, None] * np.asarray(one.vertices)[:-1]).ravel()
-        return Polyline(vertices, np.tile(one.bulges, curve.count))
+        return Polyline(vertices, np.tile(np.asarray(one.bulges), curve.count))
     if isinstance(curve, Circle):
         return Polyline(curve.centre + curve.radius * np.array([1, -1]), np.ones(2))
     if isinstance(curve, Polyline):

@@ -88,9 +88,7 @@ class Ring(AbstractCurve):
         start, end = (complex(self.piece.point(t)) for t in (self.piece.breaks[0], self.piece.breaks[-1]))
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):
-            raise DesignError(
-                "piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap"
-            )
+            raise DesignError("piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap")
 
     @cached_property
     def turns(self) -> Array:

@@ -54,11 +54,11 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
     if isinstance(curve, Ring):
         turn = complex(curve.turns[1 % curve.count])
         pieces = _pieces(curve.piece, distance, first_after=turn)
-        return pieces and Ring(Path(tuple(pieces)), curve.count)
+        return Ring(Path(tuple(pieces)), curve.count) if pieces else None
     if len(smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
         return Offset(curve, distance)
     pieces = _pieces(curve, distance, first_after=1 + 0j)
-    return pieces and Path(tuple(pieces))
+    return Path(tuple(pieces)) if pieces else None
 
 
 def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list[AbstractCurve] | None:

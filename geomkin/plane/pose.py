@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .vec import Array
@@ -18,8 +19,8 @@ class Pose:
 
     def place(self, z: ArrayLike) -> Array:
         """A body's own points as seen from outside."""
-        return self.origin + self.direction * z
+        return np.asarray(self.origin + self.direction * np.asarray(z))
 
     def locate(self, z: ArrayLike) -> Array:
         """Outside points in the body's own coordinates: the inverse of `place`."""
-        return (z - self.origin) * self.direction.conjugate()
+        return (np.asarray(z) - self.origin) * np.conj(self.direction)

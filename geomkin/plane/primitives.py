@@ -186,8 +186,7 @@ def slot(start: complex, end: complex, radius: float) -> AbstractCurve:
 
 def _convex_hull(z: Array) -> list[complex]:
     """Corners of the convex hull, counterclockwise, by the monotone chain; no three in line."""
-    points = sorted({(p.real, p.imag) for p in z.tolist()})
-    points = [complex(*p) for p in points]
+    points = [complex(*p) for p in sorted({(p.real, p.imag) for p in z.tolist()})]
     if len(points) < 3:
         return points
     size = abs(points[-1] - points[0])

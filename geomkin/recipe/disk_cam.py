@@ -59,9 +59,7 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
     for name, moving in (("rise", velocity > 0), ("return", velocity < 0)):
         if moving.any():
             advice = "give a larger base_radius or a longer segment"
-            checks.append(
-                Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", 30, "deg", advice)
-            )
+            checks.append(Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", 30, "deg", advice))
     roller = cam.follower.roller_radius
     if roller:
         room = tightest_convex(cam)[0] / roller

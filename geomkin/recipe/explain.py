@@ -40,10 +40,14 @@ def _problem(e: Any, recipe: type) -> Problem:
             return Problem(_join(key, cause.field), cause.problem, cause.remedy)
         case "literal_error":
             expected = e["ctx"]["expected"]
-            hint = nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", ")) if isinstance(e["input"], str) else ""
+            hint = (
+                nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
+                if isinstance(e["input"], str)
+                else ""
+            )
             return Problem(key, found, f"give {expected}{hint}")
         case "union_tag_invalid" | "union_tag_not_found":
-            tags = [f.default for t in tables for f in dataclasses.fields(t) if f.name == "kind"]
+            tags = [str(_tag(t)) for t in tables if _tag(t)]
             tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
             problem = "is missing" if tag is None else f"found {printable(repr(tag))}"
             hint = nearest(tag, tags) if isinstance(tag, str) else ""

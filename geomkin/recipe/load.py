@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -53,7 +53,7 @@ def adapter(name: str) -> TypeAdapter:
 
 def schema() -> dict:
     """JSON Schema of all recipes, for editors that complete and check TOML."""
-    inputs = [(name, "validation", adapter(name)) for name in KINDS]
+    inputs: list[tuple[str, Literal["validation"], TypeAdapter]] = [(k, "validation", adapter(k)) for k in KINDS]
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False

@@ -26,7 +26,11 @@ class Files:
         default="chords",
     )
     kerf: float = quantity(
-        "width of the cut; DXF and SVG move outlines out and holes in by half of it", "mm", default=0.0, at_least=0, at_most=20
+        "width of the cut; DXF and SVG move outlines out and holes in by half of it",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=20,
     )
 
     def __post_init__(self) -> None:
@@ -38,7 +42,9 @@ class Drive:
     """How the driver turns, and how finely its motion is told."""
 
     speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, above=0)
-    step_deg: float = quantity("driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90)
+    step_deg: float = quantity(
+        "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)

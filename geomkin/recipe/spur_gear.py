@@ -39,7 +39,12 @@ def _table(recipe: SpurGearRecipe) -> Table:
         (
             Column("radius", "mm", "distance from the gear's axis", np.abs(z)),
             *xy_columns("tooth", "mm", "right-hand side of the tooth centred on +y", z),
-            Column("half_thickness_angle", "deg", "angle from the tooth's centre line", np.degrees(np.arctan2(z.real, z.imag))),
+            Column(
+                "half_thickness_angle",
+                "deg",
+                "angle from the tooth's centre line",
+                np.degrees(np.arctan2(z.real, z.imag)),
+            ),
             Column("region", "", "curve the point lies on", region),
         )
     )

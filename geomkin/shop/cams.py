@@ -18,7 +18,9 @@ class CamStock:
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, above=0)
     bore: float = quantity("diameter of the hole for the cam shaft, 0 for none", "mm", default=8.0, at_least=0)
-    roller_bore: float = quantity("diameter of the hole for the roller's pin, 0 for none", "mm", default=4.0, at_least=0)
+    roller_bore: float = quantity(
+        "diameter of the hole for the roller's pin, 0 for none", "mm", default=4.0, at_least=0
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -116,7 +116,9 @@ def test_two_gears_mesh_without_overlap_and_overlap_when_turned(a, b):
         two = outline[1] * np.exp(1j * (np.pi + np.pi / b - turn * a / b)) + 1j * distance
         # The rounding of the roots cuts below where the mate's tips reach, so only flanks can touch.
         assert region.overlap([one], [two]) < 20 * tolerance
-        assert region.overlap([one], [(two - 1j * distance) * np.exp(0.01j * np.pi / b) + 1j * distance]) > 40 * tolerance
+        assert (
+            region.overlap([one], [(two - 1j * distance) * np.exp(0.01j * np.pi / b) + 1j * distance]) > 40 * tolerance
+        )
 
 
 def test_sharp_and_full_round_racks_work():

@@ -44,7 +44,9 @@ def test_the_pin_lies_on_both_circles_wherever_the_linkage_closes(lengths, angle
         assert not motion.closed[0] and np.isnan(motion.rocker.direction[0]) and np.isnan(motion.rocker.omega[0])
     if clearly_closed:
         assert motion.closed[0]
-        assert abs(motion.coupler.point(coupler).position[0] - motion.point("rocker_pin").position[0]) < 1e-12 * sum(lengths)
+        assert abs(motion.coupler.point(coupler).position[0] - motion.point("rocker_pin").position[0]) < 1e-12 * sum(
+            lengths
+        )
 
 
 def test_rates_are_the_derivatives_of_positions():
@@ -145,7 +147,13 @@ def test_grashof_type_agrees_with_what_turns(lengths, kind):
 
 @pytest.mark.parametrize(
     ("lengths", "field"),
-    [((1, 1, 1, 5), "rocker"), ((0, 1, 1, 1), "ground"), ((1, -2, 1, 1), "crank"), ((1, 1, np.nan, 1), "coupler"), ((1, 1, 1, "a"), "rocker")],
+    [
+        ((1, 1, 1, 5), "rocker"),
+        ((0, 1, 1, 1), "ground"),
+        ((1, -2, 1, 1), "crank"),
+        ((1, 1, np.nan, 1), "coupler"),
+        ((1, 1, 1, "a"), "rocker"),
+    ],
 )
 def test_impossible_lengths_are_refused_by_name(lengths, field):
     with pytest.raises(gk.DesignError) as caught:

@@ -87,7 +87,11 @@ def test_a_design_error_names_the_field_of_the_recipe():
 def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_value(name, tmp_path):
     text = template(name)
     assert parse(text).kind == name
-    lines = [line for line in text.splitlines() if not line.split("#")[1 if line.startswith("# ") else 0].rstrip().endswith("=")]
+    lines = [
+        line
+        for line in text.splitlines()
+        if not line.split("#")[1 if line.startswith("# ") else 0].rstrip().endswith("=")
+    ]
     opened = "\n".join(line.removeprefix("# ") if " = " in line else line for line in lines)
     assert parse(opened) == parse(text)
     (tmp_path / "new.toml").write_text(text)
