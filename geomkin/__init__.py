@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .build import make
+    from .build import make as make
     from .public import *  # noqa: F403
-    from .recipe.load import load
+    from .recipe.load import load as load
 
 # Names that load the validator of recipes, which is heavier than NumPy alone.
 _HEAVIER = {"load": "recipe.load", "make": "build"}

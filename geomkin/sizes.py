@@ -58,7 +58,7 @@ def check_sizes(thing: Any) -> None:
     """
     for field in dataclasses.fields(thing):
         about, value = field.metadata, getattr(thing, field.name)
-        if "unit" not in about or value is None:
+        if "unit" not in about or (value is None and field.default is None):
             continue
         if not _fits(value, about):
             raise DesignError(field.name, f"found {printable(value)}", f"give {allowed(about)}")

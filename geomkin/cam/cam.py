@@ -36,7 +36,8 @@ class Cam:
         if abs(self.follower.offset) >= self.prime_radius:
             raise DesignError(
                 "follower.offset",
-                f"found {self.follower.offset:g} mm, but the roller's centre starts {self.prime_radius:g} mm from the axis",
+                f"found {self.follower.offset:g} mm, but the roller's centre starts {self.prime_radius:g} mm from "
+                "the axis",
                 f"give an offset below {self.prime_radius:g} mm or a larger base_radius",
             )
 

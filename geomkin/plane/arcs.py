@@ -8,8 +8,8 @@ from ..errors import DesignError
 from .curve import AbstractCurve
 from .joined import Ring
 from .primitives import Circle, Polyline
-from .spread import direction, probes, spread, turns
-from .vec import Array
+from .spread import Judge, direction, probes, spread, tops, turns
+from .vec import Array, unit
 
 SHARES = np.linspace(0, 1, 26)[1:-1]
 # Neighbouring arcs whose curvatures differ by less than this turn over their length, rad, are one arc.
@@ -29,12 +29,14 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     if isinstance(curve, Ring):
         one = to_arcs(curve.piece, tolerance)
-        vertices = (curve.turns[:, None] * np.asarray(one.vertices)[:-1]).ravel()
-        return Polyline(vertices, np.tile(np.asarray(one.bulges), curve.count))
+        vertices = np.asarray(one.vertices)
+        bulges = np.zeros(len(one.breaks) - 1) if one.bulges is None else one.bulges
+        vertices = vertices if one.closed else vertices[:-1]
+        return Polyline((curve.turns[:, None] * vertices).ravel(), np.tile(bulges, curve.count))
     if isinstance(curve, Circle):
         return Polyline(curve.centre + curve.radius * np.array([1, -1]), np.ones(2))
     if isinstance(curve, Polyline):
-        return curve
+        return _no_large_arcs(curve)
     starts, bulges = [], []
     for run in zip(curve.breaks, curve.breaks[1:]):
         edges = spread(_biarc_judge(curve), np.array(run), tolerance, order=3)
@@ -44,6 +46,17 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     if not curve.closed:
         starts.append(z[-1:])
     return Polyline(np.concatenate(starts), np.concatenate(bulges), curve.closed)
+
+
+def _no_large_arcs(curve: Polyline) -> Polyline:
+    """The same polyline with arcs of more than half a turn cut in two."""
+    if curve.bulges is None or np.abs(curve.bulges).max() <= 1:
+        return curve
+    edges, bulges = len(curve.breaks) - 1, np.asarray(curve.bulges)
+    halves = 1 + (np.abs(bulges) > 1)
+    starts = np.repeat(np.arange(edges), halves) + np.concatenate([np.arange(n) / n for n in halves.tolist()])
+    vertices = curve.point(starts if curve.closed else np.append(starts, edges))
+    return Polyline(vertices, np.tan(np.repeat(np.arctan(bulges) / halves, halves)), curve.closed)
 
 
 def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
@@ -96,19 +109,19 @@ def _merge(z: Array, bulge: Array) -> tuple[Array, Array]:
     return z[ends], np.tan(np.where(np.abs(sums) < 1e-12, 0.0, sums) / 4)
 
 
-def _biarc_judge(curve: AbstractCurve):
+def _biarc_judge(curve: AbstractCurve) -> Judge:
     def judge(edges: Array) -> tuple[Array, Array]:
         p0, p1, joint, t0, t1 = (a[:, None] for a in _biarcs(curve, edges))
         inside = probes(edges, SHARES)
         z = curve.point(inside)
-        tangent = joint - p0
-        middle = t0.conj() * tangent**2 / np.abs(tangent) ** 2  # direction at the joint: t0 mirrored in the chord
+        # Direction at the joint: the first tangent mirrored in the first arc's chord.
+        middle = t0.conj() * unit(joint - p0) ** 2
         first = np.real(np.conj(middle) * (z - joint)) < 0
         off = np.where(first, _off_arc(z, p0, t0, joint), _off_arc(z, p1, -t1, joint))
         v = curve.velocity(inside)
         # A biarc that does not exist (its tangents face each other) is as wrong as its chord is long.
         off = np.where(np.isfinite(off), off, np.abs(p1 - p0) + np.abs(z - p0))
-        return off.max(axis=1), turns(v)
+        return tops(off), turns(v)
 
     return judge
 

@@ -64,6 +64,11 @@ class AbstractCurve(ABC):
             return np.imag(np.conj(v0) * acceleration) / np.abs(v0) ** 3
 
 
+def just_before(t: Array, breaks: Array) -> Array:
+    """Parameters, with those at a break moved before it: by more than the rounding that finds a piece again."""
+    return np.where(np.isin(t, breaks), t - 64 * np.spacing(np.abs(breaks).max()), t)
+
+
 def reach(curve: AbstractCurve) -> float:
     """Largest distance of a coarse sample of the curve from its start, mm: its size, for relative limits."""
     b = curve.breaks

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .curve import AbstractCurve
+from .curve import AbstractCurve, just_before
 from .pose import Pose
-from .vec import Array
+from .vec import Array, unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +44,14 @@ class Reversed(AbstractCurve):
     curve: AbstractCurve
 
     def point(self, t: ArrayLike) -> Array:
-        return self.curve.point(self._back(t))
+        return self.curve.point(-np.asarray(t, dtype=float))
 
+    # The piece that starts at a break here is the one that ends there in the curve itself.
     def velocity(self, t: ArrayLike) -> Array:
-        return -self.curve.velocity(self._back(t))
+        return -self.curve.velocity(just_before(-np.asarray(t, dtype=float), self.curve.breaks[1:]))
 
     def curvature(self, t: ArrayLike) -> Array:
-        return -self.curve.curvature(self._back(t))
-
-    def _back(self, t: ArrayLike) -> Array:
-        # The piece that starts at a break here is the one that ends there in the curve itself.
-        t = -np.asarray(t, dtype=float)
-        return np.where(np.isin(t, self.curve.breaks[1:]), np.nextafter(t, -np.inf), t)
+        return -self.curve.curvature(just_before(-np.asarray(t, dtype=float), self.curve.breaks[1:]))
 
     @property
     def breaks(self) -> Array:
@@ -103,11 +99,16 @@ class Offset(AbstractCurve):
     distance: float
 
     def point(self, t: ArrayLike) -> Array:
-        v = self.curve.velocity(t)
-        return self.curve.point(t) - 1j * self.distance * v / np.abs(v)
+        return self.curve.point(t) - 1j * self.distance * unit(self.curve.velocity(self._moving(t)))
 
     def velocity(self, t: ArrayLike) -> Array:
+        t = self._moving(t)
         return self.curve.velocity(t) * (1 + self.distance * self.curve.curvature(t))
+
+    def _moving(self, t: ArrayLike) -> Array:
+        """A cusp at the start, where the curve stands still, takes its direction from just after it."""
+        t, (first, second) = np.asarray(t, dtype=float), self.breaks[:2]
+        return np.where((t == first) & (self.curve.velocity(first) == 0), first + 1e-9 * (second - first), t)
 
     def curvature(self, t: ArrayLike) -> Array:
         bend = self.curve.curvature(t)

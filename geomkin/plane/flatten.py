@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .joined import Ring
 from .primitives import Circle, Polyline
-from .spread import direction, probes, spread, turns
+from .spread import Judge, cells_of, direction, probes, spread, tops, turns
 from .vec import Array
 
 # A tangent that jumps by more than this, rad, is a corner and gets a point of its own. Smaller takes
 # rounding for corners and spends points on them; larger lets a chord cut a visible corner.
 CORNER = 1e-6
-# Where a chord is compared with its curve. The middle one matters most; the others see an S, a loop,
-# and a curve whose parameter runs unevenly.
-SHARES = np.linspace(0, 1, 10)[1:-1]
+# Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
+# curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
+SHARES = np.linspace(0, 1, 11)
 
 
 def flatten(curve: AbstractCurve, tolerance: float) -> Array:
@@ -29,12 +30,15 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Array:
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     if isinstance(curve, Ring):
-        one = flatten(curve.piece, tolerance)[:-1]
-        return (curve.turns[:, None] * one).ravel()
-    if isinstance(curve, Polyline) and curve.bulges is None:
-        return np.asarray(curve.vertices, dtype=complex)
+        one = flatten(curve.piece, tolerance)
+        one = one if curve.piece.closed else one[:-1]
+        if len(one) * curve.count > 2:
+            return (curve.turns[:, None] * one).ravel()
+    if isinstance(curve, Polyline):
+        return _flatten_polyline(curve, tolerance)
     if isinstance(curve, Circle):
-        return curve.point(np.linspace(0, 2 * np.pi, _chords_of_circle(curve.radius, tolerance) + 1)[:-1])
+        chords = max(3, int(_chords_of_arc(curve.radius, 2 * np.pi, tolerance)))
+        return curve.point(np.linspace(0, 2 * np.pi, chords + 1)[:-1])
     runs = [spread(_chord_judge(curve), run, tolerance, order=2) for run in smooth_runs(curve)]
     if curve.closed and sum(len(r) - 1 for r in runs) < 3:
         # A tolerance as large as the curve would leave no area: keep a triangle.
@@ -51,19 +55,15 @@ def smooth_runs(curve: AbstractCurve) -> list[Array]:
     return [b[i : j + 1] for i, j in zip([0, *corners], [*corners, len(b) - 1])]
 
 
-def _chord_judge(curve: AbstractCurve):
+def _chord_judge(curve: AbstractCurve) -> Judge:
     def judge(edges: Array) -> tuple[Array, Array]:
         ends = curve.point(edges)
-        inside = probes(edges, SHARES)
-        off = _distance(ends[:-1, None], ends[1:, None], curve.point(inside))
-        rows, last = np.arange(len(off)), off.shape[1] - 1
-        i = np.clip(off.argmax(axis=1), 1, last - 1)
-        left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]
-        # The top of the parabola through the three largest probes.
-        bend = 2 * mid - left - right
-        rise = np.where(bend > 0, (right - left) ** 2 / (8 * np.where(bend > 0, bend, 1)), 0)
-        top = np.maximum(off.max(axis=1), np.where(off.argmax(axis=1) == i, mid + rise, 0))
-        return top, turns(curve.velocity(inside))
+        # A chord across a break is looked at on both sides of it: each side is smooth.
+        cells, owner = cells_of(edges, curve.breaks)
+        off = _distance(ends[owner, None], ends[owner + 1, None], curve.point(probes(cells, SHARES)))
+        first = np.searchsorted(owner, np.arange(len(edges) - 1))
+        turn = turns(curve.velocity(probes(cells, SHARES[1:-1])))
+        return np.maximum.reduceat(tops(off), first), np.add.reduceat(turn, first)
 
     return judge
 
@@ -77,9 +77,21 @@ def _distance(a: Array, b: Array, p: Array) -> Array:
     return np.abs(beyond + 1j * w.imag)
 
 
-def _chords_of_circle(radius: float, tolerance: float) -> int:
-    """Least number of chords of a full circle; three at least, for an area."""
-    if tolerance >= radius:
-        return 3
-    half = 2 * np.arcsin(np.sqrt(tolerance / (2 * radius)))
-    return max(3, int(np.ceil(np.pi / half - 1e-9)))
+def _flatten_polyline(curve: Polyline, tolerance: float) -> Array:
+    if curve.bulges is None:
+        return np.asarray(curve.vertices, dtype=complex)
+    starts = curve.breaks[:-1]
+    bend = np.abs(curve.curvature(starts))
+    sweep = 4 * np.arctan(np.abs(curve.bulges))
+    radius = 1 / np.where(bend > 0, bend, 1)
+    chords = np.where(bend > 0, _chords_of_arc(radius, sweep, tolerance), 1).astype(int)
+    if curve.closed and chords.sum() < 3:
+        chords = chords + 1
+    t = np.repeat(starts, chords) + np.concatenate([np.arange(n) / n for n in chords.tolist()])
+    return curve.point(t if curve.closed else np.append(t, curve.breaks[-1]))
+
+
+def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Array:
+    """Least number of equal chords of an arc; none turns by more than a third of a circle."""
+    half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
+    return np.maximum(1, np.ceil(sweep / (2 * half) - 1e-9))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import DesignError
-from .curve import AbstractCurve
+from .curve import AbstractCurve, reach
 from .vec import Array
 
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
@@ -26,7 +26,7 @@ class Path(AbstractCurve):
     def __post_init__(self) -> None:
         starts, ends = self._ends
         gaps = np.abs(starts[1:] - ends[:-1])
-        if len(gaps) and gaps.max() > GAP * np.abs(starts).max():
+        if len(gaps) and gaps.max() > self._gap:
             worst = int(gaps.argmax())
             raise DesignError(
                 "pieces",
@@ -40,6 +40,12 @@ class Path(AbstractCurve):
         return starts, np.array([p.point(p.breaks[-1]) for p in self.pieces])
 
     @cached_property
+    def _gap(self) -> float:
+        """Largest distance between ends, mm, that rounding explains."""
+        starts, ends = self._ends
+        return GAP * max(np.abs(starts).max(), np.abs(ends).max(), *(reach(p) for p in self.pieces))
+
+    @cached_property
     def breaks(self) -> Array:
         inner = [np.array([0.0])]
         for k, piece in enumerate(self.pieces):
@@ -50,7 +56,7 @@ class Path(AbstractCurve):
     @cached_property
     def closed(self) -> bool:
         starts, ends = self._ends
-        return bool(abs(ends[-1] - starts[0]) <= GAP * np.abs(starts).max())
+        return bool(abs(ends[-1] - starts[0]) <= self._gap)
 
     def point(self, t: ArrayLike) -> Array:
         return self._each(t, lambda piece, s, span: piece.point(s), complex)
@@ -69,7 +75,7 @@ class Path(AbstractCurve):
             piece, mask = self.pieces[k], which == k
             first, last = piece.breaks[0], piece.breaks[-1]
             s = t[mask] - k
-            out[mask] = value(piece, first * (1 - s) + last * s, last - first)
+            out[mask] = value(piece, _at_breaks(first * (1 - s) + last * s, piece.breaks, (last - first) * np.spacing(k + 1.0)), last - first)
         return out
 
 
@@ -118,5 +124,15 @@ class Ring(AbstractCurve):
     def _local(self, t: ArrayLike) -> tuple[Array, Array]:
         t = np.asarray(t, dtype=float)
         span = self.piece.breaks[-1] - self.piece.breaks[0]
-        copy = np.clip(np.floor(t / span), 0, self.count - 1).astype(int)
-        return copy, self.piece.breaks[0] + (t - copy * span)
+        # At a break between copies the quotient may fall short of the whole number by rounding.
+        copy = np.clip(np.floor(t / span * (1 + 4e-16)), 0, self.count - 1).astype(int)
+        return copy, _at_breaks(self.piece.breaks[0] + (t - copy * span), self.piece.breaks, np.spacing(self.count * span))
+
+
+def _at_breaks(t: Array, breaks: Array, rounding: float) -> Array:
+    """Parameters that rounding has moved off an inner break put back on it, so that the right piece answers."""
+    if len(breaks) == 2:
+        return np.clip(t, breaks[0], breaks[-1])
+    near = np.clip(np.searchsorted(breaks, t), 1, len(breaks) - 1)
+    near = near - (t - breaks[near - 1] < breaks[near] - t)
+    return np.where(np.abs(t - breaks[near]) <= 8 * rounding, breaks[near], t)

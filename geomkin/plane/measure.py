@@ -48,7 +48,7 @@ def _sector(curve: AbstractCurve, about: complex, accuracy: float) -> complex:
 def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
     """Centroid of the area enclosed by a closed curve, mm; nan where the area is zero."""
     if isinstance(curve, Ring):
-        return 0j
+        return 0j if curve.count > 1 else centroid(curve.piece, accuracy)
     start = complex(curve.point(curve.breaks[0]))
 
     def moment(t: Array) -> Array:
@@ -77,23 +77,22 @@ def nearest(curve: AbstractCurve, points: ArrayLike) -> tuple[Array, Array]:
     smaller than a 48th of its smooth piece.
     """
     z = np.asarray(points, dtype=complex)
-    b = curve.breaks
+    flat, b = z.ravel(), curve.breaks
     grid = np.concatenate([b0 + (b1 - b0) * np.arange(_SAMPLES) / _SAMPLES for b0, b1 in zip(b, b[1:])])
     grid = np.append(grid, b[-1])
-    away = np.abs(curve.point(grid) - z.ravel()[:, None])
+    samples = curve.point(grid)
+    away = np.abs(samples - flat[:, None])
     padded = np.pad(away, ((0, 0), (1, 1)), constant_values=np.inf)
     valley = (away <= padded[:, :-2]) & (away <= padded[:, 2:])
-    # The three deepest valleys: sampling may rank two nearly equal ones the wrong way round.
-    candidates = np.argsort(np.where(valley, away, np.inf), axis=1)[:, :3]
-    low, high = grid[np.maximum(candidates - 1, 0)], grid[np.minimum(candidates + 1, len(grid) - 1)]
-    best = _golden(curve, z.ravel()[:, None], low, high, grid[candidates])
-    distance = np.abs(curve.point(best) - z.ravel()[:, None])
-    pick = distance.argmin(axis=1)[:, None]
-    shape = z.shape
-    return (
-        np.take_along_axis(best, pick, 1).reshape(shape),
-        np.take_along_axis(distance, pick, 1).reshape(shape),
-    )
+    # A valley can be deeper than its sample by the way to the next one, at most: the rest are out.
+    steps = np.pad(np.abs(np.diff(samples)), 1)
+    hopeful = valley & (away - np.maximum(steps[:-1], steps[1:]) <= away.min(axis=1, keepdims=True))
+    row, column = np.nonzero(hopeful)
+    low, high = grid[np.maximum(column - 1, 0)], grid[np.minimum(column + 1, len(grid) - 1)]
+    found = _golden(curve, flat[row], low, high, grid[column])
+    distance = np.abs(curve.point(found) - flat[row])
+    best = np.lexsort((distance, row))[np.searchsorted(row, np.arange(len(flat)))]
+    return found[best].reshape(z.shape), distance[best].reshape(z.shape)
 
 
 def _golden(curve: AbstractCurve, z: Array, low: Array, high: Array, start: Array) -> Array:

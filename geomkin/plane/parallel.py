@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .curve import AbstractCurve
+from .curve import AbstractCurve, just_before
 from .derived import Offset
 from .flatten import CORNER, smooth_runs
 from .joined import Path, Ring
@@ -34,7 +34,7 @@ class Stretch(AbstractCurve):
 
     def _inside(self, t: ArrayLike) -> Array:
         """At its end the curve would answer for the piece beyond."""
-        return np.minimum(t, np.nextafter(self.run[-1], -np.inf))
+        return just_before(np.asarray(t, dtype=float), self.run[-1:])
 
     @property
     def breaks(self) -> Array:
@@ -51,6 +51,8 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
     None where a corner closes instead, since the curves would have to be trimmed there. A distance
     beyond a radius of curvature gives loops, which nothing trims either.
     """
+    if distance == 0:
+        return curve
     if isinstance(curve, Ring):
         turn = complex(curve.turns[1 % curve.count])
         pieces = _pieces(curve.piece, distance, first_after=turn)

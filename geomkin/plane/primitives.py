@@ -186,10 +186,15 @@ def slot(start: complex, end: complex, radius: float) -> AbstractCurve:
 
 def _convex_hull(z: Array) -> list[complex]:
     """Corners of the convex hull, counterclockwise, by the monotone chain; no three in line."""
-    points = [complex(*p) for p in sorted({(p.real, p.imag) for p in z.tolist()})]
+    size = float(np.abs(z - z[0]).max())
+    rounding = 1e-12 * (size + float(np.abs(z).max()))
+    points: list[complex] = []
+    for p in sorted(z.tolist(), key=lambda p: (p.real, p.imag)):
+        # Centres that differ by rounding would give edges shorter than any file can tell apart.
+        if all(abs(p - q) > rounding for q in points):
+            points.append(p)
     if len(points) < 3:
         return points
-    size = abs(points[-1] - points[0])
 
     def chain(run: list[complex]) -> list[complex]:
         corners: list[complex] = []

@@ -19,6 +19,8 @@ Loops = list[Array]
 
 def is_simple(loop: Array) -> bool:
     """Whether a closed polygon neither crosses nor touches itself and encloses something."""
+    if len(loop) < 3:
+        return False
     return bool(shapely.LinearRing(xy(loop)).is_simple and shapely.Polygon(xy(loop)).area > 0)
 
 
@@ -30,14 +32,15 @@ def union(loops: Sequence[Array]) -> list[Loops]:
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:
     """A region grown (or, negative, shrunk) by `distance`, mm, with round corners within `tolerance`.
 
-    The result may be several regions, or none when it shrinks away.
+    The result may be several regions, or none when it shrinks away. The tolerance is kept down to a
+    ten-thousandth of the distance, below which the library that trims drops detail.
     """
     radius = abs(distance)
     if radius == 0:
         return [loops]
     # Chords over an arc of this radius that stay within the tolerance; the library's own default of 8
     # per quarter is 0.0048 of the radius off, whatever the radius.
-    half = np.arccos(max(1 - tolerance / radius, 0.0))
+    half = 2 * np.arcsin(np.sqrt(min(tolerance / (2 * radius), 0.5)))
     per_quarter = max(2, int(np.ceil(np.pi / 4 / half)))
     return _regions(_polygon(loops).buffer(distance, quad_segs=per_quarter))
 
@@ -77,7 +80,7 @@ def _polygon(loops: Loops) -> shapely.Polygon:
 
 
 def _regions(shape: shapely.Geometry) -> list[Loops]:
-    polygons = [p for p in shapely.get_parts(shapely.normalize(shape)) if p.geom_type == "Polygon"]
+    polygons = [p for p in shapely.get_parts(shapely.normalize(shape)) if p.geom_type == "Polygon" and not p.is_empty]
     return [[_loop(ring, outer=k == 0) for k, ring in enumerate([p.exterior, *p.interiors])] for p in polygons]
 
 

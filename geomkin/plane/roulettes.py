@@ -54,9 +54,9 @@ class Trochoid(AbstractCurve):
     this is the trochoid of a point: D = 0 the involute's cusp, D < 0 a point outside the line.
 
     t = psi is the lean of the contact normal from the radius to the touching point, rad, counterclockwise,
-    from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling point, a distance D tan(psi)
-    along the line. This parameter keeps its digits where D vanishes and the whole corner is cut at
-    one instant, which the roll angle does not.
+    from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling
+    point, a distance D tan(psi) along the line. This parameter keeps its digits where D vanishes and
+    the whole corner is cut at one instant, which the roll angle does not.
     """
 
     radius: float

@@ -20,8 +20,12 @@ CELLS = 32
 # Most that one interval may turn, rad. A chord or a pair of arcs that turns by more is no longer
 # described by the laws of small intervals, and a closed curve might come back as a single one.
 MOST_TURN = 2.2
-# Corrections before the count is raised. Smooth pieces need two or three.
-ROUNDS = 4
+# Looks at most; smooth pieces need three or four. Fewer leave intervals unequal, and more of them.
+ROUNDS = 12
+# What an interval that stays over is counted for beyond its share; without it, it stays over.
+PUSH = 1.05
+# How near the count must come to what the errors ask for before the second half of the looks is spared.
+ENOUGH = 1.005
 
 Judge = Callable[[Array], tuple[Array, Array]]
 
@@ -33,24 +37,27 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
     falls with the `order`-th power of their length. The error is measured, never predicted, so the
     result keeps the tolerance wherever the judge looks.
     """
-    grid = np.concatenate([b0 + (b1 - b0) * np.arange(CELLS) / CELLS for b0, b1 in zip(breaks, breaks[1:])])
-    nodes = edges = np.append(grid, breaks[-1])
-    filled = None
-    slack = 1.0
-    while True:
-        for _ in range(ROUNDS):
-            share = _share(*judge(edges), tolerance, order)
-            nodes, filled = _fill(nodes, filled, edges, share)
-            count = max(1, int(np.ceil(filled[-1] * slack - 1e-9)))
-            if share.max() <= 1 and len(edges) - 1 <= count:
-                return edges
-            edges = _divide(nodes, filled, count)
+    if len(breaks) > 2:
+        # Every smooth piece by itself first; then chords across the breaks, where that saves any.
+        pieces = [spread(judge, pair, tolerance, order) for pair in np.stack([breaks[:-1], breaks[1:]], axis=1)]
+        best = edges = np.concatenate([p[:-1] for p in pieces] + [breaks[-1:]])
+        fewest: float = len(best) - 1
+        looks = ROUNDS // 3
+    else:
+        best = edges = np.linspace(breaks[0], breaks[-1], CELLS + 1)
+        fewest, looks = np.inf, ROUNDS
+    for k in range(looks):
         share = _share(*judge(edges), tolerance, order)
-        over = int((share > 1).sum())
-        if over <= len(breaks) - 2 + count // 100 or slack > 4:
-            # An interval across a jump of curvature never settles: it costs one more, not a share of all.
-            return _halve(judge, edges, breaks, tolerance)
-        slack = slack * 1.01 + 0.5 / count
+        over = share > 1
+        # An interval across a jump of curvature may never settle: split in two, it costs one more.
+        if share.max() < 1.9 and len(share) + over.sum() < fewest:
+            best, fewest = edges, len(share) + over.sum()
+        used = np.concatenate([[0.0], np.cumsum(np.where(over & (k > 1), PUSH, 1) * share)])
+        count = max(1, int(np.ceil(used[-1] - 1e-9)))
+        if fewest <= count or (k >= looks // 2 and fewest <= ENOUGH * count):
+            break
+        edges = _divide(edges, used, count)
+    return _halve(judge, best, breaks, tolerance)
 
 
 def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:
@@ -58,29 +65,25 @@ def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:
     return np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN)
 
 
-def _fill(nodes: Array, filled: Array | None, edges: Array, share: Array) -> tuple[Array, Array]:
-    """Intervals used up to each node, corrected so that each interval between edges uses its share."""
-    total = np.concatenate([[0.0], np.cumsum(share)])
-    if filled is None:
-        return edges, total
-    merged = np.union1d(nodes, edges)
-    before = np.interp(merged, nodes, filled)
-    at_edges = np.interp(edges, nodes, filled)
-    i = np.clip(np.searchsorted(edges, merged, side="right") - 1, 0, len(share) - 1)
-    span = at_edges[i + 1] - at_edges[i]
-    part = np.where(span > 0, (before - at_edges[i]) / np.where(span > 0, span, 1), 0.0)
-    return merged, total[i] + share[i] * np.clip(part, 0, 1)
+def _divide(edges: Array, used: Array, count: int) -> Array:
+    """Edges of `count` intervals of equal share, from what the present ones use up to each edge.
 
-
-def _divide(nodes: Array, filled: Array, count: int) -> Array:
-    """`count` intervals of equal share."""
-    if filled[-1] <= 0:
-        return np.linspace(nodes[0], nodes[-1], count + 1)
-    # Stretches that use nothing (straight ones) would make the inverse ambiguous.
-    rising = filled + np.linspace(0, 1e-9 * filled[-1], len(filled))
-    edges = np.interp(np.linspace(0, rising[-1], count + 1), rising, nodes)
-    edges[0], edges[-1] = nodes[0], nodes[-1]
-    return edges
+    Between present edges t follows `used` by the monotone cubic of Fritsch and Carlson (slopes by the
+    harmonic mean): shares change smoothly along a smooth curve, and a straight line between edges would
+    leave steps of some percent that never settle.
+    """
+    # Straight stretches use nothing: a trace of use keeps them in order.
+    used = used + np.linspace(0, 1e-9 * used[-1] + 1e-300, len(used))
+    width, secant = np.diff(used), np.diff(edges) / np.diff(used)
+    slope = np.concatenate([secant[:1], 2 / (1 / secant[1:] + 1 / secant[:-1]), secant[-1:]])
+    wanted = np.linspace(0, used[-1], count + 1)
+    i = np.clip(np.searchsorted(used, wanted, side="right") - 1, 0, len(width) - 1)
+    x = (wanted - used[i]) / width[i]
+    out = edges[i] + width[i] * (
+        secant[i] * x**2 * (3 - 2 * x) + slope[i] * x * (1 - x) ** 2 - slope[i + 1] * x**2 * (1 - x)
+    )
+    out[0], out[-1] = edges[0], edges[-1]
+    return out
 
 
 def _halve(judge: Judge, edges: Array, breaks: Array, tolerance: float) -> Array:
@@ -98,9 +101,25 @@ def _halve(judge: Judge, edges: Array, breaks: Array, tolerance: float) -> Array
     return edges
 
 
+def cells_of(edges: Array, breaks: Array) -> tuple[Array, Array]:
+    """The intervals between `edges` cut at breaks: the edges of the cells, and each cell's interval."""
+    cells = np.union1d(edges, breaks[(breaks > edges[0]) & (breaks < edges[-1])])
+    return cells, np.searchsorted(edges, cells[:-1], side="right") - 1
+
+
 def probes(edges: Array, shares: Array) -> Array:
     """Parameters (intervals, probes) at the given shares of each interval."""
     return edges[:-1, None] + np.diff(edges)[:, None] * shares
+
+
+def tops(off: Array) -> Array:
+    """Largest value along each row of probes, by the parabola through the largest one and its neighbours."""
+    rows, peak = np.arange(len(off)), off.argmax(axis=1)
+    i = np.clip(peak, 1, off.shape[1] - 2)
+    left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]
+    bend = 2 * mid - left - right
+    rise = np.where(bend > 0, (right - left) ** 2 / (8 * np.where(bend > 0, bend, 1)), 0)
+    return np.where(peak == i, mid + rise, off.max(axis=1))
 
 
 def direction(curve: AbstractCurve, t: Array, after: bool) -> Array:

@@ -20,7 +20,8 @@ def test_a_recipe_is_its_frozen_dataclass():
 
 
 def test_every_problem_is_told_at_once_with_key_found_and_remedy():
-    text = 'kind = "spur-gear"\nspeed = 1\n[gear]\nteeth = 2.5\nmodule = "2"\nprofil_shift = 0.1\n[stock]\nthickness = -1\n'
+    gear = '[gear]\nteeth = 2.5\nmodule = "2"\nprofil_shift = 0.1\n'
+    text = f'kind = "spur-gear"\nspeed = 1\n{gear}[stock]\nthickness = -1\n'
     with pytest.raises(gk.RecipeError) as caught:
         parse(text, "wrong.toml")
     problems = {p.key: p for p in caught.value.problems}
