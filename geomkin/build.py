@@ -31,7 +31,8 @@ def check_recipe(file: str | Path) -> Made:
     recipe = load(file)
     checks, parts = _work_out(recipe, file)
     with _naming(file):
-        _cuts(recipe, parts)
+        _solids(recipe, parts)
+        _flats(recipe, parts)
     return Made(_name(file), checks, {})
 
 
@@ -77,10 +78,19 @@ def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Pa
         return tuple(kind(recipe.kind).checks(recipe)), parts
 
 
-def _cuts(recipe: Any, parts: list[Part], kerf: float = 0.0, arcs: bool = False) -> list[Any]:
+def _solids(recipe: Any, parts: list[Part]) -> list[Any]:
+    """Parts as they are to be: what STL is made from."""
     from .export.cut import cut
 
-    return [cut(part, recipe.files.tolerance, kerf, arcs) for part in parts]
+    return [cut(part, recipe.files.tolerance) for part in parts]
+
+
+def _flats(recipe: Any, parts: list[Part]) -> list[Any]:
+    """Parts as the cutter must go: what DXF and SVG are made from."""
+    from .export.cut import cut
+
+    files = recipe.files
+    return [cut(part, files.tolerance, files.kerf, files.curves == "arcs") for part in parts]
 
 
 def _contents(
@@ -88,11 +98,11 @@ def _contents(
 ) -> dict[str, bytes]:
     """File name to bytes, everything that is to be written; nothing is loaded that is not needed."""
     wanted = [f for f in recipe.files.write if only is None or f in only]
-    files, contents = recipe.files, {}
+    contents: dict[str, bytes] = {}
     if "dxf" in wanted or "svg" in wanted:
         from .export.layout import lay_out
 
-        sheet = lay_out(_cuts(recipe, parts, files.kerf, files.curves == "arcs"))
+        sheet = lay_out(_flats(recipe, parts))
     if "dxf" in wanted:
         from .export.dxf import dxf
 
@@ -100,11 +110,11 @@ def _contents(
     if "svg" in wanted:
         from .export.svg import svg
 
-        contents[f"{name}.svg"] = svg(sheet, name, files.tolerance)
+        contents[f"{name}.svg"] = svg(sheet, name, recipe.files.tolerance)
     if "stl" in wanted:
         from .export.stl import stl
 
-        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in _cuts(recipe, parts)}
+        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in _solids(recipe, parts)}
     if "csv" in wanted:
         from .export.csv import csv
 

@@ -18,6 +18,9 @@ def main() -> None:
         # The reader of our output left (`geomkin list | head`): nothing more to say, not even at exit.
         sys.stderr.close()
         sys.exit(141)
+    except Exception as error:
+        # What is refused on purpose is told elsewhere; this is ours to mend, and a traceback helps no user.
+        sys.exit(f"geomkin failed by a fault of its own ({type(error).__name__}: {error}); please report the recipe")
 
 
 def _calm() -> None:

@@ -45,7 +45,7 @@ class SpurGear:
             raise DesignError(
                 "profile_shift",
                 f"found {self.profile_shift:g}, with which the flanks meet below the tip circle: the teeth are pointed",
-                f"give at most {self._largest_shift():.4g}, or a rack with a smaller addendum",
+                self._less_pointed(),
             )
         self._tooth  # refuses a tooth that the rack cuts away
 
@@ -126,8 +126,8 @@ class SpurGear:
         roll = np.sqrt(max((radius / self.base_radius) ** 2 - 1, 0.0))
         return float(at_pitch + involute_function(np.tan(a)) - involute_function(roll))
 
-    def _largest_shift(self) -> float:
-        """Largest shift that leaves a tip, by bisection, a little on the safe side."""
+    def _less_pointed(self) -> str:
+        """What leaves a tip: the largest shift, by bisection, a little on the safe side, if any does."""
         low, high = -self.rack.addendum, self.profile_shift
         a = self.rack.pressure_angle
         for _ in range(60):
@@ -135,4 +135,6 @@ class SpurGear:
             roll = np.sqrt(max(((self.teeth / 2 + self.rack.addendum + x) / (self.teeth / 2 * np.cos(a))) ** 2 - 1, 0))
             half = (np.pi / 2 + 2 * x * np.tan(a)) / self.teeth + involute_function(np.tan(a)) - involute_function(roll)
             low, high = (x, high) if half > 0 else (low, x)
-        return np.floor(low * 1000) / 1000
+        if low == -self.rack.addendum:
+            return "give a rack with a smaller addendum"
+        return f"give at most {np.floor(low * 1000) / 1000:.4g}, or a rack with a smaller addendum"

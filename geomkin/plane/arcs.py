@@ -30,9 +30,9 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     if isinstance(curve, Ring):
         one = to_arcs(curve.piece, tolerance)
         vertices = np.asarray(one.vertices)
-        bulges = np.zeros(len(one.breaks) - 1) if one.bulges is None else one.bulges
+        bulge = np.zeros(len(one.breaks) - 1) if one.bulges is None else one.bulges
         vertices = vertices if one.closed else vertices[:-1]
-        return Polyline((curve.turns[:, None] * vertices).ravel(), np.tile(bulges, curve.count))
+        return Polyline((curve.turns[:, None] * vertices).ravel(), np.tile(bulge, curve.count))
     if isinstance(curve, Circle):
         return Polyline(curve.centre + curve.radius * np.array([1, -1]), np.ones(2))
     if isinstance(curve, Polyline):

@@ -75,7 +75,11 @@ class Path(AbstractCurve):
             piece, mask = self.pieces[k], which == k
             first, last = piece.breaks[0], piece.breaks[-1]
             s = t[mask] - k
-            out[mask] = value(piece, _at_breaks(first * (1 - s) + last * s, piece.breaks, (last - first) * np.spacing(k + 1.0)), last - first)
+            out[mask] = value(
+                piece,
+                _at_breaks(first * (1 - s) + last * s, piece.breaks, (last - first) * np.spacing(k + 1.0)),
+                last - first,
+            )
         return out
 
 
@@ -126,7 +130,9 @@ class Ring(AbstractCurve):
         span = self.piece.breaks[-1] - self.piece.breaks[0]
         # At a break between copies the quotient may fall short of the whole number by rounding.
         copy = np.clip(np.floor(t / span * (1 + 4e-16)), 0, self.count - 1).astype(int)
-        return copy, _at_breaks(self.piece.breaks[0] + (t - copy * span), self.piece.breaks, np.spacing(self.count * span))
+        return copy, _at_breaks(
+            self.piece.breaks[0] + (t - copy * span), self.piece.breaks, np.spacing(self.count * span)
+        )
 
 
 def _at_breaks(t: Array, breaks: Array, rounding: float) -> Array:

@@ -32,8 +32,8 @@ def union(loops: Sequence[Array]) -> list[Loops]:
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:
     """A region grown (or, negative, shrunk) by `distance`, mm, with round corners within `tolerance`.
 
-    The result may be several regions, or none when it shrinks away. The tolerance is kept down to a
-    ten-thousandth of the distance, below which the library that trims drops detail.
+    The result may be several regions, or none when it shrinks away. The tolerance is kept down to some
+    thousandths of the distance, below which the library that trims drops detail.
     """
     radius = abs(distance)
     if radius == 0:

@@ -60,6 +60,9 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         if moving.any():
             advice = "give a larger base_radius or a longer segment"
             checks.append(Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", 30, "deg", advice))
+    if recipe.stock.bore:
+        wall = np.abs(cam.profile.point(angles)).min() - recipe.stock.bore / 2
+        checks.append(Check("wall around the bore", wall, "at least", 1, "mm", "give a smaller bore"))
     roller = cam.follower.roller_radius
     if roller:
         room = tightest_convex(cam)[0] / roller

@@ -61,7 +61,7 @@ def _problem(e: Any, recipe: type) -> Problem:
 
 def _wanted(about: Any) -> str:
     """What may stand under a key: the meaning, and for numbers the range."""
-    meaning = about.get("description", "")
+    meaning = about.get("description", "").removesuffix(f", {about.get('unit')}")
     return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
 
 

@@ -16,7 +16,7 @@ from ..sizes import check_sizes, quantity
 class CamStock:
     """What a cam and its roller are cut from."""
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=5.0, above=0)
+    thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
     bore: float = quantity("diameter of the hole for the cam shaft, 0 for none", "mm", default=8.0, at_least=0)
     roller_bore: float = quantity(
         "diameter of the hole for the roller's pin, 0 for none", "mm", default=4.0, at_least=0

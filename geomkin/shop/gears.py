@@ -15,7 +15,7 @@ from ..sizes import check_sizes, quantity
 class GearStock:
     """What a gear is cut from."""
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, above=0)
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     bore: float = quantity("diameter of the hole for the shaft, 0 for none", "mm", default=0.0, at_least=0)
 
     def __post_init__(self) -> None:

@@ -15,7 +15,7 @@ from ..sizes import check_sizes, quantity
 class LinkStock:
     """What links are cut from, and the pins that join them."""
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, above=0)
+    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
     bar_width: float = quantity("width of the links", "mm", default=14.0, above=0)
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, above=0)
     clearance: float = quantity("how much wider than its pin a hole is", "mm", default=0.2, at_least=0)

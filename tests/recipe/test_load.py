@@ -28,7 +28,7 @@ def test_every_problem_is_told_at_once_with_key_found_and_remedy():
     assert set(problems) == {"speed", "gear.teeth", "gear.module", "gear.profil_shift", "stock.thickness"}
     assert "2.5" in problems["gear.teeth"].problem and "whole number" in problems["gear.teeth"].remedy
     assert "did you mean profile_shift?" in problems["gear.profil_shift"].remedy
-    assert "above 0, in mm" in problems["stock.thickness"].remedy
+    assert "at least 0.01 and at most 1000, in mm (thickness" in problems["stock.thickness"].remedy
     assert all(line.startswith("wrong.toml: ") for line in str(caught.value).splitlines())
 
 
