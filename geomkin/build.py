@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from .recipe.kinds import kind
 from .recipe.load import adapter, load
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Made:
     """What became of a recipe. files: path to size in bytes, empty when nothing was to be written."""
 
@@ -30,9 +30,8 @@ def check_recipe(file: str | Path) -> Made:
     """Validate a recipe and judge its design without writing."""
     recipe = load(file)
     checks, parts = _work_out(recipe, file)
-    with _naming(file):
-        _solids(recipe, parts)
-        _flats(recipe, parts)
+    with _naming(file, recipe):
+        _cuts(recipe, parts, recipe.files.write)
     return Made(_name(file), checks, {})
 
 
@@ -47,7 +46,7 @@ def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None =
     recipe = load(file)
     checks, parts = _work_out(recipe, file)
     name = _name(file)
-    with _naming(file):
+    with _naming(file, recipe):
         contents = _contents(recipe, name, parts, checks, only)
     folder = Path(out) / name
     for path, content in contents.items():
@@ -56,41 +55,55 @@ def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None =
 
 
 def _name(file: str | Path) -> str:
-    return Path(file).stem
+    """The recipe's name, which names its folder and files."""
+    name = Path(file).stem
+    if name in ("", ".", ".."):
+        raise RecipeError(str(file), [Problem("", "its name would name another folder", "rename the file")])
+    return name
 
 
 class _naming:
     """Turns a design's error into one that names the recipe's file."""
 
-    def __init__(self, file: str | Path):
-        self.file = str(file)
+    def __init__(self, file: str | Path, recipe: Any):
+        self.file, self.recipe = str(file), recipe
 
     def __enter__(self) -> None: ...
 
     def __exit__(self, error_type: Any, error: BaseException | None, trace: Any) -> None:
         if isinstance(error, DesignError):
-            raise RecipeError(self.file, [Problem(error.field, error.problem, error.remedy)]) from None
+            raise RecipeError(self.file, [Problem(self.key(error.field), error.problem, error.remedy)]) from None
+
+    def key(self, field: str) -> str:
+        """The recipe's key for a field: those of its tables as they are, else of `files`, else of the mechanism."""
+        tables = [f.name for f in dataclasses.fields(self.recipe)]
+        if field.split(".")[0] in tables:
+            return field
+        if field in (f.name for f in dataclasses.fields(self.recipe.files)):
+            return f"files.{field}"
+        # The table of the mechanism follows `kind`; a part may have a link's name, or none that a key has.
+        mechanism = tables[1]
+        named = field in (f.name for f in dataclasses.fields(getattr(self.recipe, mechanism)))
+        return f"{mechanism}.{field}" if named else mechanism
 
 
 def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Part]]:
-    with _naming(file):
+    with _naming(file, recipe):
         parts = kind(recipe.kind).parts(recipe)
         return tuple(kind(recipe.kind).checks(recipe)), parts
 
 
-def _solids(recipe: Any, parts: list[Part]) -> list[Any]:
-    """Parts as they are to be: what STL is made from."""
-    from .export.cut import cut
-
-    return [cut(part, recipe.files.tolerance) for part in parts]
-
-
-def _flats(recipe: Any, parts: list[Part]) -> list[Any]:
-    """Parts as the cutter must go: what DXF and SVG are made from."""
+def _cuts(recipe: Any, parts: list[Part], wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
+    """Parts as the cutter must go, for DXF and SVG, and as they are to be, for STL; empty where not wanted."""
+    if not {"dxf", "svg", "stl"} & set(wanted):
+        return [], []
     from .export.cut import cut
 
     files = recipe.files
-    return [cut(part, files.tolerance, files.kerf, files.curves == "arcs") for part in parts]
+    flats = [cut(part, files.tolerance, files.kerf, files.curves == "arcs") for part in parts]
+    if files.kerf == 0 or "stl" not in wanted:
+        return flats, flats
+    return flats, [cut(part, files.tolerance) for part in parts]
 
 
 def _contents(
@@ -99,10 +112,11 @@ def _contents(
     """File name to bytes, everything that is to be written; nothing is loaded that is not needed."""
     wanted = [f for f in recipe.files.write if only is None or f in only]
     contents: dict[str, bytes] = {}
+    flats, solids = _cuts(recipe, parts, wanted)
     if "dxf" in wanted or "svg" in wanted:
         from .export.layout import lay_out
 
-        sheet = lay_out(_flats(recipe, parts))
+        sheet = lay_out(flats)
     if "dxf" in wanted:
         from .export.dxf import dxf
 
@@ -114,13 +128,20 @@ def _contents(
     if "stl" in wanted:
         from .export.stl import stl
 
-        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in _solids(recipe, parts)}
+        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in solids}
     if "csv" in wanted:
         from .export.csv import csv
 
         contents[f"{name}.csv"] = csv(kind(recipe.kind).table(recipe))
     contents["summary.json"] = _summary(recipe, name, parts, checks, contents)
     return contents
+
+
+def _libraries(contents: dict[str, bytes]) -> list[str]:
+    """What had a hand in the files: by their endings, since others may be loaded for another recipe."""
+    endings = {Path(name).suffix for name in contents}
+    hands = {"numpy": endings, "shapely": endings & {".dxf", ".svg", ".stl"}, "ezdxf": endings & {".dxf"}}
+    return [library for library, used in (hands | {"trimesh": endings & {".stl"}}).items() if used]
 
 
 def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...], contents: dict[str, bytes]) -> bytes:
@@ -154,6 +175,6 @@ def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...
         "parts": [part_summary(p) for p in parts],
         "files": sorted(contents),
         "versions": {"geomkin": __version__}
-        | {m: sys.modules[m].__version__ for m in ("numpy", "shapely", "ezdxf", "trimesh") if m in sys.modules},
+        | {library: sys.modules[library].__version__ for library in _libraries(contents)},
     }
-    return (json.dumps(summary, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+    return (json.dumps(summary, indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")

@@ -9,15 +9,25 @@ def main() -> None:
     """Run the command line; never a traceback for what a user can cause."""
     try:
         _calm()
-        from .commands import cli
+        import click
 
-        cli()
+        try:
+            from .commands import cli
+
+            sys.exit(cli(standalone_mode=False))
+        except click.ClickException as error:
+            error.show()
+            sys.exit(error.exit_code)
+        except click.Abort:
+            sys.exit(130)
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
         # The reader of our output left (`geomkin list | head`): nothing more to say, not even at exit.
         sys.stderr.close()
         sys.exit(141)
+    except OSError as error:
+        sys.exit(f"geomkin cannot go on: {error.strerror or error}")
     except Exception as error:
         # What is refused on purpose is told elsewhere; this is ours to mend, and a traceback helps no user.
         sys.exit(f"geomkin failed by a fault of its own ({type(error).__name__}: {error}); please report the recipe")
@@ -27,7 +37,11 @@ def _calm() -> None:
     """Settings for a short process, before anything heavy is loaded."""
     import gc
     import os
+    import signal
 
+    # Ctrl-C ends the process itself: as an exception it would be swallowed by libraries that try their
+    # own optional imports, and wait for compiled code. Files are whole all the same.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     # NumPy's linear algebra would start a thread for every core; nothing here multiplies matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Importing makes objects that stay: collecting among them every 700 costs a tenth of the run.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -40,16 +42,17 @@ def cli() -> None:
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/."""
     from .build import make
+    from .errors import printable
 
     files = _files(recipes)
     _refuse_twins(files)
     made, failed = _each(files, lambda file: make(file, out, only))
-    if sys.stdout.isatty() and made:
+    if _is_terminal(sys.stdout) and made:
         click.echo(_report(made))
     for result in made:
         for check in result.checks:
             if not check.passed:
-                click.secho(f"{result.name}: check failed: {check}", fg="yellow", err=True)
+                click.secho(f"{printable(result.name)}: check failed: {check}", fg="yellow", err=True)
     sys.exit(1 if failed else 0)
 
 
@@ -58,10 +61,11 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
 def check_command(recipes: tuple[Path, ...]) -> None:
     """Validate recipes and show their checks; write nothing."""
     from .build import check_recipe
+    from .errors import printable
 
     made, failed = _each(_files(recipes), check_recipe)
     for result in made:
-        click.echo(result.name)
+        click.echo(printable(result.name))
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {check}")
     sys.exit(1 if failed else 0)
@@ -117,22 +121,27 @@ def _refuse_twins(files: list[Path]) -> None:
     stems = [f.stem for f in files]
     twins = [f for f in files if stems.count(f.stem) > 1]
     if twins:
-        raise click.UsageError(
-            f"{' and '.join(map(str, twins))} would write the same folder; run them with another --out"
-        )
+        from .errors import printable
+
+        named = " and ".join(map(printable, twins))
+        raise click.UsageError(f"{named} would write the same folder; run them with another --out")
 
 
 def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], int]:
     """Results of those that worked, and how many did not; each failure is told when all is done."""
-    from .errors import GeomkinError
+    from .errors import GeomkinError, printable
 
     results, failures = [], []
+    hidden = len(files) < 2 or not _is_terminal(sys.stderr)
+    if not hidden:
+        # The bar hides the cursor, and only code of ours brings it back.
+        signal.signal(signal.SIGINT, _leave)
     with click.progressbar(
         files,
         label="Recipes",
         item_show_func=lambda f: f.stem if f else "",
         file=sys.stderr,
-        hidden=len(files) < 2 or not sys.stderr.isatty(),
+        hidden=hidden,
     ) as bar:
         for file in bar:
             try:
@@ -140,20 +149,40 @@ def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], 
             except GeomkinError as error:
                 failures.append(str(error))
             except MemoryError:
-                failures.append(f"{file}: not enough memory; give a larger tolerance")
+                failures.append(f"{printable(file)}: not enough memory; give a larger tolerance")
+            except Exception as error:
+                # A fault of ours in one recipe is told like any other, and the rest are made.
+                fault = f"{type(error).__name__}: {error}"
+                failures.append(f"{printable(file)}: geomkin failed by a fault of its own ({fault}); please report it")
     for failure in failures:
         click.secho(failure, fg="red", err=True)
     return results, len(failures)
 
 
+def _is_terminal(stream: Any) -> bool:
+    """Whether someone watches; a closed stream is None."""
+    return stream is not None and stream.isatty()
+
+
+def _leave(*_: Any) -> None:
+    """End at once on Ctrl-C, with the cursor back."""
+    sys.stderr.write("\x1b[?25h\n")
+    sys.stderr.flush()
+    os._exit(130)
+
+
 def _report(made: list[Any]) -> str:
     """One row for each recipe: where its files are, how large, how its checks came out."""
+    from .errors import printable
+
     rows = [("recipe", "files", "size", "checks")]
     for result in made:
         endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))
         size = sum(result.files.values()) / 1000
         passed = sum(c.passed for c in result.checks)
         folder = next(iter(result.files)).parent if result.files else ""
-        rows.append((str(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed"))
+        rows.append(
+            (printable(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed")
+        )
     widths = [max(len(row[k]) for row in rows) for k in range(4)]
     return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in rows)

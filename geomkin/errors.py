@@ -52,3 +52,11 @@ def printable(text: object, longest: int = 80) -> str:
     """
     line = "".join(c if c.isprintable() else "?" for c in str(text))
     return line if len(line) <= longest else f"{line[: longest // 2]}...{line[-(longest // 2 - 3) :]}"
+
+
+def shown(value: object) -> str:
+    """A value as its author would recognise it, on one line of bearable length, whatever it is."""
+    try:
+        return printable(repr(value))
+    except (ValueError, RecursionError):
+        return f"a {type(value).__name__} too long to print"

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import DesignError, printable
+from .errors import DesignError, shown
 
 
 def quantity(
@@ -61,7 +61,7 @@ def check_sizes(thing: Any) -> None:
         if "unit" not in about or (value is None and field.default is None):
             continue
         if not _fits(value, about):
-            raise DesignError(field.name, f"found {printable(value)}", f"give {allowed(about)}")
+            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
 
 
 def _fits(value: Any, about: Any) -> bool:
@@ -79,13 +79,17 @@ def _fits(value: Any, about: Any) -> bool:
     )
 
 
+# A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
+FARTHEST = 1e9
+
+
 class PointXY:
     """Marks a complex field that a recipe gives as `[x, y]` in mm."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema
 
-        number = core_schema.float_schema(allow_inf_nan=False, strict=True)
+        number = core_schema.float_schema(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False, strict=True)
         return core_schema.no_info_after_validator_function(
             lambda xy: complex(*xy),
             core_schema.tuple_schema([number, number]),

@@ -38,7 +38,7 @@ ALONE = {
     "trimesh": {"export/stl.py"},
     "pydantic": {"recipe/load.py", "recipe/explain.py", "sizes.py"},
     "pydantic_core": {"sizes.py", "cam/program.py"},
-    "click": {"commands.py"},
+    "click": {"commands.py", "cli.py"},
 }
 
 

@@ -12,7 +12,7 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Offset
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .follower import TranslatingRoller
 from .program import Dwell, Program, Return, Rise
 
@@ -26,7 +26,7 @@ class Cam:
         "segments that fill one turn",
         example=Program((Dwell(end_deg=120), Rise("3-4-5", rise=20, end_deg=240), Return("cycloidal", end_deg=360))),
     )
-    base_radius: float = quantity("radius of the cam where the lift is 0", "mm", above=0, example=40)
+    base_radius: float = quantity("radius of the cam where the lift is 0", "mm", above=0, at_most=FARTHEST, example=40)
     direction: Literal["counterclockwise", "clockwise"] = entry("way the cam turns", default="counterclockwise")
 
     def __post_init__(self) -> None:

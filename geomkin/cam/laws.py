@@ -32,10 +32,14 @@ def harmonic(x: Array) -> Array:
 
 def _polynomial(coefficients: list[float]) -> Law:
     f = Polynomial(coefficients)
-    orders = [f, f.deriv(1), f.deriv(2), f.deriv(3)]
+    # Rows: the polynomial and its derivatives; columns: powers from the highest, as Horner takes them.
+    rows = [np.pad(f.deriv(k).coef if k else f.coef, (0, k))[::-1] for k in range(4)]
 
     def law(x: Array) -> Array:
-        return np.stack([g(x) for g in orders])
+        value = np.zeros((4, *np.shape(x)))
+        for column in np.array(rows).T:
+            value = value * x + column.reshape(4, *[1] * np.ndim(x))
+        return value
 
     return law
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from ..plane.vec import Array
-from ..sizes import OneOfKinds, check_sizes, entry, quantity
+from ..sizes import FARTHEST, OneOfKinds, check_sizes, entry, quantity
 from .laws import LAWS
 
 # Angles, deg, and lifts, mm, that a person wrote to add up may miss by this much: less refuses thirds
@@ -23,7 +23,7 @@ LawName = Literal["cycloidal", "harmonic", "3-4-5"]
 
 
 def _angle(meaning: str) -> float | None:
-    return quantity(meaning, "deg", default=None)
+    return quantity(meaning, "deg", default=None, at_least=-360, at_most=360)
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,12 @@ class Rise:
     """The follower moves away, by `rise` or to `end_lift`; give one of the two."""
 
     law: LawName = entry("law of motion", example="cycloidal")
-    rise: float | None = quantity("how far it moves, positive outward", "mm", default=None)
-    end_lift: float | None = quantity("lift above the base circle where it ends", "mm", default=None)
+    rise: float | None = quantity(
+        "how far it moves, positive outward", "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST
+    )
+    end_lift: float | None = quantity(
+        "lift above the base circle where it ends", "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST
+    )
     kind: Literal["rise"] = "rise"
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
@@ -54,7 +58,9 @@ class Return:
     """The follower moves back to `end_lift`, 0 unless given."""
 
     law: LawName = entry("law of motion", example="cycloidal")
-    end_lift: float = quantity("lift above the base circle where it ends", "mm", default=0.0)
+    end_lift: float = quantity(
+        "lift above the base circle where it ends", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+    )
     kind: Literal["return"] = "return"
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
@@ -130,9 +136,9 @@ class Program:
         turned = np.where((angle >= 0) & (angle <= breaks[-1]), angle, np.mod(angle, 2 * np.pi))
         which = np.clip(np.searchsorted(breaks, turned, side="right") - 1, 0, len(laws) - 1)
         out = np.zeros((4, *angle.shape))
-        for k, law in enumerate(laws):
-            mask = which == k
-            if law and mask.any():
+        for k in np.unique(which):
+            mask, law = which == k, laws[k]
+            if law:
                 span, rise = breaks[k + 1] - breaks[k], lifts[k + 1] - lifts[k]
                 powers = span ** -np.arange(4.0)
                 out[:, mask] = rise * powers[:, None] * LAWS[law]((turned[mask] - breaks[k]) / span)

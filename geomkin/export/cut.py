@@ -19,6 +19,9 @@ from ..plane.vec import Array
 
 # A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
 LARGEST = 1e5
+# Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
+# and takes minutes.
+FINEST = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,18 +65,18 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
     arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
     """
     _check_scale(part, tolerance)
-    outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name, "outline")
-    holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name, "holes") for h in part.holes]
+    outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
+    holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name) for h in part.holes]
     for k, hole in enumerate(holes):
-        if not region.contains(outline.points, hole.points):
+        if not region.contains(outline.points, hole.points) or region.gap(outline.points, hole.points) < tolerance:
             raise DesignError(
-                f"{part.name}.holes",
-                f"hole {k + 1} reaches the outline",
+                part.name,
+                f"hole {k + 1} reaches the outline, or comes nearer than the tolerance of {tolerance:g} mm",
                 "make the hole smaller or the part larger",
             )
         for other in holes[:k]:
             if region.overlap([hole.points], [other.points]) > 0:
-                raise DesignError(f"{part.name}.holes", "two holes meet", "move them apart or make them smaller")
+                raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
     return Cut(part, (outline, *holes))
 
 
@@ -85,25 +88,32 @@ def _check_scale(part: Part, tolerance: float) -> None:
             f"it is about {size:.3g} mm across",
             f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {LARGEST:g} mm",
         )
+    if tolerance < FINEST * size:
+        raise DesignError(
+            "tolerance",
+            f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
+            f"give at least {FINEST * size:.2g} mm",
+        )
 
 
-def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str, field: str) -> Loop:
+def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str) -> Loop:
     digits = decimals(tolerance)
     if isinstance(curve, Circle):
         radius = curve.radius + grow
         if radius <= 0:
-            raise DesignError(f"{name}.{field}", "the kerf is wider than the hole", "give a smaller kerf")
+            raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
+        if round(radius, digits) <= 0:
+            raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
         circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     moved = _moved(curve, grow)
     points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
     if grow and not _is_outline(points):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
-        moved, points = None, _grown(flatten(curve, tolerance / 2), grow, tolerance / 2, f"{name}.{field}")
-        points = _rounded_loop(points, digits)
+        moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if not _is_outline(points):
-        raise DesignError(f"{name}.{field}", "the outline crosses itself", "change the sizes that make it overlap")
-    shape = _rounded_arcs(to_arcs(moved, tolerance), digits) if arcs and moved else Polyline(points)
+        raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
+    shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
 
 
@@ -116,10 +126,14 @@ def _is_outline(points: Array) -> bool:
     return len(points) >= 3 and region.is_simple(points)
 
 
-def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
+def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
+    digits = decimals(tolerance)
     z = _round(np.asarray(exact.vertices), digits)
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
+    # An arc that no file can tell from a point would be an edge without direction.
+    seen = np.abs(np.roll(z, -1) - z) > tolerance / 100
+    z, bulges = z[seen], bulges[seen]
     flat = np.abs(bulges * (np.roll(z, -1) - z)) < 10.0**-digits
     # Twelve decimals of a bulge lie below the last decimal of any vertex.
     bulges = np.where(flat, 0.0, np.round(bulges, 12))
@@ -127,11 +141,20 @@ def _rounded_arcs(exact: Polyline, digits: int) -> Polyline:
     return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
-def _grown(points: Array, grow: float, tolerance: float, field: str) -> Array:
+def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
+    """The polygon grown by half the kerf; refused where a beam so wide would leave another part than asked for."""
     points = points if _signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
-    if len(regions) != 1 or len(regions[0]) != 1:
-        raise DesignError(field, "the kerf closes a gap or a neck", "give a smaller kerf or a larger part")
+    whole = len(regions) == 1 and len(regions[0]) == 1
+    left = region.offset(regions[0], -grow, tolerance) if whole else []
+    changed = abs(sum(_signed_area(r[0]) for r in left) - _signed_area(points))
+    # Rounding of sharp inner corners, which no beam can avoid, stays far below this.
+    if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
+        raise DesignError(
+            "kerf",
+            f"found {2 * abs(grow):g} mm, wider than a gap or a neck of the {name}",
+            "give a smaller kerf or a larger part",
+        )
     return regions[0][0]
 
 

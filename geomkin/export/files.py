@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import FileError, printable
@@ -15,6 +18,11 @@ def write_whole(path: Path, content: bytes) -> None:
     A full disk, a kill or a second run at the same moment leaves the old file or the new one, never a
     part of either. Raises FileError with what stood in the way.
     """
+    with _uninterrupted():
+        _write(path, content)
+
+
+def _write(path: Path, content: bytes) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists() and not path.is_file():
@@ -34,6 +42,19 @@ def write_whole(path: Path, content: bytes) -> None:
         if isinstance(error, OSError):
             raise _refusal(path, error) from error
         raise
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits until the temporary file is gone again, where the system can make it wait."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _umask() -> int:

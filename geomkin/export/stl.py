@@ -7,7 +7,7 @@ import trimesh
 
 from ..errors import GeomkinError
 from ..plane import region
-from ..plane.vec import xy
+from ..plane.vec import Array, xy
 from .cut import Cut, polygon_area
 
 
@@ -17,7 +17,7 @@ def stl(cut: Cut) -> bytes:
     Raises GeomkinError rather than return a mesh that leaks or whose volume is not its area times its
     thickness: inverted hole walls pass for watertight.
     """
-    loops = [loop.points if k == 0 else loop.points[::-1] for k, loop in enumerate(cut.loops)]
+    loops = [_distinct(loop.points if k == 0 else loop.points[::-1]) for k, loop in enumerate(cut.loops)]
     points, faces = region.triangulate(loops)
     mesh = trimesh.creation.extrude_triangulation(xy(points), faces, height=cut.part.thickness)
     expected = polygon_area(cut) * cut.part.thickness
@@ -27,3 +27,13 @@ def stl(cut: Cut) -> bytes:
             "please report this with the recipe"
         )
     return trimesh.exchange.stl.export_stl(mesh)
+
+
+def _distinct(z: Array) -> Array:
+    """The corners that the format's 24-bit numbers can tell from a straight line: others leave flat triangles."""
+    finest = 4 * np.finfo(np.float32).eps * np.abs(z).max()
+    z = z[np.abs(z - np.roll(z, 1)) > finest]
+    before, after = np.roll(z, 1), np.roll(z, -1)
+    straight = np.abs(np.imag((z - before) * np.conj(after - before))) <= finest * np.abs(after - before)
+    # Of neighbours only one goes at a time, so that a gentle curve keeps its shape.
+    return z[~(straight & ~np.roll(straight, 1))]

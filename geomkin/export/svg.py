@@ -35,7 +35,7 @@ def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
             lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
         lines.append("</g>")
     lines.append("</svg>\n")
-    return "\n".join(lines).encode("utf-8")
+    return "\n".join(lines).encode("utf-8", "replace")
 
 
 def _shape(loop: Loop, shift: complex, height: float, digits: int) -> str:

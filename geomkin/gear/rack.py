@@ -19,8 +19,12 @@ class Rack:
     """
 
     pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
-    addendum: float = quantity("height of the gear's teeth above the reference line", "modules", default=1.0, above=0)
-    dedendum: float = quantity("depth that the rack cuts below the reference line", "modules", default=1.25, above=0)
+    addendum: float = quantity(
+        "height of the gear's teeth above the reference line", "modules", default=1.0, above=0, at_most=5
+    )
+    dedendum: float = quantity(
+        "depth that the rack cuts below the reference line", "modules", default=1.25, above=0, at_most=5
+    )
     tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
 
     def __post_init__(self) -> None:

@@ -23,8 +23,10 @@ class SpurGear:
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=10_000, example=24)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, example=2)
-    profile_shift: float = quantity("outward shift of the cutting rack", "modules", default=0.0)
+    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=2)
+    profile_shift: float = quantity(
+        "outward shift of the cutting rack", "modules", default=0.0, at_least=-10, at_most=10
+    )
     rack: Rack = entry("the cutting rack", default=Rack())
 
     def __post_init__(self) -> None:

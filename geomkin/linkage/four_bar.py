@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ..errors import DesignError
-from ..sizes import PointXY, check_sizes, entry, quantity
+from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 
 
 @dataclass(frozen=True)
@@ -17,16 +17,20 @@ class FourBar:
     `ground_angle_deg` place the whole.
     """
 
-    ground: float = quantity("distance between the two ground pivots", "mm", above=0, example=100)
-    crank: float = quantity("length of the driving link", "mm", above=0, example=30)
-    coupler: float = quantity("length of the floating link between crank and rocker", "mm", above=0, example=90)
-    rocker: float = quantity("length of the driven link", "mm", above=0, example=70)
+    ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
+    crank: float = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: float = quantity(
+        "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
+    )
+    rocker: float = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
     coupler_point: Annotated[complex, PointXY()] = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )
     origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
-    ground_angle_deg: float = quantity("direction from crank pivot to rocker pivot", "deg", default=0.0)
+    ground_angle_deg: float = quantity(
+        "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)

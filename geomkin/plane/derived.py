@@ -99,16 +99,22 @@ class Offset(AbstractCurve):
     distance: float
 
     def point(self, t: ArrayLike) -> Array:
-        return self.curve.point(t) - 1j * self.distance * unit(self.curve.velocity(self._moving(t)))
+        return self.curve.point(t) - 1j * self.distance * unit(self._moving(t)[1])
 
     def velocity(self, t: ArrayLike) -> Array:
-        t = self._moving(t)
-        return self.curve.velocity(t) * (1 + self.distance * self.curve.curvature(t))
+        t, v = self._moving(t)
+        return v * (1 + self.distance * self.curve.curvature(t))
 
-    def _moving(self, t: ArrayLike) -> Array:
-        """A cusp at the start, where the curve stands still, takes its direction from just after it."""
-        t, (first, second) = np.asarray(t, dtype=float), self.breaks[:2]
-        return np.where((t == first) & (self.curve.velocity(first) == 0), first + 1e-9 * (second - first), t)
+    def _moving(self, t: ArrayLike) -> tuple[Array, Array]:
+        """Parameters and velocities; at a cusp, where the curve stands still, those just inside the piece."""
+        t = np.asarray(t, dtype=float)
+        v = self.curve.velocity(t)
+        if (still := v == 0).any():
+            b = self.breaks
+            i = np.clip(np.searchsorted(b, t, side="right") - 1, 0, len(b) - 2)
+            t = np.where(still, t + 1e-9 * (0.5 * (b[i] + b[i + 1]) - t), t)
+            v = self.curve.velocity(t)
+        return t, v
 
     def curvature(self, t: ArrayLike) -> Array:
         bend = self.curve.curvature(t)

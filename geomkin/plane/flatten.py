@@ -24,8 +24,9 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Array:
     """Points (n,) complex on the curve, mm, whose chords are nowhere farther than `tolerance` from it.
 
     A closed curve does not repeat its start; an open one includes both ends. Every corner is a point.
-    The count is the least possible for chords between points of the curve, within 3 % + 1 for each
-    stretch between corners: all chords get the same error instead of the same length.
+    All chords get the same error instead of the same length, which takes the least count possible for
+    chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
+    involutes and cams; up to 8 % where a stretch has an inflection every twenty chords).
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")

@@ -32,8 +32,8 @@ def union(loops: Sequence[Array]) -> list[Loops]:
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:
     """A region grown (or, negative, shrunk) by `distance`, mm, with round corners within `tolerance`.
 
-    The result may be several regions, or none when it shrinks away. The tolerance is kept down to some
-    thousandths of the distance, below which the library that trims drops detail.
+    The result may be several regions, or none when it shrinks away. The tolerance is kept down to a
+    ten-thousandth of the distance, below which the library that trims drops detail.
     """
     radius = abs(distance)
     if radius == 0:
@@ -53,6 +53,11 @@ def overlap(a: Loops, b: Loops) -> float:
 def contains(outer: Array, inner: Array) -> bool:
     """Whether polygon `inner` lies wholly inside polygon `outer` without touching it."""
     return bool(shapely.Polygon(xy(outer)).contains_properly(shapely.Polygon(xy(inner))))
+
+
+def gap(a: Array, b: Array) -> float:
+    """Least distance between two polygons' boundaries, mm."""
+    return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
 def triangulate(loops: Loops) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ MOST_TURN = 2.2
 ROUNDS = 12
 # What an interval that stays over is counted for beyond its share; without it, it stays over.
 PUSH = 1.05
-# How near the count must come to what the errors ask for before the second half of the looks is spared.
+# How near the count must come to what the errors ask for, or within one, to spare the second half of the looks.
 ENOUGH = 1.005
 
 Judge = Callable[[Array], tuple[Array, Array]]
@@ -54,7 +54,7 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
             best, fewest = edges, len(share) + over.sum()
         used = np.concatenate([[0.0], np.cumsum(np.where(over & (k > 1), PUSH, 1) * share)])
         count = max(1, int(np.ceil(used[-1] - 1e-9)))
-        if fewest <= count or (k >= looks // 2 and fewest <= ENOUGH * count):
+        if fewest <= count or (k >= looks // 2 and fewest <= max(ENOUGH * count, count + 1)):
             break
         edges = _divide(edges, used, count)
     return _halve(judge, best, breaks, tolerance)
@@ -128,7 +128,7 @@ def direction(curve: AbstractCurve, t: Array, after: bool) -> Array:
     i = np.searchsorted(b, t, side="right" if after else "left")
     near = b[np.clip(i if after else i - 1, 0, len(b) - 1)]
     # Far enough into the piece to be on the right side of rounding, and not so far as to turn.
-    inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 8 * np.spacing(np.abs(t)))
+    inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 64 * np.spacing(np.abs(t)))
     return unit(curve.velocity(t + inward))
 
 

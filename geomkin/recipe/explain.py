@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 
 from pydantic import ValidationError
 
-from ..errors import DesignError, Problem, printable
+from ..errors import DesignError, Problem, printable, shown
 from ..sizes import allowed
 
 
@@ -27,7 +27,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 def _problem(e: Any, recipe: type) -> Problem:
     tables, field, key = _place(e["loc"], recipe)
     about = field.metadata if field else {}
-    found = f"found {printable(repr(e['input']))}"
+    found = f"found {shown(e['input'])}"
     match e["type"]:
         case "missing":
             return Problem(key, "is missing", f"give {_wanted(about) or 'it'}")
@@ -49,12 +49,15 @@ def _problem(e: Any, recipe: type) -> Problem:
         case "union_tag_invalid" | "union_tag_not_found":
             tags = [str(_tag(t)) for t in tables if _tag(t)]
             tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
-            problem = "is missing" if tag is None else f"found {printable(repr(tag))}"
+            problem = "is missing" if tag is None else f"found {shown(tag)}"
             hint = nearest(tag, tags) if isinstance(tag, str) else ""
             return Problem(_join(key, "kind"), problem, f"give {' or '.join(map(repr, tags))}{hint}")
         case "dataclass_type" | "model_attributes_type" | "dict_type":
             known = [f.name for t in tables for f in dataclasses.fields(t)]
             return Problem(key, found, f"give a table with {', '.join(dict.fromkeys(known))}")
+        case "less_than_equal" | "greater_than_equal" if "unit" not in about:
+            limit = next(iter(e["ctx"].values()))
+            return Problem(key, found, f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_wanted(about)})")
         case _:
             return Problem(key, found, f"give {_wanted(about) or e['msg']}")
 
@@ -79,7 +82,7 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
         if tagged and len(tables) > 1:
             tables = tagged
             continue
-        key = _join(key, part)
+        key = _join(key, printable(part, 60))
         owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
         field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
         inner = [c for t in owners for c in _dataclasses_in(get_type_hints(t)[part])]

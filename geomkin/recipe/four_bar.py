@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 
 from ..check import Check
+from ..errors import DesignError
 from ..linkage.four_bar import FourBar
 from ..linkage.motion import Motion
 from ..linkage.solve import move
 from ..part import Part
 from ..plane.vec import Array
 from ..shop.links import LinkStock, four_bar_parts
-from ..sizes import entry
+from ..sizes import entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Drive, Files
@@ -26,12 +27,20 @@ class FourBarRecipe:
 
     kind: Literal["four-bar"]
     linkage: FourBar
-    branch: Literal[1, -1] = entry(
-        "side of the coupler-rocker pin, seen from the crank pin towards the rocker pivot: 1 left, -1 right", default=1
+    branch: int = quantity(
+        "1 or -1: coupler-rocker pin left or right of the line from crank pin to rocker pivot",
+        default=1,
+        whole=True,
+        at_least=-1,
+        at_most=1,
     )
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        if self.branch == 0:
+            raise DesignError("branch", "found 0", "give 1 or -1")
 
 
 def _table(recipe: FourBarRecipe) -> Table:

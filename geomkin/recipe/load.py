@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..errors import FileError, Problem, RecipeError, printable
+from ..errors import FileError, Problem, RecipeError, printable, shown
 from .explain import explain, nearest
 from .kinds import KINDS, kind
 
@@ -28,6 +29,9 @@ def load(file: str | Path) -> Any:
 
 def parse(text: str, file: str = "recipe") -> Any:
     """The recipe in a TOML text; `file` is what messages call it."""
+    # The reader's time grows with the square of a key's parts.
+    if re.search(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){100}", text):
+        raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")
     try:
         data = tomllib.loads(text)
     except RecursionError:
@@ -36,7 +40,7 @@ def parse(text: str, file: str = "recipe") -> Any:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
     name = data.get("kind")
     if not isinstance(name, str) or name not in KINDS:
-        found = "is missing" if "kind" not in data else f"found {printable(repr(name))}"
+        found = "is missing" if "kind" not in data else f"found {shown(name)}"
         hint = nearest(name, KINDS) if isinstance(name, str) else ""
         raise RecipeError(file, [Problem("kind", found, f"give one of {', '.join(KINDS)}{hint}")])
     try:
@@ -65,6 +69,8 @@ def schema() -> dict:
 
 def _read(path: Path) -> str:
     try:
+        if not path.is_file():
+            raise FileNotFoundError(0, "it is no file")
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:

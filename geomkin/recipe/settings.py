@@ -41,7 +41,7 @@ class Files:
 class Drive:
     """How the driver turns, and how finely its motion is told."""
 
-    speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, above=0)
+    speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, at_least=0.001, at_most=1e6)
     step_deg: float = quantity(
         "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..cam.cam import Cam
-from ..cam.limits import tightest_convex
+from ..cam.limits import cam_angles, tightest_convex
 from ..errors import DesignError
 from ..part import Part
 from ..plane.primitives import Circle
 from ..sizes import check_sizes, quantity
+from .bore import bore
 
 
 @dataclass(frozen=True)
@@ -37,17 +40,9 @@ def cam_parts(cam: Cam, stock: CamStock) -> list[Part]:
             f"{largest:.4g} mm, so the cam would be undercut",
             f"give less than {largest:.4g} mm, a larger base_radius or a longer segment there",
         )
-    parts = [Part("cam", cam.profile, _bore(stock.bore), stock.thickness)]
+    narrowest = 2 * float(np.abs(cam.profile.point(cam_angles(cam))).min())
+    parts = [Part("cam", cam.profile, bore(stock.bore, narrowest, "stock.bore"), stock.thickness)]
     if roller > 0:
-        if stock.roller_bore >= 2 * roller:
-            raise DesignError(
-                "stock.roller_bore",
-                f"found {stock.roller_bore:g} mm in a roller of {2 * roller:g} mm",
-                f"give less than {2 * roller:g} mm",
-            )
-        parts.append(Part("roller", Circle(0j, roller), _bore(stock.roller_bore), stock.thickness))
+        hole = bore(stock.roller_bore, 2 * roller, "stock.roller_bore")
+        parts.append(Part("roller", Circle(0j, roller), hole, stock.thickness))
     return parts
-
-
-def _bore(diameter: float) -> tuple[Circle, ...]:
-    return (Circle(0j, diameter / 2),) if diameter else ()

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..errors import DesignError
 from ..gear.spur import SpurGear
 from ..part import Part
-from ..plane.primitives import Circle
 from ..sizes import check_sizes, quantity
+from .bore import bore
 
 
 @dataclass(frozen=True)
@@ -24,11 +23,5 @@ class GearStock:
 
 def gear_parts(gear: SpurGear, stock: GearStock) -> list[Part]:
     """The gear about its axis."""
-    if stock.bore / 2 >= gear.root_radius:
-        raise DesignError(
-            "stock.bore",
-            f"found {stock.bore:g} mm, but the root circle is {2 * gear.root_radius:.4g} mm wide",
-            f"give less than {2 * gear.root_radius:.4g} mm",
-        )
-    bore = (Circle(0j, stock.bore / 2),) if stock.bore else ()
-    return [Part("gear", gear.outline, bore, stock.thickness)]
+    hole = bore(stock.bore, 2 * gear.root_radius, "stock.bore")
+    return [Part("gear", gear.outline, hole, stock.thickness)]

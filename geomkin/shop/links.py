@@ -8,7 +8,7 @@ from ..errors import DesignError
 from ..linkage.four_bar import FourBar
 from ..part import Part
 from ..plane.primitives import Circle, rounded_hull
-from ..sizes import check_sizes, quantity
+from ..sizes import FARTHEST, check_sizes, quantity
 
 
 @dataclass(frozen=True)
@@ -16,9 +16,11 @@ class LinkStock:
     """What links are cut from, and the pins that join them."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
-    bar_width: float = quantity("width of the links", "mm", default=14.0, above=0)
-    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, above=0)
-    clearance: float = quantity("how much wider than its pin a hole is", "mm", default=0.2, at_least=0)
+    bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
+    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
+    clearance: float = quantity(
+        "how much wider than its pin a hole is", "mm", default=0.2, at_least=0, at_most=FARTHEST
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -1,0 +1,147 @@
+"""Legal sizes at their ends: sound files, or one line that says what to change."""
+
+import subprocess
+import sys
+
+import ezdxf
+import pytest
+from shapely.geometry import Polygon
+
+DWELL = '{kind = "dwell", end_deg = 360}'
+KNIFE = '{kind = "translating-roller", roller_radius = 0}'
+# A rise and return across every 3.6 deg; the last ends the turn exactly.
+WAVES = [
+    f'{{kind = "rise", law = "3-4-5", rise = 0.1, end_deg = {3.6 * k + 1.8}}}, '
+    f'{{kind = "return", law = "3-4-5", end_deg = {3.6 * k + 3.6 if k < 99 else 360}}}'
+    for k in range(100)
+]
+
+
+@pytest.mark.parametrize("curves", ["chords", "arcs"])
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("four-bar", {"linkage.coupler_point": "[90.0, -0.0]"}),
+        ("four-bar", {"linkage.coupler_point": "[45, 1e-13]"}),
+        ("four-bar", {"linkage.coupler_point": "[75, 1e-8]"}),
+        ("four-bar", {"linkage.coupler_point": "[165, 1e-6]"}),
+        ("four-bar", {"linkage.coupler_point": "[95.5, 0.02]"}),
+        ("four-bar", {"linkage.ground_angle_deg": "-1e6", "branch": "-1"}),
+        ("four-bar", {"linkage.ground_angle_deg": "1e308"}),
+        ("four-bar", {"linkage.origin": "[1e12, 0]"}),
+        ("four-bar", {"drive.speed_rpm": "1e-300"}),
+        ("four-bar", {"drive.speed_rpm": "1e300"}),
+        ("four-bar", {"drive.step_deg": "90", "files.tolerance": "1"}),
+        ("four-bar", {"stock.thickness": "1e39"}),
+        ("four-bar", {"stock.thickness": "1e-6"}),
+        ("four-bar", {"files.kerf": "4.19"}),
+        ("four-bar", {"files.kerf": "1e-300"}),
+        ("disk-cam", {"cam.program": f"[{DWELL}]"}),
+        ("disk-cam", {"cam.follower": KNIFE, "files.kerf": "1"}),
+        ("disk-cam", {"cam.follower": KNIFE.replace("0}", "10, offset = -49.999}")}),
+        ("disk-cam", {"stock.bore": "79.9"}),
+        ("disk-cam", {"stock.roller_bore": "19.999999"}),
+        ("disk-cam", {"drive.speed_rpm": "1e-150"}),
+        ("disk-cam", {"drive.speed_rpm": "1e200"}),
+        ("spur-gear", {"gear.teeth": "4", "stock.bore": "0"}),
+        ("spur-gear", {"gear.teeth": "5", "stock.bore": "0"}),
+        ("spur-gear", {"gear.profile_shift": "1.392"}),
+        ("spur-gear", {"gear.rack.pressure_angle_deg": "5"}),
+        ("spur-gear", {"gear.rack.tip_radius": "0", "files.kerf": "0.2"}),
+        ("spur-gear", {"files.kerf": "1e-7"}),
+        ("spur-gear", {"files.tolerance": "4"}),
+        ("spur-gear", {"stock.bore": "42.99999"}),
+    ],
+    ids=str,
+)
+def test_an_extreme_is_made_sound_or_refused_with_a_remedy(run, refused, sound, recipe, kind, changes, curves):
+    result = run(recipe(kind, changes | {"files.curves": f'"{curves}"'}))
+    if result.exit_code:
+        refused(result, many=True)
+    else:
+        assert "summary.json" in sound("out/r")
+
+
+def test_a_coupler_point_on_a_pin_needs_no_third_hole(run, recipe, here):
+    for k, (point, holes) in enumerate([("[0, 0]", 2), ("[90, 0]", 2), ("[40, 25]", 3)]):
+        changes = {"linkage.coupler_point": point, "files.write": '["svg"]'}
+        assert run(recipe("four-bar", changes), "--out", str(k)).exit_code == 0
+        # Two holes in each of the other three plates.
+        assert (here / str(k) / "r" / "r.svg").read_text().count("<circle") == 6 + holes
+
+
+@pytest.mark.parametrize("unit", ["1e-9", "1e-5", "1e3", "1e5"])
+def test_motion_keeps_its_digits_at_any_size(run, sound, recipe, here, unit):
+    lengths = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
+    stock = {"bar_width": 14, "pin_diameter": 4, "clearance": 0.2}
+    scaled = {"files.write": '["csv"]'}
+    for table, sizes in (("linkage", lengths), ("stock", stock)):
+        for key, value in sizes.items():
+            size = [v * float(unit) for v in value] if isinstance(value, list) else value * float(unit)
+            scaled[f"{table}.{key}"] = str(size)
+    assert run(recipe("four-bar", scaled)).exit_code == 0
+    assert run(recipe("four-bar", {"files.write": '["csv"]'}), "--out", "plain").exit_code == 0
+    assert sound("out/r")
+    rows = [[line.split(",") for line in (here / out / "r/r.csv").read_text().split()] for out in ("out", "plain")]
+    column = rows[0][0].index("transmission_angle_deg")
+    assert len(rows[0]) == 74
+    for mine, plain in zip(rows[0][1:], rows[1][1:], strict=True):
+        assert float(mine[column]) == pytest.approx(float(plain[column]), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("four-bar", {"files.kerf": "5"}),
+        ("spur-gear", {"stock.thickness": "1e-9"}),
+        ("spur-gear", {"gear.module": "1e5", "files.write": '["csv"]'}),
+    ],
+    ids=str,
+)
+def test_check_says_what_run_will_do(run, geomkin, recipe, kind, changes):
+    made = run(recipe(kind, changes))
+    checked = geomkin("check", "r.toml")
+    assert (checked.exit_code, checked.stderr) == (made.exit_code, made.stderr)
+
+
+@pytest.mark.parametrize(("module", "bore", "kerf"), [("2", "8", "0.2"), ("2", "8", "4"), ("0.3", "1", "0.5")])
+def test_the_part_that_falls_out_of_the_cut_is_the_part_asked_for(run, recipe, here, module, bore, kerf):
+    """A beam too wide for the tooth spaces leaves metal in them; that must not pass in silence."""
+    gear = {"gear.module": module, "stock.bore": bore, "files.write": '["dxf"]'}
+    assert run(recipe("spur-gear", gear)).exit_code == 0
+    result = run(recipe("spur-gear", gear | {"files.kerf": kerf}), "--out", "kerf")
+    if "kerf" in result.stderr:
+        return  # refused, or told as a failed check
+    areas = []
+    for out, cut in (("out", 0.0), ("kerf", float(kerf))):
+        entities = ezdxf.readfile(here / out / "r/r.dxf").modelspace()
+        outline = next(e for e in entities if e.dxf.layer == "CUT")
+        areas.append(Polygon(outline.get_points("xy")).buffer(-cut / 2, quad_segs=64).area)
+    assert areas[1] == pytest.approx(areas[0], rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("spur-gear", {"gear.teeth": "10_000", "gear.module": "0.5", "files.write": '["svg", "csv"]'}),
+        ("spur-gear", {"gear.module": "4000", "files.tolerance": "1e-6", "files.write": '["stl"]'}),
+        ("spur-gear", {"gear.module": "1e12", "files.write": '["csv"]'}),
+        ("disk-cam", {"cam.base_radius": "400", "cam.program": f"[{', '.join(WAVES)}]"}),
+    ],
+    ids=["10000 teeth", "100 m to 1 nm", "table of a giant", "200 segments"],
+)
+def test_what_is_asked_for_comes_or_is_refused_while_a_person_waits(command, here, recipe, kind, changes):
+    (here / "r.toml").write_text(recipe(kind, changes))
+    try:
+        done = command("run", "r.toml", timeout=30)
+    except subprocess.TimeoutExpired:
+        pytest.fail("nothing after 30 s")
+    assert done.returncode == 0 or (done.returncode == 1 and done.stderr.startswith("r.toml: ")), done.stderr
+
+
+def test_without_assertions_nothing_is_taken_that_was_refused(here, recipe):
+    # `python -O` drops assert statements, so no check may live in one.
+    (here / "r.toml").write_text(recipe("four-bar", {"linkage.ground": "1000", "files.kerf": "-1"}))
+    done = subprocess.run([sys.executable, "-O", "-m", "geomkin", "run", "r.toml"], capture_output=True, text=True)
+    assert done.returncode == 1 and not (here / "out").exists()
+    assert [line.split(": ")[1] for line in done.stderr.splitlines()] == ["linkage.ground", "files.kerf"]

@@ -1,0 +1,194 @@
+"""Arcs: as near to the curve as asked, without kinks, and exact where the curve is made of arcs."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from geomkin.errors import DesignError
+from geomkin.gear.spur import SpurGear
+from geomkin.plane import measure
+from geomkin.plane.arcs import to_arcs
+from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.joined import Path, Ring
+from geomkin.plane.pose import Pose
+from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
+from geomkin.plane.vec import xy
+
+from .curves import Bezier, Flower, cam_profile, edges, examples, flank, off_arcs, off_chord, size
+
+CURVES = examples() | {"flank": flank(), "cam": cam_profile(), "cam reversed": Reversed(cam_profile())}
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
+
+
+def along_arcs(line, count=24):
+    """Points on every arc, its centre and sweep from the bulge: (edges, count)."""
+    a, b, bulge = (x[:, None] for x in edges(line))
+    share = np.linspace(0, 1, count)
+    flat = np.abs(bulge) < 1e-7
+    with np.errstate(divide="ignore", invalid="ignore"):
+        centre = (a + b) / 2 + 1j * (b - a) * (1 - bulge**2) / (4 * bulge)
+        bent = centre + (a - centre) * np.exp(4j * np.arctan(bulge) * share)
+    return np.where(flat, a + (b - a) * share, bent)
+
+
+def deviation(curve, line):
+    """Larger of the two: how far the curve strays from the arcs, and the arcs from the curve."""
+    span = np.diff(curve.breaks)[:, None]
+    dense = curve.point(curve.breaks[:-1, None] + span * np.linspace(0, 1, 400, endpoint=False)).ravel()
+    from_arcs = off_arcs(*(x[:, None] for x in edges(line)), dense).min(axis=0).max()
+    from_curve = measure.nearest(curve, along_arcs(line).ravel())[1].max()
+    return max(from_arcs, from_curve)
+
+
+def kinks(line):
+    """Turn at each vertex between two edges, rad, and the vertices."""
+    a, b, bulge = edges(line)
+    sweep = 4 * np.arctan(bulge)
+    out, into = (b - a) * np.exp(0.5j * sweep), (b - a) * np.exp(-0.5j * sweep)
+    if not line.closed:
+        return np.angle(into[1:] / out[:-1]), a[1:]
+    return np.angle(into / np.roll(out, 1)), a
+
+
+def corners(curve):
+    """Points of a curve where its direction jumps, by differences."""
+    b, h = curve.breaks, 1e-7 * np.diff(curve.breaks)
+    before, after = curve.point(b[1:]) - curve.point(b[1:] - h), curve.point(b[:-1] + h) - curve.point(b[:-1])
+    jump = np.abs(np.angle(np.roll(after, -1) / before))
+    return curve.point(b[1:])[jump > 1e-4]
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_arcs_keep_the_tolerance_both_ways(name):
+    curve = CURVES[name]
+    for tolerance in TOLERANCES:
+        line = to_arcs(curve, tolerance)
+        assert line.closed == curve.closed
+        assert deviation(curve, line) <= tolerance * (1 + 1e-3) + 1e-12 * size(curve)
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_arcs_have_no_kink_but_the_corners_of_the_curve(name):
+    curve = CURVES[name]
+    allowed = np.append(corners(curve), np.inf)
+    for tolerance in TOLERANCES:
+        turn, at = kinks(to_arcs(curve, tolerance))
+        smooth = np.abs(at[:, None] - allowed).min(axis=1, initial=np.inf) > 1e-9
+        assert np.abs(turn[smooth]).max(initial=0) < 1e-6
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_no_arc_exceeds_half_a_turn(name):
+    """Also where the curve is a polyline that has a longer one: readers of bulges differ above 1."""
+    for tolerance in (10.0, *TOLERANCES):
+        assert np.abs(edges(to_arcs(CURVES[name], tolerance))[2]).max() <= 1 + 1e-7
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_arcs_start_and_end_with_the_curve(name):
+    curve = CURVES[name]
+    line = to_arcs(curve, 0.01)
+    ends = line.point(np.array([line.breaks[0], line.breaks[-1]]))
+    assert np.allclose(ends, curve.point(curve.breaks[[0, -1]]), rtol=0, atol=1e-11 * size(curve))
+
+
+def strays(curve, line):
+    """How far the curve strays from the arcs, densely."""
+    return off_arcs(*(x[:, None] for x in edges(line)), curve.point(np.linspace(0, 1, 2001))).min(axis=0).max()
+
+
+@settings(deadline=None, derandomize=True, max_examples=40)
+@given(st.lists(st.builds(complex, *[st.integers(-5, 5)] * 2), min_size=4, max_size=4, unique=True), st.floats(-3, -1))
+def test_arcs_of_any_cubic_keep_the_tolerance(control, power):
+    """Zigzags, loops and near cusps, the same on every run; to a hundredth, the examples below to a thousandth."""
+    # On one line a cubic may double back, which is a corner inside a piece.
+    assume(np.linalg.matrix_rank(xy(np.array(control) - control[0])) == 2)
+    curve, tolerance = Bezier(tuple(control)), 10**power
+    line = to_arcs(curve, tolerance)
+    assert strays(curve, line) <= tolerance * (1 + 1e-2)
+    # Back from the arcs to the curve, which is here its own 4000 chords: too sharp turns hide from fewer.
+    dense = curve.point(np.linspace(0, 1, 4001))
+    back = [off_chord(dense[:-1], dense[1:], p).min() for p in along_arcs(line, 12).ravel()]
+    assert max(back) <= tolerance * (1 + 1e-2)
+    assert np.abs(edges(line)[2]).max() <= 1 + 1e-7
+
+
+@pytest.mark.parametrize(
+    "control, tolerance",
+    [((-5 - 3j, -4 - 5j, 5 + 3j, 2 - 4j), 2.8979e-3), ((3 + 0j, -5 - 5j, 2 + 4j, 4 - 3j), 1.30487e-3)],
+)
+def test_arcs_keep_the_tolerance_between_probes_too(control, tolerance):
+    curve = Bezier(control)
+    assert strays(curve, to_arcs(curve, tolerance)) <= tolerance * (1 + 1e-3)
+
+
+def test_tangents_that_face_each_other_give_no_warning():
+    """Somewhere on the way to few arcs, the ends of an interval ask for a biarc that does not exist."""
+    curve, tolerance = Bezier((1 + 0j, 4 + 0j, 2j, 5 - 2j)), 4.2053185485452324e-2
+    assert strays(curve, to_arcs(curve, tolerance)) <= tolerance * (1 + 1e-2)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
+def test_circles_and_straight_pieces_come_back_exactly(tolerance):
+    disc = to_arcs(Circle(1 + 1j, 3.0), tolerance)
+    assert np.allclose(disc.vertices, [4 + 1j, -2 + 1j]) and np.array_equal(disc.bulges, [1, 1])
+    line = to_arcs(Segment(1j, 4 + 3j), tolerance)
+    assert np.allclose(line.vertices, [1j, 4 + 3j]) and np.array_equal(line.bulges, [0])
+    pill = to_arcs(slot(0j, 4 + 0j, 1.0), tolerance)
+    assert np.allclose(pill.vertices, [1j, -1j, 4 - 1j, 4 + 1j]) and np.allclose(pill.bulges, [1, 0, 1, 0], atol=1e-9)
+    hull = rounded_hull([0, 5, 1 + 3j], 0.8)
+    for curve, count in ((hull, 6), (Moved(hull, Pose(1j, 1j)), 6), (Reversed(hull), 6), (Offset(hull, 0.3), 6)):
+        exact = to_arcs(curve, tolerance)
+        assert len(exact.bulges) == count
+        assert np.isclose(measure.area(exact), measure.area(curve), rtol=1e-9)
+    three_quarters = to_arcs(Arc(0j, 2 + 0j, 1.5 * np.pi), tolerance)
+    assert 2 <= len(three_quarters.bulges) <= 3
+    assert np.allclose(np.abs(along_arcs(three_quarters)), 2)
+
+
+def test_polyline_comes_back_as_it_is_but_for_arcs_over_half_a_turn():
+    line = to_arcs(Polyline(np.array([0, 4, 4 + 3j]), np.array([0.0, 1.0, -0.3])), 1e-3)
+    assert np.array_equal(line.vertices, [0, 4, 4 + 3j]) and np.array_equal(line.bulges, [0, 1, -0.3])
+    pear = Polyline(np.array([0, 2 + 0j]), np.array([2.0, 0.0]))
+    halves = to_arcs(pear, 1e-3)
+    assert len(halves.bulges) == 3 and np.isclose(measure.area(halves), measure.area(pear))
+
+
+def test_ring_of_copies_has_copies_of_arcs():
+    gear = SpurGear(13, 2).outline
+    line, one = to_arcs(gear, 1e-3), to_arcs(gear.piece, 1e-3)
+    assert line.closed and len(line.vertices) == 13 * len(one.bulges)
+    z = np.asarray(line.vertices).reshape(13, -1)
+    assert np.allclose(z[1:], z[:-1] * np.exp(2j * np.pi / 13), rtol=0, atol=1e-12)
+    assert np.isclose(measure.area(line), measure.area(gear), atol=1e-3 * measure.length(gear))
+    assert deviation(gear.piece, one) <= 1e-3 * (1 + 1e-3)
+    # Where one copy ends and the next starts the bottom land goes on smoothly.
+    turn, _ = kinks(line)
+    assert np.abs(turn.reshape(13, -1)[:, 0]).max() < 1e-6
+
+
+def test_ring_of_straight_pieces_has_straight_edges():
+    star = Ring(Polyline(np.array([2, 1 + 1j, 2j]), None, False), 4)
+    line = to_arcs(star, 1e-3)
+    assert np.isclose(measure.area(line), measure.area(star)) and (edges(line)[2] == 0).all()
+
+
+def test_ring_of_one_closed_piece_is_that_piece():
+    ring = Ring(Flower(3.0), 1)
+    assert deviation(ring, to_arcs(ring, 1e-3)) <= 1e-3 * (1 + 1e-3)
+
+
+def test_smooth_pieces_end_to_end_stay_smooth():
+    bend = Arc(3 + 1j, 3 + 0j, 2.0)
+    ahead = complex(bend.velocity(1.0)) / 2.0
+    path = Path((Segment(0j, 3 + 0j), bend, Segment(complex(bend.point(1.0)), complex(bend.point(1.0)) + 4 * ahead)))
+    line = to_arcs(path, 1e-3)
+    assert len(line.bulges) == 3 and np.abs(kinks(line)[0]).max() < 1e-9
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan, np.inf])
+def test_a_tolerance_is_a_distance(tolerance):
+    with pytest.raises(DesignError) as refusal:
+        to_arcs(Circle(0j, 1.0), tolerance)
+    assert refusal.value.field == "tolerance"

@@ -1,0 +1,122 @@
+"""Curves made of other curves: moved, reversed, mirrored, parallel, end to end and in a ring."""
+
+import numpy as np
+import pytest
+
+from geomkin.errors import DesignError
+from geomkin.plane import measure
+from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.joined import Path, Ring
+from geomkin.plane.pose import Pose
+from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
+from geomkin.plane.roulettes import Involute
+from geomkin.plane.vec import cross, direction_deg, dot, unit, xy
+
+from .curves import Bezier, Flower
+
+ZIGZAG = Bezier((0j, 3 + 4j, 1 - 4j, 4 + 0j))
+T = np.linspace(0, 1, 21)
+
+
+def test_moved_turns_then_shifts():
+    """Against the rotation matrix in coordinates."""
+    c, s = np.cos(0.7), np.sin(0.7)
+    out = Moved(ZIGZAG, Pose(3 - 2j, complex(c, s)))
+    assert np.allclose(xy(out.point(T)), xy(ZIGZAG.point(T)) @ np.array([[c, s], [-s, c]]) + [3, -2])
+    assert np.allclose(out.pose.locate(out.point(T)), ZIGZAG.point(T))
+
+
+def test_reversed_is_the_same_trace_backwards():
+    back = Reversed(ZIGZAG)
+    t = np.linspace(*back.breaks, 21)
+    assert np.allclose(back.point(t)[::-1], ZIGZAG.point(T), rtol=0, atol=1e-14)
+    assert np.allclose(np.sign(back.curvature(t))[::-1], -np.sign(ZIGZAG.curvature(T)))
+    twice = Reversed(back)
+    assert np.array_equal(twice.breaks, ZIGZAG.breaks) and np.allclose(twice.point(T), ZIGZAG.point(T), atol=1e-14)
+
+
+def test_mirrored_swaps_left_and_right():
+    assert np.array_equal(xy(Mirrored(ZIGZAG).point(T)), xy(ZIGZAG.point(T)) * [-1, 1])
+    loop = Flower(3.0)
+    assert np.isclose(measure.area(Mirrored(loop)), -measure.area(loop))
+
+
+@pytest.mark.parametrize("distance", [0.3, -0.2])
+def test_offset_lies_square_to_the_curve_on_its_right(distance):
+    """Its nearest point of the curve is as far as the distance; left and right by the sign of a cross product."""
+    beside = Offset(ZIGZAG, distance)
+    z = beside.point(T[1:-1])
+    foot, away = measure.nearest(ZIGZAG, z)
+    assert np.allclose(away, abs(distance), rtol=1e-12) and np.allclose(foot, T[1:-1], atol=1e-6)
+    left = np.imag(np.conj(ZIGZAG.velocity(T[1:-1])) * (z - ZIGZAG.point(T[1:-1])))
+    assert (np.sign(left) == -np.sign(distance)).all()
+
+
+def test_offset_of_an_outline_grows_outward():
+    assert np.isclose(measure.area(Offset(Circle(1j, 3.0), 0.5)), np.pi * 3.5**2)
+    assert np.isclose(measure.area(Offset(Reversed(Circle(1j, 3.0)), 0.5)), -np.pi * 2.5**2)
+
+
+def test_offset_of_an_involute_is_the_string_cut_shorter():
+    """Parallels of an involute are the same involute turned: also the one that starts at the cusp."""
+    radius, distance = 3.0, 0.6
+    beside = Offset(Involute(radius, 0.0, 1.2), distance)
+    t = np.linspace(0, 1.2, 13)
+    turned = Involute(radius, 0.0, 2.0).point(t + distance / radius) * np.exp(-1j * distance / radius)
+    assert np.allclose(beside.point(t[1:]), turned[1:])
+    assert np.allclose(beside.point(t), turned), "at the cusp the direction is that of the curve just after it"
+    back = Offset(Reversed(Involute(radius, 0.0, 1.2)), -distance)
+    assert np.allclose(back.point(-t), turned), "or just before it, where the curve ends there"
+
+
+def test_path_runs_each_piece_over_one_unit():
+    pieces = (Segment(0j, 2 + 0j), Arc(2 + 1j, 2 + 0j, np.pi / 2), Moved(ZIGZAG, Pose(3 + 1j)))
+    path = Path(pieces)
+    assert not path.closed and np.array_equal(path.breaks, [0, 1, 2, 3])
+    for k, piece in enumerate(pieces):
+        assert np.allclose(path.point(k + T[:-1]), piece.point(T[:-1]))
+    assert np.isclose(measure.length(path), sum(measure.length(p) for p in pieces))
+
+
+def test_ring_is_its_copies_turned():
+    count = 7
+    piece = Segment(2 + 0j, 2 * np.exp(2j * np.pi / count))
+    heptagon = 2 * np.exp(2j * np.pi * np.arange(count) / count)
+    ring = Ring(piece, count)
+    assert ring.closed and np.allclose(ring.point(np.arange(count)), heptagon)
+    assert np.isclose(measure.area(ring), 0.5 * count * 4 * np.sin(2 * np.pi / count))
+
+
+@pytest.mark.parametrize("closed", [Path((Circle(-1 + 0j, 1.0),)), Ring(Circle(0j, 1.0), 1)], ids=["path", "ring"])
+def test_one_closed_piece_makes_a_closed_curve(closed):
+    """Also where the piece starts at the origin, so that no share of its distance from there is a measure."""
+    assert closed.closed and np.isclose(measure.area(closed), np.pi)
+
+
+def test_pieces_that_do_not_meet_are_refused_by_name():
+    with pytest.raises(DesignError, match="piece 1 ends 0.1 mm"):
+        Path((Segment(0j, 1 + 0j), Segment(1 + 0j, 2 + 0j), Segment(2.1 + 0j, 3 + 0j)))
+    with pytest.raises(DesignError, match="next copy") as refusal:
+        Ring(Segment(2 + 0j, 2j), 5)
+    assert refusal.value.field == "piece"
+
+
+def test_directions_are_exact_at_quarter_turns():
+    assert np.array_equal(direction_deg([-90, 0, 90, 180, 270, 360, 720]), [-1j, 1, 1j, -1, -1j, 1, 1])
+    angle = np.linspace(-400, 400, 37)
+    assert np.allclose(direction_deg(angle), np.cos(np.radians(angle)) + 1j * np.sin(np.radians(angle)))
+
+
+def test_products_and_units_of_vectors():
+    a, b = np.array([3 + 4j, 1j, 2]), np.array([1 - 2j, -5, 3j])
+    assert np.allclose(dot(a, b), (xy(a) * xy(b)).sum(axis=-1))
+    assert np.allclose(cross(a, b), np.linalg.det(np.stack([xy(a), xy(b)], axis=-2)))
+    assert np.allclose(unit(a), [0.6 + 0.8j, 1j, 1]) and np.isnan(unit(0j))
+
+
+def test_polyline_and_path_of_segments_are_the_same_curve():
+    z = np.array([0, 3, 3 + 2j, 1 + 4j])
+    path = Path(tuple(Segment(a, b) for a, b in zip(z, np.roll(z, -1))))
+    t = np.linspace(0, 4, 41)
+    assert np.allclose(path.point(t), Polyline(z).point(t))
+    assert path.closed and np.allclose(path.velocity(t), Polyline(z).velocity(t))

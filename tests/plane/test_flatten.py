@@ -1,0 +1,183 @@
+"""Chords: never farther from the curve than asked, and a point at every corner."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from geomkin.errors import DesignError
+from geomkin.gear.spur import SpurGear
+from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.flatten import flatten
+from geomkin.plane.joined import Path, Ring
+from geomkin.plane.pose import Pose
+from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
+from geomkin.plane.vec import xy
+
+from .curves import Bezier, Flower, cam_profile, examples, flank, off_chord, size
+
+CURVES = [*examples(), "flower in one piece"]
+
+
+def named(name, scale=1.0):
+    return Flower(3.0 * scale, 1) if name == "flower in one piece" else examples(scale)[name]
+
+
+def places(curve, z):
+    """Parameter of each point of a curve: Newton's steps from the nearest of many, in every smooth piece.
+
+    Fails where a point is not on the curve or the points do not go along it.
+    """
+    b = curve.breaks
+    low, span = b[:-1, None], np.diff(b)[:, None]
+    cells = low + span * (np.arange(64) + 0.5) / 64
+    nearest = np.abs(curve.point(cells)[:, None, :] - z[None, :, None]).argmin(axis=2)
+    t = np.take_along_axis(cells, nearest, 1)
+    for _ in range(10):
+        v = curve.velocity(t)
+        step = np.real(np.conj(v) * (z - curve.point(t))) / np.maximum(np.abs(v) ** 2, 1e-300)
+        t = np.clip(t + step, low * (1 + 1e-16), low + span)
+    options = np.concatenate([np.repeat(b[:, None], len(z), 1), t])
+    # The end of a closed curve is its start; a break is taken at its own parameter.
+    off = np.abs(curve.point(options) - z)
+    found = np.take_along_axis(options, off.argmin(axis=0)[None], 0)[0]
+    if curve.closed and found[0] == b[-1]:
+        found[0] = b[0]
+    assert off.min(axis=0).max() < 1e-11 * size(curve), "a point lies off the curve"
+    assert (np.diff(found) > 0).all(), "points out of order"
+    return found
+
+
+def deviation(curve, z):
+    """Largest distance of the curve from its own chord, at 200 places along each."""
+    t = places(curve, z)
+    if curve.closed:
+        t, z = np.append(t, curve.breaks[-1]), np.append(z, z[0])
+    probes = t[:-1, None] + np.diff(t)[:, None] * np.linspace(0, 1, 202)[1:-1]
+    return off_chord(z[:-1, None], z[1:, None], curve.point(probes)).max()
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("name", CURVES)
+def test_chords_keep_the_tolerance(name, scale):
+    curve = named(name, scale)
+    for tolerance in scale * np.array([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]):
+        assert deviation(curve, flatten(curve, tolerance)) <= tolerance * (1 + 1e-3)
+
+
+@pytest.mark.parametrize("make", [flank, cam_profile, lambda: Reversed(cam_profile())])
+def test_chords_of_flanks_and_cams_keep_the_tolerance(make):
+    curve = make()
+    for tolerance in (1e-1, 1e-2, 1e-3, 1e-4):
+        assert deviation(curve, flatten(curve, tolerance)) <= tolerance * (1 + 1e-3)
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(st.lists(st.builds(complex, *[st.integers(-5, 5)] * 2), min_size=4, max_size=4, unique=True), st.floats(-4, -1))
+def test_chords_of_any_cubic_keep_the_tolerance(control, power):
+    """Zigzags, loops and near cusps; distance to the nearest of all chords, since a loop passes points twice.
+
+    The same cubics on every run: one in some thousands has an edge sharper than any fixed number of probes sees.
+    """
+    # On one line a cubic may double back, which is a corner inside a piece.
+    assume(np.linalg.matrix_rank(xy(np.array(control) - control[0])) == 2)
+    curve, tolerance = Bezier(tuple(control)), 10**power
+    z = flatten(curve, tolerance)
+    dense = curve.point(np.linspace(0, 1, 2001))
+    assert off_chord(z[:-1, None], z[1:, None], dense).min(axis=0).max() <= tolerance * (1 + 1e-3)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_chords_over_smooth_breaks_keep_the_tolerance(seed):
+    """Straight, arc, straight of any sizes: the parameter's speed jumps, so even steps of it look at one side only."""
+    rng = np.random.default_rng(seed)
+    for _ in range(15):
+        before, radius, after, tolerance = 10 ** rng.uniform([-1, -1, -1, -4], [2, 1.5, 2, -1])
+        side = rng.choice([-1, 1])
+        bend = Arc(1j * side * radius, 0j, side * rng.uniform(0.2, 3))
+        end, ahead = complex(bend.point(1.0)), np.exp(1j * bend.sweep)
+        curve = Path((Segment(-before, 0j), bend, Segment(end, end + after * ahead)))
+        assert deviation(curve, flatten(curve, tolerance)) <= tolerance * (1 + 1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.3, 1e-2, 1e-4])
+def test_circle_takes_the_least_regular_polygon(tolerance):
+    """Its sides stand off by radius (1 - cos(pi / n)); one side fewer would stand off too far."""
+    count = len(flatten(Circle(1 + 1j, 3.0), tolerance))
+
+    def sagitta(n):
+        return 3 * (1 - np.cos(np.pi / n))
+
+    assert sagitta(count) <= tolerance * (1 + 1e-6) and (count == 3 or sagitta(count - 1) > tolerance)
+
+
+@pytest.mark.parametrize("name", ["polygon", "bulged", "hull of three", "reversed", "ring", "stretch", "open polyline"])
+def test_every_corner_is_a_point(name):
+    curve = examples()[name]
+    b, h = curve.breaks, 1e-6
+    before = curve.point(b[1:-1]) - curve.point(b[1:-1] - h)
+    after = curve.point(b[1:-1] + h) - curve.point(b[1:-1])
+    corners = curve.point(b[1:-1])[np.abs(np.angle(after / before)) > 1e-3]
+    if name != "hull of three":
+        assert len(corners)
+    for tolerance in (10.0, 1e-1, 1e-3):
+        z = flatten(curve, tolerance)
+        assert all(np.abs(z - corner).min() < 1e-12 for corner in corners)
+
+
+def test_straight_stays_two_points():
+    line = Segment(1j, 4 + 3j)
+    two_in_line = Path((Segment(0j, 1 + 2j), Segment(1 + 2j, 3 + 6j)))
+    for curve in (line, Moved(line, Pose(1j, 1j)), Reversed(line), Offset(line, 0.7), Path((line,)), two_in_line):
+        assert np.allclose(flatten(curve, 1e-6), curve.point(curve.breaks[[0, -1]]))
+
+
+@pytest.mark.parametrize("name", [n for n in CURVES if named(n).closed])
+@pytest.mark.parametrize("tolerance", [1e9, 5.0, 0.1])
+def test_closed_keeps_an_area_and_repeats_no_point(name, tolerance):
+    curve = named(name)
+    z = flatten(curve, tolerance)
+    assert len(z) >= 3 and np.abs(z - np.roll(z, 1)).min() > 1e-9
+    assert abs(np.imag(np.conj(z - z[0]) * np.roll(z - z[0], -1)).sum()) > 0.1
+
+
+def test_open_has_both_ends():
+    for name in CURVES:
+        curve = named(name)
+        if not curve.closed:
+            assert np.allclose(flatten(curve, 0.01)[[0, -1]], curve.point(curve.breaks[[0, -1]]))
+
+
+def lens():
+    """Two shallow arcs, each the other turned by half a turn."""
+    return Ring(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2)
+
+
+def test_ring_of_two_shallow_arcs_keeps_an_area():
+    z = flatten(lens(), 10.0)
+    assert len(z) >= 3 and abs(np.imag(np.conj(z) * np.roll(z, -1)).sum()) > 0
+
+
+def test_ring_of_one_closed_piece_loses_no_point():
+    ring = Ring(Flower(3.0), 1)
+    assert deviation(ring, flatten(ring, 1e-3)) <= 1e-3 * (1 + 1e-3)
+
+
+def test_ring_of_copies_has_copies_of_points():
+    gear = SpurGear(13, 2).outline
+    z = flatten(gear, 1e-3).reshape(13, -1)
+    assert np.allclose(z[1:], z[:-1] * np.exp(2j * np.pi / 13), rtol=0, atol=1e-12)
+    one = gear.piece
+    assert deviation(one, np.append(z[0], z[1, 0])) <= 1e-3 * (1 + 1e-3)
+
+
+def test_polygon_comes_back_as_it_is():
+    z = np.array([0, 4, 4 + 3j, 2 + 1j])
+    assert np.array_equal(flatten(Polyline(z), 1e-3), z)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan, np.inf])
+def test_a_tolerance_is_a_distance(tolerance):
+    with pytest.raises(DesignError) as refusal:
+        flatten(Circle(0j, 1.0), tolerance)
+    assert refusal.value.field == "tolerance"
