@@ -143,11 +143,11 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
 
 def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
     """The polygon grown by half the kerf; refused where a beam so wide would leave another part than asked for."""
-    points = points if _signed_area(points) > 0 else points[::-1]
+    points = points if signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
     whole = len(regions) == 1 and len(regions[0]) == 1
     left = region.offset(regions[0], -grow, tolerance) if whole else []
-    changed = abs(sum(_signed_area(r[0]) for r in left) - _signed_area(points))
+    changed = abs(sum(signed_area(r[0]) for r in left) - signed_area(points))
     # Rounding of sharp inner corners, which no beam can avoid, stays far below this.
     if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
         raise DesignError(
@@ -162,7 +162,7 @@ def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
     z = _round(z, digits)
     z = z[z != np.roll(z, 1)]
-    return z if _signed_area(z) >= 0 else z[::-1]
+    return z if signed_area(z) >= 0 else z[::-1]
 
 
 def _round(z: Array, digits: int) -> Array:
@@ -170,11 +170,7 @@ def _round(z: Array, digits: int) -> Array:
     return np.round(z, digits) + 0.0
 
 
-def _signed_area(z: Array) -> float:
+def signed_area(z: Array) -> float:
+    """Area of a polygon, mm2, positive when counterclockwise."""
     about = z - z[0]
     return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())
-
-
-def polygon_area(cut: Cut) -> float:
-    """Area of the part's polygons, mm2, holes taken off: what its STL stands on."""
-    return sum((1 if k == 0 else -1) * _signed_area(loop.points) for k, loop in enumerate(cut.loops))
