@@ -37,16 +37,21 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
     falls with the `order`-th power of their length. The error is measured, never predicted, so the
     result keeps the tolerance wherever the judge looks.
     """
-    if len(breaks) > 2:
-        # Every smooth piece by itself first; then chords across the breaks, where that saves any.
-        pieces = [spread(judge, pair, tolerance, order) for pair in np.stack([breaks[:-1], breaks[1:]], axis=1)]
-        best = edges = np.concatenate([p[:-1] for p in pieces] + [breaks[-1:]])
-        fewest: float = len(best) - 1
-        looks = ROUNDS // 3
-    else:
-        best = edges = np.linspace(breaks[0], breaks[-1], CELLS + 1)
-        fewest, looks = np.inf, ROUNDS
-    for k in range(looks):
+    grid = np.concatenate([b0 + (b1 - b0) * np.arange(CELLS) / CELLS for b0, b1 in zip(breaks, breaks[1:])])
+    best, settled = _settle(judge, np.append(grid, breaks[-1]), breaks, tolerance, order)
+    if not settled and len(breaks) > 2:
+        # Jumps of curvature keep the chords across them from settling: each smooth piece by itself does.
+        pairs = np.stack([breaks[:-1], breaks[1:]], axis=1)
+        pieces = [_settle(judge, np.linspace(*p, CELLS + 1), p, tolerance, order)[0] for p in pairs]
+        apart = np.concatenate([p[:-1] for p in pieces] + [breaks[-1:]])
+        best = apart if len(apart) < len(best) else best
+    return best
+
+
+def _settle(judge: Judge, edges: Array, breaks: Array, tolerance: float, order: int) -> tuple[Array, bool]:
+    """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
+    best, fewest, settled = edges, np.inf, False
+    for k in range(ROUNDS):
         share = _share(*judge(edges), tolerance, order)
         over = share > 1
         # An interval across a jump of curvature may never settle: split in two, it costs one more.
@@ -54,10 +59,11 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
             best, fewest = edges, len(share) + over.sum()
         used = np.concatenate([[0.0], np.cumsum(np.where(over & (k > 1), PUSH, 1) * share)])
         count = max(1, int(np.ceil(used[-1] - 1e-9)))
-        if fewest <= count or (k >= looks // 2 and fewest <= max(ENOUGH * count, count + 1)):
+        settled = fewest <= max(ENOUGH * count, count + 1)
+        if fewest <= count or (k >= ROUNDS // 2 and settled):
             break
         edges = _divide(edges, used, count)
-    return _halve(judge, best, breaks, tolerance)
+    return _halve(judge, best, breaks, tolerance), settled
 
 
 def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:

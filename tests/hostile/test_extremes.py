@@ -8,6 +8,9 @@ import pytest
 from shapely.geometry import Polygon
 
 DWELL = '{kind = "dwell", end_deg = 360}'
+HARDLY = (
+    '[{kind = "rise", law = "3-4-5", rise = 1e-300, end_deg = 90}, {kind = "return", law = "3-4-5", end_deg = 360}]'
+)
 KNIFE = '{kind = "translating-roller", roller_radius = 0}'
 # A rise and return across every 3.6 deg; the last ends the turn exactly.
 WAVES = [
@@ -37,6 +40,7 @@ WAVES = [
         ("four-bar", {"files.kerf": "4.19"}),
         ("four-bar", {"files.kerf": "1e-300"}),
         ("disk-cam", {"cam.program": f"[{DWELL}]"}),
+        ("disk-cam", {"cam.program": HARDLY}),
         ("disk-cam", {"cam.follower": KNIFE, "files.kerf": "1"}),
         ("disk-cam", {"cam.follower": KNIFE.replace("0}", "10, offset = -49.999}")}),
         ("disk-cam", {"stock.bore": "79.9"}),
