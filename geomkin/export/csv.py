@@ -32,6 +32,7 @@ def _cells(column: Column) -> list[str]:
         return [f"'{v}" if str(v)[:1] in ("=", "+", "-", "@") else str(v) for v in values.tolist()]
     finite = values[np.isfinite(values)]
     largest = np.abs(finite).max() if finite.size else 0.0
-    digits = DIGITS - 1 - int(np.floor(np.log10(largest))) if largest > 0 else 0
+    # Rounding to more than 290 decimals overflows; what is so small becomes 0.
+    digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
     rounded = (np.round(values, digits) + 0.0).tolist()
     return [repr(v) if np.isfinite(v) else "" for v in rounded]
