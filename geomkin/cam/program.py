@@ -135,14 +135,15 @@ class Program:
         breaks, (_, lifts, laws) = self.breaks, self._resolved
         turned = np.where((angle >= 0) & (angle <= breaks[-1]), angle, np.mod(angle, 2 * np.pi))
         which = np.clip(np.searchsorted(breaks, turned, side="right") - 1, 0, len(laws) - 1)
+        span, rise = np.diff(breaks)[which], np.diff(lifts)[which]
         out = np.zeros((4, *angle.shape))
-        for k in np.unique(which):
-            mask, law = which == k, laws[k]
-            if law:
-                span, rise = breaks[k + 1] - breaks[k], lifts[k + 1] - lifts[k]
-                powers = span ** -np.arange(4.0)
-                out[:, mask] = rise * powers[:, None] * LAWS[law]((turned[mask] - breaks[k]) / span)
-            out[0, mask] += lifts[k]
+        # By law, not by segment: a programme of very many segments costs no more than a short one.
+        named = np.array([law or "" for law in laws])[which]
+        for law in set(laws) - {None}:
+            mask = named == law
+            x = (turned[mask] - breaks[which[mask]]) / span[mask]
+            out[:, mask] = rise[mask] * span[mask] ** -np.arange(4.0)[:, None] * LAWS[law](x)
+        out[0] += lifts[which]
         return FollowerMotion(*out)
 
 
