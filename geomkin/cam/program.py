@@ -139,7 +139,7 @@ class Program:
         out = np.zeros((4, *angle.shape))
         # By law, not by segment: a programme of very many segments costs no more than a short one.
         named = np.array([law or "" for law in laws])[which]
-        for law in set(laws) - {None}:
+        for law in {law for law in laws if law}:
             mask = named == law
             x = (turned[mask] - breaks[which[mask]]) / span[mask]
             out[:, mask] = rise[mask] * span[mask] ** -np.arange(4.0)[:, None] * LAWS[law](x)

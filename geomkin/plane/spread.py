@@ -42,7 +42,7 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
     if not settled and len(breaks) > 2:
         # Jumps of curvature keep the chords across them from settling: each smooth piece by itself does.
         pairs = np.stack([breaks[:-1], breaks[1:]], axis=1)
-        pieces = [_settle(judge, np.linspace(*p, CELLS + 1), p, tolerance, order)[0] for p in pairs]
+        pieces = [_settle(judge, np.linspace(p[0], p[1], CELLS + 1), p, tolerance, order)[0] for p in pairs]
         apart = np.concatenate([p[:-1] for p in pieces] + [breaks[-1:]])
         best = apart if len(apart) < len(best) else best
     return best
