@@ -173,6 +173,7 @@ def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...
             for c in checks
         ],
         "parts": [part_summary(p) for p in parts],
+        **kind(recipe.kind).notes(recipe),
         "files": sorted(contents),
         "versions": {"geomkin": __version__}
         | {library: sys.modules[library].__version__ for library in _libraries(contents)},

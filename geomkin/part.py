@@ -12,7 +12,8 @@ class Part:
     """A flat plate.
 
     name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
-    direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make.
+    direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make. marks:
+    open or closed curves engraved within the outline.
     """
 
     name: str
@@ -21,3 +22,4 @@ class Part:
     thickness: float
     layer: str = "CUT"
     count: int = 1
+    marks: tuple[AbstractCurve, ...] = ()

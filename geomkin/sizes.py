@@ -37,10 +37,13 @@ def quantity(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def entry(meaning: str, *, default: Any = MISSING, example: Any = None) -> Any:
+def entry(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSING, example: Any = None) -> Any:
     """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
     shown = example if example is not None else default
-    return dataclasses.field(default=default, metadata={"description": meaning, "examples": [shown]})
+    metadata = {"description": meaning, "examples": [shown if default_factory is MISSING else default_factory()]}
+    if default_factory is not MISSING:
+        return dataclasses.field(default_factory=default_factory, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 def allowed(metadata: Any) -> str:

@@ -32,8 +32,14 @@ def rings(folder, name):
     return out
 
 
+# What the gallery shows on purpose: a parallelogram is at a dead centre where its links lie in line, and the
+# walking leg's last dyad comes within 9 deg of one, as its inventor's lengths have it.
+ADVISED = {"parallelogram": {"least transmission angle"}, "walking-leg": {"least transmission angle"}}
+
+
 def test_checks_of_the_gallery_pass(made):
-    assert all(check.passed for check in made[2].checks)
+    failed = {check.name for check in made[2].checks if not check.passed}
+    assert failed == ADVISED.get(made[0].stem, set())
 
 
 def test_every_part_is_in_the_dxf_with_the_area_that_its_solid_stands_on(made):

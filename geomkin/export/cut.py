@@ -26,9 +26,10 @@ FINEST = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """One closed cut. shape: a Circle, or a closed Polyline whose vertices are rounded; layer: its operation.
+    """One cut or mark. shape: a Circle, or a Polyline whose vertices are rounded; layer: its operation.
 
-    points: the same as a plain polygon (n,) complex, mm, counterclockwise.
+    points: the same as plain vertices (n,) complex, mm. A cut is closed and counterclockwise; a mark keeps its
+    own direction and may be open.
     """
 
     shape: Circle | Polyline
@@ -38,10 +39,11 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A part ready for its files: outline loop first, then the holes."""
+    """A part ready for its files. loops: the cuts, outline first, then the holes; marks: what is engraved."""
 
     part: Part
     loops: tuple[Loop, ...]
+    marks: tuple[Loop, ...] = ()
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -63,6 +65,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
     arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
+    Marks are always chords, and stay where they are whatever the kerf.
     """
     _check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
@@ -77,7 +80,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
         for other in holes[:k]:
             if region.overlap([hole.points], [other.points]) > 0:
                 raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
-    return Cut(part, (outline, *holes))
+    return Cut(part, (outline, *holes), _marks(part, tolerance))
 
 
 def _check_scale(part: Part, tolerance: float) -> None:
@@ -94,6 +97,43 @@ def _check_scale(part: Part, tolerance: float) -> None:
             f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
             f"give at least {FINEST * size:.2g} mm",
         )
+
+
+def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
+    """The marks; refuses one that reaches the outline, since a part cannot be engraved beside itself."""
+    if not part.marks:
+        return ()
+    marks, outline = [_mark(part, curve, tolerance) for curve in part.marks], flatten(part.outline, tolerance)
+    for k, mark in enumerate(marks):
+        # There and back: the ring that the distance is taken to must not close an open mark by a chord.
+        line = mark.points if mark.shape.closed else np.append(mark.points, mark.points[-2::-1])
+        if region.gap(outline, line) == 0 or not _is_inside(outline, line[0]):
+            raise DesignError(
+                part.name,
+                f"mark {k + 1} reaches over the outline",
+                "move the mark inwards, make it smaller or the part larger",
+            )
+    return tuple(marks)
+
+
+def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
+    digits = decimals(tolerance)
+    points = _round(flatten(curve, tolerance), digits)
+    kept = np.append(True, points[1:] != points[:-1])
+    kept[-1] &= not (curve.closed and points[-1] == points[0])
+    points = points[kept]
+    if len(points) < (3 if curve.closed else 2):
+        raise DesignError(part.name, "a mark is smaller than files can tell", "make it larger")
+    if isinstance(curve, Circle):
+        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(curve.radius, digits))
+        return Loop(circle, points, "ENGRAVE")
+    return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
+
+
+def _is_inside(outline: Array, place: complex) -> bool:
+    """Whether a polygon winds round a place that does not lie on it."""
+    seen = outline - place
+    return bool(abs(np.angle(np.roll(seen, -1) / seen).sum()) > np.pi)
 
 
 def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str) -> Loop:

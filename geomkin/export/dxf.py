@@ -1,4 +1,4 @@
-"""DXF for cutting: closed polylines and true circles, in mm, one layer per operation. Alone in loading ezdxf."""
+"""DXF for cutting: polylines and true circles, in mm, one layer per operation. Alone in loading ezdxf."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _document(sheet: Sheet) -> Drawing:
         document.layers.add(name, color=index).rgb = rgb
     space = document.modelspace()
     for placed in sheet.placed:
-        for loop in placed.cut.loops:
+        for loop in (*placed.cut.loops, *placed.cut.marks):
             _add(space, loop, placed.shift)
     document.header["$EXTMIN"] = (0.0, 0.0, 0.0)
     document.header["$EXTMAX"] = (sheet.width, sheet.height, 0.0)
@@ -50,7 +50,7 @@ def _add(space, loop: Loop, shift: complex) -> None:
         space.add_circle((centre.real, centre.imag), loop.shape.radius, dxfattribs=attributes)
         return
     vertices = np.asarray(loop.shape.vertices) + shift
-    polyline = space.add_lwpolyline([], close=True, dxfattribs=attributes)
+    polyline = space.add_lwpolyline([], close=loop.shape.closed, dxfattribs=attributes)
     rows = np.zeros((len(vertices), 5))  # x, y, start width, end width, bulge
     rows[:, 0], rows[:, 1] = vertices.real, vertices.imag
     if loop.shape.bulges is not None:

@@ -30,7 +30,7 @@ def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
     ]
     for placed in sheet.placed:
         lines.append(f'<g id="{escape(placed.cut.part.name)}-{len(lines)}">')
-        for loop in placed.cut.loops:
+        for loop in (*placed.cut.loops, *placed.cut.marks):
             shape = _shape(loop, placed.shift, sheet.height, digits)
             lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
         lines.append("</g>")
@@ -48,7 +48,7 @@ def _shape(loop: Loop, shift: complex, height: float, digits: int) -> str:
     places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
     bulges = loop.shape.bulges
     if bulges is None:
-        return f'<path d="M{" ".join(places)}Z"'
+        return f'<path d="M{" ".join(places)}{"Z" if loop.shape.closed else ""}"'
     return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, bulges, places[1:] + places[:1], digits))}Z"'
 
 

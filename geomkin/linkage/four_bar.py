@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
+
+import numpy as np
 
 from ..errors import DesignError
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from .linkage import Linkage
 
 
 @dataclass(frozen=True)
@@ -14,7 +17,8 @@ class FourBar:
     """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
 
     The crank turns about the origin; the rocker's ground pivot lies on +x at `ground`. `origin` and
-    `ground_angle_deg` place the whole.
+    `ground_angle_deg` place the whole. Lengths may be arrays (linkages,): many four-bars at once, of
+    which those that cannot be assembled are open at every frame.
     """
 
     ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
@@ -27,6 +31,7 @@ class FourBar:
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )
+    driver: Literal["crank", "coupler", "rocker"] = entry("link whose angle is driven", default="crank")
     origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
@@ -34,6 +39,10 @@ class FourBar:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        if self.driver not in ("crank", "coupler", "rocker"):
+            raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or rocker")
+        if np.ndim(self.ground + self.crank + self.coupler + self.rocker):
+            return
         lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
         longest = max(lengths, key=lengths.__getitem__)
         others = sum(lengths.values()) - lengths[longest]
@@ -44,3 +53,18 @@ class FourBar:
                 "so the loop cannot close",
                 f"give {longest} less than {others:g} mm or lengthen the others",
             )
+
+    @property
+    def linkage(self) -> Linkage:
+        """The general linkage: ground and rocker have their frames at their pivots, the coupler at the crank pin."""
+        return Linkage(
+            bodies={
+                "ground": {"crank_pivot": 0j, "rocker_pivot": self.ground + 0j},
+                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
+                "coupler": {"crank_pin": 0j, "rocker_pin": self.coupler + 0j, "coupler_point": self.coupler_point},
+                "rocker": {"rocker_pivot": 0j, "rocker_pin": self.rocker + 0j},
+            },
+            driver=self.driver,
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )

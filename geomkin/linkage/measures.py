@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..plane.vec import Array
+from ..errors import DesignError
+from ..plane.vec import Array, dot
 from .four_bar import FourBar
-
-
-def transmission_angle(coupler: Array, rocker: Array) -> Array:
-    """Acute angle between coupler and rocker at their pin, rad, from their directions.
-
-    Below about 40 deg the coupler pushes the rocker along itself rather than turning it.
-    """
-    between = rocker * np.conj(coupler)
-    return np.arctan2(np.abs(between.imag), np.abs(between.real))
+from .motion import Motion
+from .slider_crank import SliderCrank
 
 
 def grashof_type(linkage: FourBar) -> str:
@@ -23,10 +17,8 @@ def grashof_type(linkage: FourBar) -> str:
     crank-rocker, double-crank, rocker-crank, double-rocker (the coupler turns), change-point (the sums
     are equal, to rounding), triple-rocker.
     """
-    lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker")}
-    by_length = sorted(lengths, key=lengths.__getitem__)
-    spare = lengths[by_length[1]] + lengths[by_length[2]] - lengths[by_length[0]] - lengths[by_length[3]]
-    if abs(spare) <= 1e-12 * lengths[by_length[3]]:
+    lengths, shortest, spare = _by_length(linkage)
+    if abs(spare) <= 1e-12 * max(lengths.values()):
         return "change-point"
     if spare < 0:
         return "triple-rocker"
@@ -35,4 +27,63 @@ def grashof_type(linkage: FourBar) -> str:
         "ground": "double-crank",
         "rocker": "rocker-crank",
         "coupler": "double-rocker",
-    }[by_length[0]]
+    }[shortest]
+
+
+def _by_length(linkage: FourBar) -> tuple[dict[str, float], str, float]:
+    """Lengths, the shortest link, and what the other two have over shortest and longest, mm."""
+    lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker")}
+    by_length = sorted(lengths, key=lengths.__getitem__)
+    spare = lengths[by_length[1]] + lengths[by_length[2]] - lengths[by_length[0]] - lengths[by_length[3]]
+    return lengths, by_length[0], spare
+
+
+def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Array:
+    """The circuit of each frame, +1 or -1: poses of one sign are reached from each other without taking it apart.
+
+    0 where open; +1 throughout where there is one circuit only. Of a Grashof four-bar the sign of the angle at a
+    joint not adjacent to the shortest link; of a slider-crank whose crank turns fully the side on which the
+    slider stands, and where the connecting rod turns fully the side on which the crank does.
+    """
+    if isinstance(linkage, FourBar):
+        _, shortest, spare = _by_length(linkage)
+        # Each joint by the two links that meet there, the first one's x axis and the second's.
+        joints = {"crank": "rocker_pin", "ground": "rocker_pin", "coupler": "crank_pivot", "rocker": "crank_pin"}
+        if spare <= 0:
+            sign = np.ones(motion.closed.shape)
+        else:
+            crank, coupler, rocker = (motion.bodies[n].direction for n in ("crank", "coupler", "rocker"))
+            ground = motion.bodies["ground"].direction
+            pairs = {"rocker_pin": (coupler, rocker), "crank_pivot": (ground, crank), "crank_pin": (crank, coupler)}
+            one, two = pairs[joints[shortest]]
+            sign = np.sign(np.imag(np.conj(one) * two))
+    elif linkage.crank + abs(linkage.offset) < linkage.coupler:
+        sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["coupler"].direction))
+    elif linkage.coupler + abs(linkage.offset) < linkage.crank:
+        sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["crank"].direction))
+    else:
+        sign = np.ones(motion.closed.shape)
+    return np.where(motion.closed, sign, 0).astype(int)
+
+
+def mechanical_advantage(motion: Motion, output: str) -> Array:
+    """Output torque or force over input torque or force, by the power that both have: dq over the output's own way.
+
+    Of a turning body the torque it gives for 1 of the driver's; of one that only slides the force along its line, per
+    mm where the driver turns. Signed: negative where it works against the driver's sense. inf where the output stands
+    still (a dead centre of the output), 0 where the driver does.
+    """
+    if output not in motion.bodies or output == motion.linkage.ground:
+        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}")
+    body = motion.bodies[output]
+    way = body.first
+    if not np.nan_to_num(way).any():
+        lines = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
+        if lines:
+            slider = lines[0]
+            line = motion.bodies[motion.linkage.ground].direction * (
+                slider.direction if slider.body == output else -slider.direction
+            )
+            way = dot(line, body.point(slider.point if slider.body == output else slider.through).first)
+    with np.errstate(divide="ignore"):
+        return 1 / way

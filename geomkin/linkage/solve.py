@@ -2,64 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Literal, Protocol
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import DesignError
-from ..plane.vec import Array, direction_deg
-from .closure import close_four_bar
-from .four_bar import FourBar
-from .measures import transmission_angle
-from .motion import Body, Motion, still
+from .chain import Chain
+from .dyads import Dyad
+from .linkage import Linkage
+from .motion import Motion, Timing
+from .plan import plan
+
+Branch = Literal[1, -1, "follow"] | Mapping[str, int]
+
+
+class Named(Protocol):
+    """Anything that makes the general linkage: FourBar, SliderCrank, ..., Linkage."""
+
+    @property
+    def linkage(self) -> Linkage: ...
 
 
 def move(
-    linkage: FourBar, drive: ArrayLike, branch: int = 1, speed: ArrayLike = 1.0, acceleration: ArrayLike = 0.0
+    linkage: Named, drive: ArrayLike, branch: Branch = 1, speed: ArrayLike = 1.0, acceleration: ArrayLike = 0.0
 ) -> Motion:
-    """Motion of a four-bar whose crank stands at `drive`, rad from the ground line, turning at `speed`.
+    """Motion of a linkage whose driver stands at `drive`: rad from the ground's x axis, mm where a slider drives.
 
-    drive: (frames,). speed rad/s and acceleration rad/s2: numbers or (frames,). branch +1: the
-    coupler-rocker pin lies left of the line from crank pin to rocker pivot; -1: right. A frame that the
-    linkage cannot reach is nan with closed False. At an exact toggle the rates are not finite.
+    drive: (frames,). speed and acceleration of the driver, rad/s and rad/s2 or mm/s and mm/s2: numbers or
+    (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
+    named): +1 puts the joint left of the line from the first body's outer pin to the second's; "follow" starts
+    at +1 and keeps the smooth continuation, also through a change point, at any step. A frame that cannot
+    be reached is nan with closed False. At a true dead centre of the driver the rates are not finite.
     """
-    if branch not in (1, -1):
-        raise DesignError("branch", f"found {branch!r}", "give +1 or -1")
-    angle = np.atleast_1d(np.asarray(drive, dtype=float))
-    if angle.ndim != 1 or not np.isfinite(angle).all():
-        raise DesignError("drive", "found something else than one row of finite angles", "give (frames,) angles in rad")
-    rate = np.broadcast_to(np.asarray(speed, dtype=float), angle.shape)
-    gain = np.broadcast_to(np.asarray(acceleration, dtype=float), angle.shape)
-    frame = complex(direction_deg(linkage.ground_angle_deg))
-    loop = close_four_bar(linkage.ground, linkage.crank, linkage.coupler, linkage.rocker, angle, branch)
-    closed = np.isfinite(loop.coupler)
+    general = linkage.linkage
+    q = np.atleast_1d(np.asarray(drive, dtype=float))
+    if q.ndim != 1 or not np.isfinite(q).all():
+        raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
+    steps = plan(general, branch == "follow")
+    joints = [step.joint for step in steps if isinstance(step, Dyad)]
+    solution = Chain(general, tuple(steps), q, _signs(branch, joints), branch == "follow")
+    times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
+    for name, v in zip(("speed", "acceleration"), times):
+        if v.ndim and v.shape != q.shape:
+            raise DesignError(name, f"found shape {v.shape}", f"give a number or {q.shape} of them")
+    timing = Timing(*(v.reshape(-1, *(1,) * (len(solution.shape) - 1)) if v.ndim else v for v in times))
+    return Motion(general, q, timing, solution)
 
-    def open_is_nan(values: Array) -> Array:
-        return np.where(closed, values, np.nan)
 
-    zero = np.zeros(len(angle))
-    pivots = still(linkage.origin, len(angle)), still(linkage.origin + frame * linkage.ground, len(angle))
-    ground = Body(pivots[0], zero + frame, zero, zero)
-    crank = Body(pivots[0], open_is_nan(frame * np.exp(1j * angle)), open_is_nan(rate), open_is_nan(gain))
-    coupler = Body(
-        crank.point(linkage.crank),
-        frame * loop.coupler,
-        loop.coupler_first * rate,
-        loop.coupler_second * rate**2 + loop.coupler_first * gain,
-    )
-    rocker = Body(
-        pivots[1],
-        frame * loop.rocker,
-        loop.rocker_first * rate,
-        loop.rocker_second * rate**2 + loop.rocker_first * gain,
-    )
-    return Motion(
-        drive=angle,
-        bodies={"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker},
-        named_points={
-            "crank_pin": ("crank", complex(linkage.crank)),
-            "rocker_pin": ("rocker", complex(linkage.rocker)),
-            "coupler_point": ("coupler", complex(linkage.coupler_point)),
-        },
-        closed=closed,
-        transmission_angle=transmission_angle(loop.coupler, loop.rocker),
-    )
+def _signs(branch: Branch, joints: Sequence[str]) -> dict[str, int]:
+    if isinstance(branch, Mapping):
+        unknown = [name for name in branch if name not in joints]
+        if unknown or any(value not in (1, -1) for value in branch.values()):
+            raise DesignError(
+                "branch", f"found {dict(branch)}", f"give +1 or -1 for any of {', '.join(joints) or 'none'}"
+            )
+        return {joint: branch.get(joint, 1) for joint in joints}
+    if branch not in (1, -1, "follow"):
+        raise DesignError("branch", f"found {branch!r}", 'give +1, -1, "follow", or a table of signs by joint')
+    return dict.fromkeys(joints, 1 if branch == "follow" else int(branch))

@@ -77,4 +77,4 @@ def _parts(recipe: DiskCamRecipe) -> list[Part]:
     return cam_parts(recipe.cam, recipe.stock)
 
 
-KIND = Kind(DiskCamRecipe, _table, _checks, _parts)
+KINDS = {"disk-cam": Kind(DiskCamRecipe, _table, _checks, _parts)}

@@ -11,12 +11,16 @@ from ..table import Table
 
 
 class Kind(NamedTuple):
-    """recipe: its dataclass, whose docstring introduces it; table, checks, parts: functions of an instance."""
+    """recipe: its dataclass, whose docstring introduces it; the others are functions of an instance.
+
+    notes: further entries of summary.json.
+    """
 
     recipe: type
     table: Callable[[Any], Table]
     checks: Callable[[Any], list[Check]]
     parts: Callable[[Any], list[Part]]
+    notes: Callable[[Any], dict[str, Any]] = lambda recipe: {}
 
     @property
     def about(self) -> str:

@@ -1,4 +1,4 @@
-"""The one table of kinds. A new kind of mechanism is one recipe class, one `KIND` beside it and one row here."""
+"""The one table of kinds. A new kind of mechanism is one recipe class, its `Kind` beside it and one row here."""
 
 from __future__ import annotations
 
@@ -6,9 +6,18 @@ from importlib import import_module
 
 from .kind import Kind
 
-# Name in a recipe -> the module here that holds its KIND; only the kind asked for is loaded.
+# Name in a recipe -> the module here that has it among its KINDS; only the one asked for is loaded.
 KINDS = {
-    "four-bar": "four_bar",
+    "four-bar": "linkages",
+    "slider-crank": "linkages",
+    "inverted-slider-crank": "linkages",
+    "stephenson-six-bar": "linkages",
+    "watt-six-bar": "linkages",
+    "shaper": "linkages",
+    "elliptic-trammel": "linkages",
+    "scotch-yoke": "linkages",
+    "oldham-coupling": "linkages",
+    "linkage": "linkages",
     "disk-cam": "disk_cam",
     "spur-gear": "spur_gear",
 }
@@ -16,4 +25,4 @@ KINDS = {
 
 def kind(name: str) -> Kind:
     """The kind of that name; KeyError for another."""
-    return import_module(f".{KINDS[name]}", __package__).KIND
+    return import_module(f".{KINDS[name]}", __package__).KINDS[name]

@@ -67,4 +67,4 @@ def _parts(recipe: SpurGearRecipe) -> list[Part]:
     return gear_parts(recipe.gear, recipe.stock)
 
 
-KIND = Kind(SpurGearRecipe, _table, _checks, _parts)
+KINDS = {"spur-gear": Kind(SpurGearRecipe, _table, _checks, _parts)}

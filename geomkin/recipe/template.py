@@ -37,9 +37,13 @@ def _table(path: str, value: Any) -> list[str]:
     for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
-        if hasattr(inner, "segments"):
-            for segment in inner.segments:
-                tables += ["", f"[[{name}]]", *_table(name, segment)]
+        rows = getattr(inner, "segments", inner)
+        if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
+            for row in rows:
+                tables += ["", f"[[{name}]]", *_table(name, row)]
+        elif isinstance(inner, dict) and inner:
+            tables += ["", f"[{name}]  # {field.metadata['description']}"]
+            tables += [f"{key} = {_toml(held)}" for key, held in inner.items()]
         elif dataclasses.is_dataclass(inner):
             tables += ["", f"[{name}]", *_table(name, inner)]
         else:
@@ -57,7 +61,8 @@ def _line(field: dataclasses.Field, value: Any, hint: Any) -> tuple[str, str]:
         note += "; " + " or ".join(map(str, get_args(hint)))
     if value is None:
         return f"# {field.name} =", note
-    optional = field.default is not dataclasses.MISSING and value == field.default and field.name != "kind"
+    required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    optional = not required and value in (field.default, {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
 
 
@@ -69,6 +74,8 @@ def _toml(value: Any) -> str:
             return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
         case complex():
             return f"[{value.real:g}, {value.imag:g}]"
+        case dict():
+            return "{ " + ", ".join(f"{key} = {_toml(held)}" for key, held in value.items()) + " }" if value else "{}"
         case tuple() | list():
             return "[" + ", ".join(map(_toml, value)) + "]"
         case float():

@@ -103,7 +103,7 @@ def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_v
 def test_every_key_has_a_meaning_in_the_template():
     for name in KINDS:
         for line in template(name).splitlines():
-            if "=" in line and "kind" not in line:
+            if "=" in line and "kind" not in line and "= { " not in line:  # bodies have names of their own
                 assert "#" in line[2:], line
 
 

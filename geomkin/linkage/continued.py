@@ -1,0 +1,106 @@
+"""Steps run over a row of drives, and branches kept by the motion itself where no formula continues them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..plane.vec import Array
+from .closure import Driven
+from .dyads import Dyad
+from .steps import Pass, Step
+
+# Steps of the finer row of drives, rad and share of the whole travel of a slider: coarser, and a prediction
+# by first and second derivative may take the wrong branch beside a change point.
+FINEST = np.pi / 180, 1 / 360
+
+
+def run(steps: Sequence[Step], ground: str, q: Array, branch: Mapping[str, Array | int], order: int) -> list[Pass]:
+    """Passes up to an order, in the fixed body's frame."""
+    # What cannot close is nan, and what is singular is not finite: both are meant.
+    with np.errstate(all="ignore"):
+        p0 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, q)
+        for step in steps:
+            step.place(p0, branch[step.joint] if isinstance(step, Dyad) else 1)
+        if order == 0:
+            return [p0]
+        p1 = _still(ground)
+        for step in steps:
+            step.first(p0, p1)
+        if order == 1:
+            return [p0, p1]
+        p2 = _still(ground)
+        for step in steps:
+            step.second(p0, p1, p2)
+    return [p0, p1, p2]
+
+
+def followed(
+    steps: Sequence[Step], ground: str, drive: Array, signs: Mapping[str, int], follow: bool
+) -> tuple[list[Pass], Mapping[str, Array | int]]:
+    """All passes, and the branches by joint, worked out step by step along a finer row of drives."""
+    fine, places = _finer(drive)
+    p0, p1, p2 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, fine), _still(ground), _still(ground)
+    branch: dict[str, Array | int] = {}
+    with np.errstate(all="ignore"):
+        for step in steps:
+            side: Array | int = 1
+            if isinstance(step, Dyad):
+                side = signs[step.joint]
+                if follow and isinstance(step, Driven):
+                    side = step.sign_from(fine, side)
+                elif follow:
+                    side = _smooth(step, (p0, p1, p2), fine, side)
+                branch[step.joint] = side
+            step.place(p0, side)
+            step.first(p0, p1)
+            step.second(p0, p1, p2)
+    return [_taken(p, places) for p in (p0, p1, p2)], {
+        joint: sign[places] if np.ndim(sign) else sign for joint, sign in branch.items()
+    }
+
+
+def _smooth(step: Dyad, passes: tuple[Pass, Pass, Pass], q: Array, sign: int) -> Array:
+    """Signs, (frames,), that start with `sign` and change where the motion runs smoothly on into the other branch."""
+    ways = []
+    for side in (1, -1):
+        trial = [Pass(dict(p.origin), dict(p.turn), p.drive, dict(p.kept)) for p in passes]
+        step.place(trial[0], side)
+        step.first(*trial[:2])
+        step.second(*trial)
+        ways.append([trial[k].turn[step.leader] for k in range(3)])
+    (here, h, h2), (there, g, g2) = ways
+    usable = np.flatnonzero(np.isfinite(h) & np.isfinite(h2) & np.isfinite(g) & np.isfinite(g2))
+    if not usable.size:
+        return np.full(len(q), sign)
+    here, h, h2, there = here[usable], h[usable], h2[usable], there[usable]
+    step_q = np.diff(q[usable])
+    predicted = here[:-1] * np.exp(1j * (h[:-1] * step_q + 0.5 * h2[:-1] * step_q**2))
+    crossed = np.abs(predicted - there[1:]) < np.abs(predicted - here[1:])
+    changed = np.cumprod(np.concatenate([[1], np.where(crossed, -1, 1)]))
+    signs = np.full(len(q), sign)
+    # A frame at the change point itself belongs to both branches: it takes the sign before it.
+    before = np.clip(np.searchsorted(usable, np.arange(len(q)), side="right") - 1, 0, None)
+    return signs * changed[before]
+
+
+def _finer(drive: Array) -> tuple[Array, Array]:
+    """A row of drives with small steps that has all of `drive` in it, and where."""
+    steps = np.abs(np.diff(drive))
+    if not steps.size:
+        return drive, np.zeros(1, dtype=int)
+    parts = np.maximum(1, np.ceil(steps / FINEST[0] - 1e-9)).astype(int)
+    ends = np.concatenate([[0], np.cumsum(parts)])
+    return np.interp(np.arange(ends[-1] + 1), ends, drive), ends
+
+
+def _taken(p: Pass, places: Array) -> Pass:
+    def take(values: Mapping[str, Array]) -> dict[str, Array]:
+        return {k: v[places] if np.ndim(v) else v for k, v in values.items()}
+
+    return Pass(take(p.origin), take(p.turn))
+
+
+def _still(ground: str) -> Pass:
+    return Pass({ground: np.zeros(())}, {ground: np.zeros(())})

@@ -1,0 +1,62 @@
+"""The path of a point of a linkage as a curve: exact, since every point of it solves the linkage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import DesignError
+from ..plane.curve import AbstractCurve
+from ..plane.vec import Array
+from .limits import driver_limits
+from .motion import PointMotion
+from .solve import Branch, Named, move
+
+
+@dataclass(frozen=True, eq=False)
+class CouplerCurve(AbstractCurve):
+    """The path of the named `point`; t is the driver's angle, rad, or place, mm, over `span`.
+
+    branch as in `move`. Raises DesignError where the linkage does not reach the whole span.
+    """
+
+    linkage: Named
+    point_name: str
+    branch: Branch = 1
+    span: tuple[float, float] = (0.0, 2 * np.pi)
+
+    def __post_init__(self) -> None:
+        parts = driver_limits(self.linkage, self.branch, self.span)
+        if parts != (self.span,):
+            reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
+            raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
+
+    def _motion(self, t: ArrayLike) -> tuple[PointMotion, tuple[int, ...]]:
+        t = np.asarray(t, dtype=float)
+        return move(self.linkage, t.ravel(), self.branch).point(self.point_name), t.shape
+
+    def point(self, t: ArrayLike) -> Array:
+        track, shape = self._motion(t)
+        return track.position.reshape(shape)
+
+    def velocity(self, t: ArrayLike) -> Array:
+        track, shape = self._motion(t)
+        return track.first.reshape(shape)
+
+    def curvature(self, t: ArrayLike) -> Array:
+        track, shape = self._motion(t)
+        second, first = track.second, track.first
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (np.imag(np.conj(first) * second) / np.abs(first) ** 3).reshape(shape)
+
+    @property
+    def breaks(self) -> Array:
+        return np.array(self.span, dtype=float)
+
+    @cached_property
+    def closed(self) -> bool:
+        ends = self.point(np.array(self.span))
+        return bool(abs(ends[1] - ends[0]) <= 1e-9 * abs(self.velocity(self.span[0])) * (self.span[1] - self.span[0]))

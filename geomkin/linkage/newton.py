@@ -1,0 +1,53 @@
+"""Newton-Raphson for n equations in n unknowns, from an estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..plane.vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """Where the iteration stopped. value: (n,); converged; residual: largest |f| there; path: (steps + 1, n)."""
+
+    value: Array
+    converged: bool
+    residual: float
+    path: Array
+
+
+def newton_raphson(
+    f: Callable[[Array], ArrayLike],
+    jacobian: Callable[[Array], ArrayLike],
+    estimate: ArrayLike,
+    tolerance: float = 1e-13,
+    steps: int = 50,
+) -> Root:
+    """Solve f(x) = 0 from an estimate, (n,) or a number, by x - J^-1 f with the jacobian J = df/dx, (n, n).
+
+    Converged when a step is at most `tolerance` of the size of x (of 1 near zero). Where J is singular or f is
+    not finite it stops, not converged, and the value is where that happened: never trust it without looking.
+    """
+    x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
+    path = [x]
+    converged = False
+    for _ in range(steps):
+        value = np.atleast_1d(np.asarray(f(x), dtype=float))
+        slope = np.asarray(jacobian(x), dtype=float).reshape(len(x), len(x))
+        try:
+            step = np.linalg.solve(slope, value)
+        except np.linalg.LinAlgError:
+            break
+        if not np.isfinite(step).all():
+            break
+        x = x - step
+        path.append(x)
+        if np.abs(step).max() <= tolerance * max(1.0, float(np.abs(x).max())):
+            converged = True
+            break
+    return Root(x, converged, float(np.abs(np.atleast_1d(np.asarray(f(x), dtype=float))).max()), np.array(path))

@@ -1,0 +1,190 @@
+"""The steps a linkage is solved by, and the simple ones: the driver, a body turned or carried along.
+
+Every step writes the same three passes: where its bodies are, and the first and second derivatives of that
+by the drive q.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..plane.vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """One order of the solution over a row of frames, in the fixed body's frame.
+
+    origin: places, mm, of the bodies' origins; turn: their directions, unit complex. In the passes of
+    derivatives: both by the drive, the turn as an angle. drive: q, rad or mm. kept: what a step worked
+    out and needs again.
+    """
+
+    origin: dict[str, Array] = field(default_factory=dict)
+    turn: dict[str, Array] = field(default_factory=dict)
+    drive: Array = field(default_factory=lambda: np.zeros(()))
+    kept: dict[Any, Any] = field(default_factory=dict)
+
+    @cached_property
+    def half(self) -> tuple[Array, Array]:
+        """Cosine and sine of q/2: the dearest numbers of a frame, worked out once."""
+        half = 0.5 * self.drive
+        return np.cos(half), np.sin(half)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """A point of a placed body, then along arms that turn with bodies: origin + turn place + sum(turn arm)."""
+
+    body: str
+    place: complex
+    arms: tuple[tuple[str, complex], ...] = ()
+
+    @cached_property
+    def _arms(self) -> list[tuple[str, complex]]:
+        return [(b, z) for b, z in ((self.body, self.place), *self.arms) if np.any(z != 0)]
+
+    def at(self, p0: Pass) -> Array:
+        """Its position, mm."""
+        return _sum(p0.origin[self.body], [scaled(p0.turn[b], z) for b, z in self._arms])
+
+    def first(self, p0: Pass, p1: Pass) -> Array:
+        """Its first derivative."""
+        arms = [(1j * p1.turn[b]) * scaled(p0.turn[b], z) for b, z in self._arms]
+        return _sum(p1.origin[self.body], arms)
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> Array:
+        """Its second derivative."""
+        arms = [(1j * p2.turn[b] - p1.turn[b] ** 2) * scaled(p0.turn[b], z) for b, z in self._arms]
+        return _sum(p2.origin[self.body], arms)
+
+
+def _sum(origin: Array, arms: list[Array]) -> Array:
+    """Their sum; an origin at zero, as that of most grounds, is not added to every frame."""
+    if arms and np.ndim(origin) == 0 and origin == 0:
+        origin, arms = arms[0], arms[1:]
+    for arm in arms:
+        origin = origin + arm
+    return origin
+
+
+def scaled(z: Array, by: complex) -> Array:
+    """z times a constant, at a third of the price where that is real."""
+    return z * np.real(by) if np.all(np.imag(by) == 0) else z * by
+
+
+@dataclass(frozen=True, eq=False)
+class Rail:
+    """A direction that turns with a body."""
+
+    body: str
+    direction: complex
+
+    def at(self, p0: Pass) -> Array:
+        """The direction seen from the fixed body."""
+        return p0.turn[self.body] * self.direction
+
+
+class Step(ABC):
+    """Places one or two bodies."""
+
+    @abstractmethod
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        """Poses, on one branch of a dyad; nan where it cannot close."""
+
+    def reached(self, p0: Pass) -> Array | None:
+        """What is nan where this step cannot place its bodies; None where it always can."""
+        return None
+
+    @abstractmethod
+    def first(self, p0: Pass, p1: Pass) -> None:
+        """First derivatives by the drive."""
+
+    @abstractmethod
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        """Second derivatives by the drive."""
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array] | None:
+        """Where a joint has two ways to go, those directions, of any length: parallel at a dead centre."""
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Turned(Step):
+    """The driver where it is a body's angle: its direction is e^{iq}."""
+
+    body: str
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        cosine, sine = p0.half
+        turn = p0.turn[self.body] = np.empty(cosine.shape, dtype=complex)
+        turn.real, turn.imag = (cosine - sine) * (cosine + sine), 2 * sine * cosine
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.turn[self.body] = np.ones(())
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.turn[self.body] = np.zeros(())
+
+
+@dataclass(frozen=True, eq=False)
+class Slid(Step):
+    """The driver where it slides on the fixed body: its `local` point q beyond `through` along `direction`."""
+
+    body: str
+    local: complex
+    through: complex
+    direction: complex
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        p0.origin[self.body] = self.through + p0.drive * self.direction - p0.turn[self.body] * self.local
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.origin[self.body] = np.asarray(self.direction)
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.origin[self.body] = np.zeros(())
+
+
+@dataclass(frozen=True, eq=False)
+class Oriented(Step):
+    """A body that turns with another: `turn` from its x axis."""
+
+    body: str
+    with_body: str
+    turn: complex
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        p0.turn[self.body] = p0.turn[self.with_body] * self.turn
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.turn[self.body] = p1.turn[self.with_body]
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.turn[self.body] = p2.turn[self.with_body]
+
+
+@dataclass(frozen=True, eq=False)
+class Carried(Step):
+    """A body whose direction is known, pinned at a point that is: its own `local` on `pin`."""
+
+    body: str
+    local: complex
+    pin: Anchor
+
+    def _anchor(self) -> Anchor:
+        return Anchor(self.pin.body, self.pin.place, (*self.pin.arms, (self.body, -self.local)))
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        p0.origin[self.body] = self._anchor().at(p0)
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.origin[self.body] = self._anchor().first(p0, p1)
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.origin[self.body] = self._anchor().second(p0, p1, p2)

@@ -1,0 +1,119 @@
+"""Any linkage as a recipe writes it: bodies, their points, corners of triangles, sliders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ..errors import DesignError
+from ..linkage.linkage import Linkage, Slider
+from ..sizes import PointXY, check_sizes, entry, quantity
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A point of a body by its distances from two other points of it."""
+
+    body: str = entry("the body it belongs to", example="coupler")
+    point: str = entry("its name", example="pen")
+    base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
+    lengths: tuple[float, float] = entry("its distances from them, mm", example=(50.0, 60.0))
+    side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
+
+
+@dataclass(frozen=True)
+class SliderTable:
+    """A sliding joint."""
+
+    name: str = entry("its name", example="slide")
+    body: str = entry("the body that slides", example="block")
+    along: str = entry("the body it slides along", example="ground")
+    point: Annotated[complex, PointXY()] = entry("point of the sliding body that stays on the line", default=0j)
+    through: Annotated[complex, PointXY()] = entry("point of the line, in the frame of the guide", default=0j)
+    direction_deg: float = quantity(
+        "direction of the line in the guide", "deg", default=0.0, at_least=-360, at_most=360
+    )
+    angle_deg: float = quantity("the body's x axis from the line", "deg", default=0.0, at_least=-360, at_most=360)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+@dataclass(frozen=True)
+class DyadList:
+    """Bodies with their points, mm, each in a frame of its own; the first one is fixed."""
+
+    bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(
+        "bodies, the fixed one first, each a table of points [x, y]",
+        example={
+            "ground": {"O": 0j, "C": 100 + 0j},
+            "crank": {"O": 0j, "A": 30 + 0j},
+            "coupler": {"A": 0j, "B": 90 + 0j},
+            "rocker": {"C": 0j, "B": 70 + 0j},
+        },
+    )
+    driver: str = entry("the body that is driven", example="crank")
+    corners: tuple[Corner, ...] = entry(
+        "points given by two distances", default=(), example=(Corner("coupler", "pen", ("A", "B"), (50.0, 60.0)),)
+    )
+    sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
+    estimate: dict[str, Annotated[complex, PointXY()]] = field(
+        default_factory=dict,
+        metadata={
+            "description": "roughly where pins are at first, needed where the bodies are no chain of dyads",
+            "examples": [{}],
+        },
+    )
+    origin: Annotated[complex, PointXY()] = entry("origin of the fixed body, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "direction of the fixed body's x axis", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.linkage  # noqa: B018  every error of the joints at once, while the recipe is read
+
+    @property
+    def driver_slides(self) -> bool:
+        """Whether the driver slides on the fixed body."""
+        return any({s.body, s.along} == {self.driver, self.linkage.ground} for s in self.sliders)
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage."""
+        bodies = {name: dict(points) for name, points in self.bodies.items()}
+        for k, corner in enumerate(self.corners):
+            bodies.setdefault(corner.body, {})
+            lacking = [p for p in corner.base if p not in bodies[corner.body]]
+            if lacking:
+                raise DesignError(
+                    f"corners.{k + 1}",
+                    f"{corner.body} has no point {lacking[0]}",
+                    f"give it under bodies.{corner.body}",
+                )
+            bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
+        sliders = tuple(
+            Slider(s.name, s.body, s.along, s.point, s.through, s.direction_deg, s.angle_deg) for s in self.sliders
+        )
+        return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate)
+
+
+def _corner(k: int, corner: Corner, one: complex, two: complex) -> complex:
+    base, (b, c) = abs(two - one), corner.lengths
+    if not abs(b - c) < base < b + c:
+        raise DesignError(
+            f"corners.{k + 1}",
+            f"{b:g} and {c:g} mm make no triangle on the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
+            f"give two lengths that differ by less than {base:g} mm and together exceed it",
+        )
+    # Kahan's triangle keeps the digits of a needle's height.
+    long, middle, short = sorted((base, b, c), reverse=True)
+    area = 0.25 * np.sqrt(
+        (long + (middle + short)) * (short - (long - middle)) * (short + (long - middle)) * (long + (middle - short))
+    )
+    along = 0.5 * (base + (b - c) * (b + c) / base)
+    height = 2 * area / base * (1 if corner.side == "left" else -1)
+    return complex(one + (two - one) / base * complex(along, float(height)))

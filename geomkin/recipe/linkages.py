@@ -1,0 +1,156 @@
+"""Recipes of linkages: plates with pin holes and slots, how they are stacked, and the motion of every body."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..linkage.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
+from ..linkage.four_bar import FourBar
+from ..linkage.inverted_slider_crank import InvertedSliderCrank
+from ..linkage.motion import Motion
+from ..linkage.shaper import Shaper
+from ..linkage.six_bars import StephensonSixBar, WattSixBar
+from ..linkage.slider_crank import SliderCrank
+from ..linkage.solve import move
+from ..part import Part
+from ..shop.links import link_parts
+from ..shop.stack import stack_links
+from ..shop.stock import LinkStock
+from ..sizes import entry
+from ..table import Table
+from .dyad_list import DyadList
+from .kind import Kind
+from .motion_table import motion_table
+from .settings import Files, Stroke, Turn
+
+
+def _kind(name: str, sizes: type, about: str) -> Kind:
+    """A kind of linkage by its sizes; all of them are moved, judged and cut alike."""
+    slides = sizes in (SliderCrank, EllipticTrammel, DyadList)
+    several = sizes in (StephensonSixBar, WattSixBar, Shaper, DyadList)
+    fields: list[tuple[str, Any, Any]] = [
+        ("kind", Literal[name], dataclasses.field()),  # type: ignore[valid-type]
+        ("linkage", sizes, dataclasses.field()),
+        ("branch", Literal[1, -1, "follow"], entry(
+            "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
+            "follow: from 1 smoothly on, also through change points", default=1)),
+    ]  # fmt: skip
+    if several:
+        branches = entry("branch of single joints, where it is not the one above", default_factory=dict)
+        fields.append(("branches", dict[str, Literal[1, -1]], branches))
+    fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
+    if slides:
+        fields.append(
+            ("stroke", Stroke | None, entry("how the driver slides, where a sliding body drives", default=None))
+        )
+    fields += [
+        ("stock", LinkStock, entry("what the links are cut from", default=LinkStock())),
+        ("files", Files, entry("what is written", default=Files())),
+    ]
+    recipe = dataclasses.make_dataclass(
+        f"{sizes.__name__}Recipe", fields, frozen=True,
+        namespace={
+            "__doc__": about,
+            "__post_init__": _agree,
+            "motion": cached_property(_motion),
+            "stack": cached_property(lambda recipe: stack_links(recipe.motion, recipe.stock)),
+        },
+    )  # fmt: skip
+    return Kind(recipe, _table, _checks, _parts, _notes)
+
+
+def _agree(recipe: Any) -> None:
+    sliding = getattr(recipe.linkage, "driver", "") in ("slider", "shuttle") or (
+        isinstance(recipe.linkage, DyadList) and recipe.linkage.driver_slides
+    )
+    if sliding and recipe.stroke is None:
+        raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
+    if not sliding and getattr(recipe, "stroke", None) is not None:
+        raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+
+
+def _motion(recipe: Any) -> Motion:
+    drive, speed = (
+        (recipe.stroke.frames, recipe.stroke.speed)
+        if getattr(recipe, "stroke", None)
+        else (recipe.drive.frames, recipe.drive.speed)
+    )
+    own = getattr(recipe, "branches", {})
+    if not own:
+        return move(recipe.linkage, drive, recipe.branch, speed)
+    if recipe.branch == "follow":
+        raise DesignError("branches", "are given, but branch is follow", "leave one of the two out")
+    joints = move(recipe.linkage, drive[:1]).branches
+    unknown = [joint for joint in own if joint not in joints]
+    if unknown:
+        raise DesignError("branches", f"found {unknown[0]}", f"give one of {', '.join(joints)}")
+    return move(recipe.linkage, drive, {joint: own.get(joint, recipe.branch) for joint in joints}, speed)
+
+
+def _table(recipe: Any) -> Table:
+    return motion_table(recipe.motion)
+
+
+def _checks(recipe: Any) -> list[Check]:
+    """Whether the driver runs through, how well it drives, and whether the plates pass each other."""
+    motion = recipe.motion
+    reached = 100 * motion.closed.mean()
+    # An open linkage has no least angle: what it never reaches is nan, and fails.
+    angle = np.degrees(motion.transmission_angle)
+    least = angle.min() if motion.closed.all() else np.nan
+    driver = motion.linkage.driver
+    return [
+        Check(
+            f"share of the {driver}'s turn reached", reached, "at least", 100, "%",
+            f"shorten the {driver} or give a shorter way",
+        ),
+        Check(
+            "least transmission angle", least, "at least", 40, "deg",
+            "a driving link pushes the driven one along itself",
+        ),
+        Check(
+            "pin hole to thickness", recipe.stock.hole_diameter / recipe.stock.thickness, "at least", 0.5, "",
+            "smaller holes burn or break out when cut",
+        ),
+        Check(
+            "plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "",
+            "summary.json names them under stack; give narrower bars or other lengths",
+        ),
+    ]  # fmt: skip
+
+
+def _parts(recipe: Any) -> list[Part]:
+    return link_parts(recipe.motion, recipe.stock, recipe.stack)
+
+
+def _notes(recipe: Any) -> dict[str, Any]:
+    return {"stack": recipe.stack.summary()}
+
+
+KINDS = {
+    name: _kind(name, sizes, about)
+    for name, sizes, about in (
+        (
+            "four-bar", FourBar,
+            "A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.",
+        ),
+        ("slider-crank", SliderCrank, "A slider-crank, driven by crank, connecting rod or slider."),
+        (
+            "inverted-slider-crank", InvertedSliderCrank,
+            "A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.",
+        ),
+        ("stephenson-six-bar", StephensonSixBar, "A four-bar whose coupler point drives an output, which can dwell."),
+        ("watt-six-bar", WattSixBar, "Two four-bars in a row: the first one's rocker drives the second."),
+        ("shaper", Shaper, "A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."),
+        ("elliptic-trammel", EllipticTrammel, "A rod whose pins run in two crossing slots: its points draw ellipses."),
+        ("scotch-yoke", ScotchYoke, "A crank pin in a slotted yoke: straight harmonic motion."),
+        ("oldham-coupling", OldhamCoupling, "Two slotted hubs and a disc between: shafts apart that turn alike."),
+        ("linkage", DyadList, "Any linkage, as a list of bodies: where two name the same point, a pin joins them."),
+    )
+}  # fmt: skip

@@ -1,0 +1,76 @@
+"""The motion of a linkage as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..linkage.motion import Motion
+from ..plane.vec import Array
+from ..table import Column, Table, xy_columns
+
+
+def motion_table(motion: Motion) -> Table:
+    """Driver, time, every body that turns, every slide, transmission angle, and the points that are no pins."""
+    linkage, speed = motion.linkage, motion.timing.speed
+    time = (motion.drive - motion.drive[0]) / speed
+    ground, driver = linkage.ground, linkage.driver
+    driven = [s for s in linkage.sliders if {s.body, s.along} == {ground, driver}]
+    name = f"{driver}_place" if driven else f"{driver}_angle"
+    unit, meaning = (
+        ("mm", "place of the {} along its line") if driven else ("deg", "angle of the {} from the ground line")
+    )
+    columns = [
+        Column(name, unit, meaning.format(driver), motion.drive if driven else np.degrees(motion.drive)),
+        Column("time", "s", "time at the recipe's speed", time),
+        *_bodies(motion),
+        *_slides(motion),
+        Column("transmission_angle", "deg", "least over the dyads", np.degrees(motion.transmission_angle)),
+    ]
+    for body, points in linkage.bodies.items():
+        for point in points:
+            if body != ground and point not in linkage.pins:
+                columns += _point(motion, point)
+    return Table(tuple(columns))
+
+
+def _bodies(motion: Motion) -> Iterator[Column]:
+    for name, body in motion.bodies.items():
+        turning = np.nan_to_num(body.first, nan=0.0, posinf=1.0, neginf=1.0)
+        if name in (motion.linkage.ground, motion.linkage.driver) or not turning.any():
+            continue
+        yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction))
+        yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", _finite(body.omega))
+        yield Column(f"{name}_alpha", "rad/s2", f"angular acceleration of the {name}", _finite(body.alpha))
+
+
+def _slides(motion: Motion) -> Iterator[Column]:
+    for slider in motion.linkage.sliders:
+        slide, name = motion.slide(slider.name), slider.name
+        yield Column(f"{name}_displacement", "mm", f"place on the line of {name}", slide.displacement)
+        yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", _finite(slide.velocity))
+        yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", _finite(slide.acceleration))
+        if np.nan_to_num(np.abs(slide.coriolis)).any():
+            yield from xy_columns(
+                f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", _finite(slide.coriolis)
+            )
+
+
+def _point(motion: Motion, point: str) -> Iterator[Column]:
+    track, words = motion.point(point), point.replace("_", " ")
+    yield from xy_columns(point, "mm", words, track.position)
+    yield from xy_columns(f"{point}_velocity", "mm/s", f"velocity of the {words}", _finite(track.velocity))
+    yield from xy_columns(f"{point}_acceleration", "mm/s2", f"acceleration of the {words}", _finite(track.acceleration))
+
+
+def unwrapped_deg(direction: Array) -> Array:
+    """Angles without jumps by a turn, nan kept."""
+    angle, known = np.angle(direction), np.isfinite(direction)
+    angle[known] = np.unwrap(angle[known])
+    return np.degrees(angle)
+
+
+def _finite(values: Array) -> Array:
+    """Rates at a dead centre, which no number tells, left out."""
+    return np.where(np.isfinite(values), values, np.nan)
