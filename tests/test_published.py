@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.tables import four_bars, gears
+from tests.tables import four_bars, gears, iterations, slider_cranks
 
 
 def degrees(direction):
@@ -34,6 +34,72 @@ def test_ame_352_four_bar_and_its_coupler_point():
     point = m.point("coupler_point")
     got = [point.position[0], point.velocity[0], point.acceleration[0]]
     assert got == pytest.approx(four_bars.AME_352_POINT, abs=8e-5)
+
+
+def test_theory_of_machines_example_25_1_mirrors_on_the_other_branch():
+    linkage = gk.FourBar(ground=600, crank=300, coupler=360, rocker=360)
+    for crank_deg, row in four_bars.EXAMPLE_25_1.items():
+        m = gk.move(linkage, [-np.radians(crank_deg)], branch=-1, speed=-10, acceleration=30)
+        got = [degrees(m.rocker.direction)[0], degrees(m.coupler.direction)[0], m.rocker.omega[0], m.coupler.alpha[0]]
+        assert got == pytest.approx([-row[0], -row[1], -row[2], -row[5]], abs=0.0051)
+
+
+def example_25_2(crank_deg):
+    linkage = gk.SliderCrank(crank=200, coupler=750, offset=50)
+    return gk.move(linkage, [np.radians(crank_deg)], speed=20, acceleration=10)
+
+
+@pytest.mark.parametrize("crank_deg", slider_cranks.EXAMPLE_25_2)
+def test_theory_of_machines_example_25_2(crank_deg):
+    m = example_25_2(crank_deg)
+    slide = m.slide("slide")
+    got = [degrees(m.coupler.direction)[0], slide.velocity[0] / 1000, m.coupler.omega[0]]
+    assert got == pytest.approx(slider_cranks.EXAMPLE_25_2[crank_deg], abs=0.0051)
+    right = slider_cranks.EXAMPLE_25_2_SLIDER_ACCELERATION[crank_deg]
+    assert slide.acceleration[0] / 1000 == pytest.approx(right, abs=0.0051)
+    rod = slider_cranks.EXAMPLE_25_2_ROD_ACCELERATION.get(crank_deg)
+    assert rod is None or m.coupler.alpha[0] == pytest.approx(rod, abs=0.0051)
+
+
+@pytest.mark.parametrize("crank_deg", slider_cranks.EXAMPLE_25_2_ROD)
+def test_theory_of_machines_example_25_2_prints_wrong_rod_velocities(crank_deg):
+    m = example_25_2(crank_deg)
+    assert m.coupler.omega[0] == pytest.approx(slider_cranks.EXAMPLE_25_2_ROD[crank_deg], abs=0.0051)
+    # What the print has is the right value times the square of cos(beta).
+    printed = slider_cranks.EXAMPLE_25_2_PRINTED_ROD[crank_deg]
+    assert m.coupler.omega[0] * m.coupler.direction[0].real ** 2 == pytest.approx(printed, abs=0.0051)
+    wrong = slider_cranks.EXAMPLE_25_2_SLIDER_PRINTED.get(crank_deg)
+    assert wrong is None or abs(m.slide("slide").acceleration[0] / 1000 - wrong) > 0.1
+
+
+def test_ame_352_slider_crank():
+    m = gk.move(gk.SliderCrank(crank=0.12, coupler=0.26), [np.radians(65)], speed=1.6)
+    slide = m.slide("slide")
+    got = [degrees(m.coupler.direction), slide.displacement, m.coupler.omega, slide.velocity]
+    got = [v[0] for v in (*got, m.coupler.alpha, slide.acceleration)]
+    assert got == pytest.approx(slider_cranks.AME_352, abs=5.1e-4)
+
+
+@pytest.mark.parametrize("estimate", iterations.CUBIC)
+def test_newton_raphson_on_a_cubic(estimate):
+    root = gk.newton_raphson(lambda x: x**3 - 3 * x**2 - 10 * x + 24, lambda x: 3 * x**2 - 6 * x - 10, estimate)
+    wanted = iterations.CUBIC[estimate]
+    assert root.converged and root.path[1 : len(wanted) + 1, 0] == pytest.approx(wanted, abs=5.1e-5)
+
+
+def test_newton_raphson_on_the_loop_of_a_four_bar():
+    crank = 2 * np.exp(1j * np.radians(120))
+
+    def loop(x):
+        z = crank + 6 * np.exp(1j * x[0]) - 5 - 4 * np.exp(1j * x[1])
+        return [z.real, z.imag]
+
+    def jacobian(x):
+        return [[-6 * np.sin(x[0]), 4 * np.sin(x[1])], [6 * np.cos(x[0]), -4 * np.cos(x[1])]]
+
+    root = gk.newton_raphson(loop, jacobian, np.radians([30, 90]))
+    assert root.path[1] - root.path[0] == pytest.approx(iterations.FOUR_BAR_STEP, abs=5.1e-5)
+    assert root.converged and np.degrees(root.path[4]) == pytest.approx(four_bars.AME_352[:2], abs=5.1e-4)
 
 
 @pytest.mark.parametrize(("teeth", "radius"), gears.FORM_RADIUS.items())

@@ -1,0 +1,146 @@
+"""Coupler curves and their dashes against points worked out one by one."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.linkage.atlas import coupler_curves, coupler_grid, dashes
+from geomkin.linkage.slider_crank import SliderCrank
+
+CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)
+STEPS = np.radians(np.arange(0, 361, 5))
+
+
+def coupler_point(lengths, angle, local):
+    """A point of a four-bar's coupler by the cosine rule, branch +1, crank angles in rad; nan where open."""
+    ground, crank, coupler, rocker = lengths
+    pin = crank * np.exp(1j * angle)
+    to_pivot = ground - pin
+    far = np.abs(to_pivot)
+    cosine = (coupler**2 + far**2 - rocker**2) / (2 * coupler * far)
+    with np.errstate(invalid="ignore"):
+        return pin + local * to_pivot / far * np.exp(1j * np.arccos(cosine))
+
+
+def distance(points, polyline):
+    """Distance of points from a polyline."""
+    a, b = polyline[:-1], polyline[1:]
+    share = np.clip(np.real((points[:, None] - a) * np.conj(b - a)) / np.abs(b - a) ** 2, 0, 1)
+    return np.abs(points[:, None] - a - share * (b - a)).min(axis=1)
+
+
+def test_a_grid_spans_its_rectangle_row_by_row_from_below():
+    grid = coupler_grid(200, 60, rows=3, columns=5, centre=45 + 10j)
+    assert grid.shape == (3, 5)
+    assert grid[0, 0] == -55 - 20j and grid[2, 4] == 145 + 40j and grid[1, 2] == 45 + 10j
+    assert coupler_grid(200, 60, rows=1, columns=1, centre=7j) == np.array([[7j]])
+
+
+@pytest.mark.parametrize("linkage", [CRANK_ROCKER, SliderCrank(30, 90, 10), gk.FourBar(3, 2, 2.5, 4)])
+def test_an_atlas_is_its_points_moved_one_by_one(linkage):
+    motion = gk.move(linkage, STEPS)
+    grid = coupler_grid(80, 60, rows=2, columns=3, centre=20j)
+    curves = coupler_curves(motion, grid)
+    assert curves.shape == (2, 3, len(STEPS))
+    for row, column in np.ndindex(2, 3):
+        one = motion.coupler.point(complex(grid[row, column])).position
+        assert np.array_equal(np.isnan(one), ~motion.closed)
+        assert np.nanmax(np.abs(curves[row, column] - one)) < 1e-13 * 100
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.05, 1e-3, 1e-5])
+def test_dashes_keep_the_tolerance_and_lie_on_the_curve(tolerance):
+    points = [40 + 25j, -30 + 60j, 0j]
+    drawn = dashes(CRANK_ROCKER, points, STEPS, tolerance)
+    assert [len(runs) for runs in drawn] == [36] * 3
+    for local, runs in zip(points, drawn):
+        for k, run in enumerate(runs):
+            first, last = STEPS[2 * k], STEPS[2 * k + 1]
+            curve = coupler_point((100, 30, 90, 70), np.linspace(first, last, 4001), local)
+            assert abs(run[0] - curve[0]) < 1e-12 * 100 and abs(run[-1] - curve[-1]) < 1e-12 * 100
+            assert distance(curve, run).max() <= tolerance
+            assert np.abs(run[:, None] - curve).min(axis=1).max() < np.abs(np.diff(curve)).max()
+
+
+def test_points_are_spent_where_the_curve_bends():
+    counts = [sum(len(run) for run in dashes(CRANK_ROCKER, [40 + 25j], STEPS, 10.0**-k)[0]) for k in range(6)]
+    assert counts[0] == 2 * 36 and all(a < b for a, b in zip(counts[1:-1], counts[2:]))
+    # Chords of a smooth curve: a hundredth of the tolerance takes ten times as many, within a doubling.
+    assert 5 < counts[5] / counts[3] < 20
+
+
+def test_a_long_dash_is_a_fast_stretch():
+    runs = dashes(CRANK_ROCKER, [40 + 25j], STEPS, 1e-6)[0]
+    middles = (STEPS[:-1:2] + STEPS[1::2]) / 2
+    speed = np.abs(gk.move(gk.FourBar(100, 30, 90, 70, 40 + 25j), middles).point("coupler_point").first)
+    lengths = [np.abs(np.diff(run)).sum() for run in runs]
+    assert lengths == pytest.approx(speed * np.radians(5), rel=5e-3)
+
+
+def test_dashes_end_at_the_limits_of_the_linkage():
+    lengths = ground, crank, coupler, rocker = 3, 2, 2.5, 4
+    steps = np.radians(np.arange(2, 363, 5))
+    # The crank stops where the coupler folds back over the rocker, 26.4 deg, and there the dash from 22 to 27 begins.
+    folded = np.arccos((ground**2 + crank**2 - (rocker - coupler) ** 2) / (2 * ground * crank))
+    spans = [
+        (max(first, folded), min(last, 2 * np.pi - folded))
+        for first, last in zip(steps[:-1:2], steps[1::2])
+        if last > folded and first < 2 * np.pi - folded
+    ]
+    assert spans[0][0] == folded and len(spans) == 32
+    runs = dashes(gk.FourBar(*lengths), [1 + 1j], steps, 1e-4)[0]
+    assert len(runs) == len(spans)
+    pin = crank * np.exp(1j * folded)
+    # Folded, the coupler points away from the rocker's pivot.
+    assert abs(runs[0][0] - (pin - (1 + 1j) * (ground - pin) / abs(ground - pin))) < 1e-6
+    for span, run in zip(spans, runs):
+        curve = coupler_point(lengths, np.linspace(*span, 4001)[1:-1], 1 + 1j)
+        assert distance(curve, run).max() <= 1e-4
+
+
+def test_a_narrow_gap_breaks_its_dash():
+    lengths = 100, 30, 80, 50 - 2.6e-5  # coupler and rocker, stretched, just fail to reach about 180 deg
+    half = np.pi - np.arccos((100**2 + 30**2 - (80 + lengths[3]) ** 2) / (2 * 100 * 30))
+    steps = np.radians(np.arange(7.3, 368, 5))
+    assert 1e-3 < half < 2e-3
+    runs = dashes(gk.FourBar(*lengths), [40 + 25j], steps, 1e-6)[0]
+    assert len(runs) == 37  # the dash from 177.3 to 182.3 deg is two
+    for run, side in ((runs[17], -1), (runs[18], 1)):
+        pin = 30 * np.exp(1j * (np.pi + side * half))
+        limit = pin + (40 + 25j) * (100 - pin) / abs(100 - pin)
+        assert abs(run[-1 if side < 0 else 0] - limit) < 1e-5
+
+
+def test_a_slider_may_drive():
+    linkage = SliderCrank(30, 90, driver="slider")
+    drive = np.arange(50.0, 131.0, 5.0)
+    runs = dashes(linkage, [45 + 10j], drive, 1e-3)[0]
+    x = np.linspace(60, 65, 2001)
+    # Crank pin by the cosine rule; left of the line from crank pivot to slider pin.
+    pin = 30 * np.exp(1j * np.arccos((30**2 + x**2 - 90**2) / (60 * x)))
+    curve = pin + (45 + 10j) * (x - pin) / 90
+    nearest = min(runs, key=lambda run: abs(run[0] - curve[0]))
+    # The slider starts at its limit, where the curve runs off with infinite speed: rounding counts by its root.
+    assert abs(nearest[0] - curve[0]) < 1e-5 and distance(curve, nearest).max() <= 1e-3
+    assert len(runs) == 6  # those that begin at 60, 70, ..., 110 mm: before and after the slider is out of reach
+
+
+@pytest.mark.parametrize(
+    ("field", "change"),
+    [
+        ("tolerance", {"tolerance": 0}),
+        ("tolerance", {"tolerance": 1e-14}),
+        ("drive", {"drive": [1.0, 0.5]}),
+        ("points", {"points": [[0j]]}),
+        ("points", {"points": [np.nan]}),
+        ("branch", {"branch": "follow"}),
+        ("body", {"body": "arm"}),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_by_name(field, change):
+    asked = {"points": [40 + 25j], "drive": STEPS, "tolerance": 0.01} | change
+    with pytest.raises(gk.DesignError) as caught:
+        dashes(CRANK_ROCKER, **asked)
+    assert caught.value.field == field
+    with pytest.raises(gk.DesignError, match="rows"):
+        coupler_grid(10, 10, rows=0, columns=2)

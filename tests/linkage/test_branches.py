@@ -1,0 +1,142 @@
+"""Branches: fixed, followed through change points at any step, and the circuit of every frame."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.linkage.examples import FOUR_BAR
+
+STEPS = [6, 7, 13, 100, 361, 2000]
+
+
+@pytest.mark.parametrize("frames", STEPS)
+@pytest.mark.parametrize("lengths", [(2, 3, 2, 3), (3, 2, 3, 2), (1, 1, 1, 1), (0.3, 0.1, 0.1 + 0.2, 0.1)])
+@pytest.mark.parametrize("span", [(0, 2 * np.pi), (0.3, 0.3 - 2 * np.pi), (-4 * np.pi, 4 * np.pi)])
+def test_a_parallelogram_stays_one_at_any_step(lengths, frames, span):
+    motion = gk.move(gk.FourBar(*lengths), np.linspace(*span, frames), "follow")
+    if span[0] == -4 * np.pi or span[1] > 0:
+        assert motion.closed.all()
+        assert np.abs(motion.coupler.direction - 1).max() < 1e-15 * 8
+        assert motion.rocker.first == pytest.approx(np.ones(frames), abs=1e-14)
+        assert np.abs(motion.coupler.second).max() < 1e-13
+    else:
+        assert np.abs(motion.coupler.direction - 1).max() < 1e-15 * 8
+
+
+def test_a_fixed_branch_turns_the_parallelogram_inside_out_and_says_so():
+    drive = np.linspace(0.1, 2 * np.pi - 0.1, 50)
+    fixed, followed = (gk.move(gk.FourBar(3, 2, 3, 2), drive, b) for b in (1, "follow"))
+    assert set(fixed.branches["rocker_pin"]) == {1}
+    signs = followed.branches["rocker_pin"]
+    assert np.array_equal(signs, np.where(drive < np.pi, 1, -1))
+    late = drive > np.pi
+    assert np.abs(fixed.coupler.direction[late] - 1).min() > 0.04
+
+
+@pytest.mark.parametrize("frames", STEPS)
+def test_an_antiparallelogram_stays_one_too(frames):
+    """Started between half a turn and a whole one, +1 is the crossed figure, which then stays crossed."""
+    drive = np.linspace(4.0, 4.0 + 4 * np.pi, frames)
+    motion = gk.move(gk.FourBar(3, 2, 3, 2), drive, "follow")
+    turned = np.unwrap(
+        np.angle(gk.move(gk.FourBar(3, 2, 3, 2), np.linspace(4.0, 4.0 + 4 * np.pi, 4001), "follow").rocker.direction)
+    )
+    # The crossed rocker turns against the crank, smoothly.
+    assert np.all(np.diff(turned) < 0) and motion.rocker.first.max() < 0
+
+
+def test_a_change_point_with_one_vanishing_gap_takes_two_turns_to_come_back():
+    """4 + 1 = 2 + 3, in line once a turn: the other branch after one turn, the first again after two."""
+    linkage = gk.FourBar(ground=3, crank=1, coupler=4, rocker=2)
+    turns = 0.5 + 2 * np.pi * np.arange(5)
+    motion = gk.move(linkage, turns, "follow")
+    one, two = motion.rocker.direction[:2]
+    assert abs(one - two) > 0.1
+    assert motion.rocker.direction == pytest.approx([one, two, one, two, one], abs=1e-14)
+    smooth = gk.move(linkage, np.linspace(0.5, 0.5 + 4 * np.pi, 5001), "follow").rocker
+    assert np.abs(np.diff(smooth.direction)).max() < 0.02
+
+
+@pytest.mark.parametrize("frames", STEPS)
+def test_an_in_line_slider_crank_of_equal_links_runs_through_its_middle(frames):
+    drive = np.linspace(0, 4 * np.pi, frames)
+    motion = gk.move(gk.SliderCrank(50, 50), drive, "follow")
+    assert motion.closed.all()
+    assert motion.slider.origin.position == pytest.approx(100 * np.cos(drive), abs=2e-13)
+    assert motion.coupler.first == pytest.approx(-np.ones(frames), abs=1e-14)
+
+
+@pytest.mark.parametrize("frames", [6, 50, 182])
+def test_a_slider_that_drives_equal_links_carries_them_through_the_middle(frames):
+    """No formula continues this one: the branch is kept by the motion itself."""
+    drive = np.linspace(90, -90, frames)
+    motion = gk.move(gk.SliderCrank(50, 50, driver="slider"), drive, "follow")
+    pin = motion.point("crank_pin").position
+    assert motion.closed.all() and pin == pytest.approx(drive / 2 + 1j * np.sqrt(2500 - drive**2 / 4), abs=1e-12)
+
+
+@pytest.mark.parametrize("frames", [6, 7, 50, 361])
+def test_a_second_parallelogram_behind_the_first_stays_one(frames):
+    arm = 15 + 5j
+    linkage = gk.Linkage(
+        {
+            "ground": {"O": 0, "C": 30, "E": 60},
+            "crank": {"O": 0, "A": 20},
+            "coupler": {"A": 0, "B": 30},
+            "rocker": {"C": 0, "B": 20, "R": arm},
+            "rod": {"R": 0, "Q": 30},
+            "out": {"E": 0, "Q": arm},
+        },
+        "crank",
+    )
+    motion = gk.move(linkage, np.linspace(0.3, 0.3 + 2 * np.pi, frames), "follow")
+    assert motion.closed.all()
+    for body in ("coupler", "rod"):
+        assert np.abs(motion.bodies[body].direction - 1).max() < 1e-12
+
+
+def test_follow_is_the_fixed_branch_where_nothing_changes():
+    drive = np.linspace(0, 2 * np.pi, 50)
+    for linkage in (FOUR_BAR, gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), gk.Shaper(90, 30, 180, 60, 85)):
+        fixed, followed = (gk.move(linkage, drive, b) for b in (1, "follow"))
+        for name, body in fixed.bodies.items():
+            assert np.abs(body.direction - followed.bodies[name].direction).max() < 1e-13
+            assert np.abs(body.second - followed.bodies[name].second).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("linkage", "count"),
+    [
+        (gk.FourBar(100, 30, 90, 70), 2),
+        (gk.FourBar(30, 100, 90, 70), 2),
+        (gk.FourBar(100, 70, 90, 30), 2),
+        (gk.FourBar(100, 70, 30, 90), 2),
+        (gk.FourBar(4, 3, 2, 2.5), 1),
+        (gk.SliderCrank(30, 90, 12), 2),
+        (gk.SliderCrank(90, 30, 12), 2),
+        (gk.SliderCrank(60, 50, 20), 1),
+    ],
+)
+def test_circuits_are_what_small_steps_can_reach(linkage, count):
+    """Poses joined to their neighbours on the same branch, and across a limit to the other: the connected sets."""
+    drive = np.linspace(0, 2 * np.pi, 721)[:-1]
+    motions = {side: gk.move(linkage, drive, side) for side in (1, -1)}
+    label = {(side, k): (side, k) for side in (1, -1) for k in np.flatnonzero(motions[side].closed)}
+
+    def root(pose):
+        while label[pose] != pose:
+            pose = label[pose]
+        return pose
+
+    for side, k in label:
+        after = (k + 1) % len(drive)
+        if (side, after) in label:
+            label[root((side, k))] = root((side, after))
+        elif (-side, k) in label:
+            label[root((side, k))] = root((-side, k))
+        if (side, (k - 1) % len(drive)) not in label and (-side, k) in label:
+            label[root((side, k))] = root((-side, k))
+    sets = {root(pose) for pose in label}
+    told = {pose: gk.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
+    assert len(sets) == count
+    assert len({(root(p), t) for p, t in told.items()}) == count and 0 not in told.values()

@@ -1,0 +1,127 @@
+"""Driver limits, dead centres, mechanical advantage, coupler curves."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.linkage.examples import ALL, FOUR_BAR
+
+
+def test_a_crank_that_turns_fully_has_no_limits():
+    assert gk.driver_limits(FOUR_BAR) == ((0.0, 2 * np.pi),)
+    assert gk.driver_limits(gk.SliderCrank(30, 90, 12)) == ((0.0, 2 * np.pi),)
+
+
+@pytest.mark.parametrize(
+    ("linkage", "span"),
+    [
+        (gk.FourBar(4, 3, 2, 2.5), (-np.pi, np.pi)),
+        (gk.FourBar(100, 30, 90, 70, driver="rocker"), (0, 2 * np.pi)),
+        (gk.FourBar(100, 30, 90, 70, driver="coupler"), (-np.pi, np.pi)),
+        (gk.SliderCrank(30, 90, 12, driver="coupler"), (-np.pi, np.pi)),
+        (gk.SliderCrank(90, 30, 12), (0, 2 * np.pi)),
+        (gk.SliderCrank(30, 90, 12, driver="slider"), (0, 300)),
+        (gk.StephensonSixBar(FOUR_BAR, 40, 60, 60 + 120j), (0, 2 * np.pi)),
+        (gk.InvertedSliderCrank(80, 30, 0, driver="rocker"), (0, 2 * np.pi)),
+    ],
+)
+def test_limits_part_the_drives_that_close_from_those_that_do_not(linkage, span):
+    parts = gk.driver_limits(linkage, span=span)
+    drive = np.linspace(*span, 5000)[1:-1]
+    inside = np.any([(low <= drive) & (drive <= high) for low, high in parts], axis=0)
+    assert np.array_equal(inside, gk.move(linkage, drive).closed)
+    for edge in {e for part in parts for e in part} - set(span):
+        # At the limit a dyad is stretched or folded.
+        near = [gk.move(linkage, [edge + k * 1e-9 * (span[1] - span[0])]) for k in (-1, 1)]
+        assert [m.closed[0] for m in near].count(True) == 1
+        assert min(m.transmission_angle[0] for m in near if m.closed[0]) < 1e-3
+
+
+def test_the_crank_of_a_non_grashof_linkage_stops_where_coupler_and_rocker_stretch():
+    ((low, high),) = gk.driver_limits(gk.FourBar(4, 3, 2, 2.5), span=(-np.pi, np.pi))
+    reach = abs(4 - 3 * np.exp(1j * high))
+    assert low == -high and reach == pytest.approx(2 + 2.5, rel=1e-14)
+
+
+def test_a_span_without_a_pose_has_no_parts():
+    assert gk.driver_limits(gk.FourBar(4, 3, 2, 2.5), span=(2.0, 4.0)) == ()
+    with pytest.raises(gk.DesignError, match="span"):
+        gk.driver_limits(FOUR_BAR, span=(1.0, 1.0))
+
+
+def test_dead_centres_of_a_crank_rocker_have_crank_and_coupler_in_line():
+    found = gk.dead_centres(FOUR_BAR, "rocker")
+    motion = gk.move(FOUR_BAR, found)
+    assert len(found) == 2
+    assert np.abs(np.imag(motion.crank.direction * np.conj(motion.coupler.direction))).max() < 1e-14
+    pin = np.abs(motion.point("rocker_pin").position)
+    assert sorted(pin) == pytest.approx([90 - 30, 90 + 30], rel=1e-14)
+
+
+def test_dead_centres_of_a_slider_crank_are_its_extreme_strokes():
+    found = gk.dead_centres(gk.SliderCrank(30, 90, 12), "slider")
+    places = gk.move(gk.SliderCrank(30, 90, 12), found).slider.origin.position.real
+    assert sorted(places) == pytest.approx([np.sqrt(60**2 - 12**2), np.sqrt(120**2 - 12**2)], rel=1e-14)
+
+
+@pytest.mark.parametrize("output", ["ground", "ram"])
+def test_a_body_that_is_no_output_is_refused(output):
+    with pytest.raises(gk.DesignError, match="output"):
+        gk.dead_centres(FOUR_BAR, output)
+    with pytest.raises(gk.DesignError, match="output"):
+        gk.mechanical_advantage(gk.move(FOUR_BAR, [0.0]), output)
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank", "shaper", "watt", "scotch yoke"])
+def test_mechanical_advantage_conserves_power(name):
+    """Virtual work by differences: what the driver moves times its torque is what the output gives back."""
+    linkage, drive, branch = ALL[name]
+    output = {"four-bar": "rocker", "slider-crank": "slider", "shaper": "ram", "watt": "output", "scotch yoke": "yoke"}[
+        name
+    ]
+    step = 1e-6
+    here, before, after = (gk.move(linkage, drive[1:-1] + d, branch) for d in (0, -step, step))
+    bodies = [m.bodies[output] for m in (before, after)]
+    turned = np.angle(bodies[1].direction / bodies[0].direction) / (2 * step)
+    ahead = here.bodies["ground"].direction * (1j if name == "shaper" else 1)
+    slid = np.real(np.conj(ahead) * (bodies[1].origin.position - bodies[0].origin.position)) / (2 * step)
+    way = slid if output in ("slider", "ram", "yoke") else turned
+    advantage = gk.mechanical_advantage(here, output)
+    clear = np.abs(way) > 1e-3 * np.abs(way).max()
+    assert advantage[clear] * way[clear] == pytest.approx(np.ones(clear.sum()), rel=1e-5)
+
+
+def test_the_advantage_is_without_bound_at_a_dead_centre():
+    centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
+    assert np.abs(gk.mechanical_advantage(gk.move(FOUR_BAR, [centre]), "rocker")[0]) > 1e12
+
+
+def test_a_coupler_curve_is_the_path_of_its_point_exactly():
+    curve = gk.CouplerCurve(FOUR_BAR, "coupler_point")
+    t = np.linspace(0, 2 * np.pi, 50)
+    assert np.array_equal(curve.point(t), gk.move(FOUR_BAR, t).point("coupler_point").position)
+    assert curve.closed and curve.point(t.reshape(5, 10)).shape == (5, 10)
+    step = 1e-5
+    assert curve.velocity(t) == pytest.approx((curve.point(t + step) - curve.point(t - step)) / (2 * step), abs=1e-6)
+    # Curvature against the circle through three near points of the path.
+    a, b, c = (curve.point(t + d) for d in (-1e-4, 0, 1e-4))
+    circle = 2 * np.imag(np.conj(b - a) * (c - b)) / (abs(b - a) * abs(c - b) * abs(c - a))
+    assert curve.curvature(t) == pytest.approx(circle, rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 1e-3])
+def test_a_coupler_curve_is_flattened_within_its_tolerance(tolerance):
+    curve = gk.CouplerCurve(FOUR_BAR, "coupler_point")
+    chords = gk.flatten(curve, tolerance)
+    fine = curve.point(np.linspace(0, 2 * np.pi, 20001))
+    ends = np.roll(chords, -1)
+    along = np.clip(np.real((fine[:, None] - chords) / (ends - chords)), 0, 1)
+    distance = np.abs(chords + along * (ends - chords) - fine[:, None]).min(axis=1)
+    assert 0.5 * tolerance < distance.max() <= tolerance * (1 + 1e-9)
+
+
+def test_a_coupler_curve_that_is_not_reached_says_from_where_to_where_it_is():
+    with pytest.raises(gk.DesignError, match="closes only from"):
+        gk.CouplerCurve(gk.FourBar(4, 3, 2, 2.5, 1j), "coupler_point")
+    open_curve = gk.CouplerCurve(gk.FourBar(4, 3, 2, 2.5, 1j), "coupler_point", span=(-1.0, 1.0))
+    assert not open_curve.closed and np.isfinite(gk.length(open_curve))

@@ -1,0 +1,232 @@
+"""Every linkage by second roads: lengths kept, central differences, time histories, other solvers."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.linkage.examples import ALL, FOUR_BAR, TURN, locked
+
+
+@pytest.fixture(params=ALL)
+def example(request):
+    linkage, drive, branch = ALL[request.param]
+    return linkage, drive, branch, gk.move(linkage, drive, branch, speed=3.0, acceleration=-2.0)
+
+
+def size(linkage):
+    return max(abs(z) for points in linkage.linkage.bodies.values() for z in points.values()) + 1
+
+
+def test_every_loop_closes_to_rounding(example):
+    linkage, _, _, motion = example
+    assert motion.closed.all()
+    assert motion.residual.max() < 1e-12 * size(linkage)
+    for name, body in motion.bodies.items():
+        assert np.abs(np.abs(body.direction) - 1).max() < 1e-14, name
+
+
+def test_coefficients_are_the_derivatives_of_positions(example):
+    linkage, drive, branch, motion = example
+    step = 1e-4 * (drive[-1] - drive[0]) / 6
+    inner = slice(1, -1)  # the ends may be limits
+
+    def fourth_order(values):
+        return (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * step)
+
+    around = [gk.move(linkage, drive + k * step, branch) for k in (-2, -1, 1, 2)]
+    for name, body in motion.bodies.items():
+        for place in (0j, 3 + 4j):
+            here, near = body.point(place), [m.bodies[name].point(place) for m in around]
+            first, second = fourth_order([p.position for p in near]), fourth_order([p.first for p in near])
+            # Rounding of positions over the step is what limits the comparison.
+            fuzz = 3e-13 * size(linkage) / step
+            assert np.abs(first - here.first)[inner].max() < fuzz
+            scale = 1 + np.abs(here.first).max()
+            assert np.abs(second - here.second)[inner].max() < 3e-13 * scale * size(linkage) / step
+        turned = np.angle(around[2].bodies[name].direction / around[1].bodies[name].direction) / (2 * step)
+        assert np.abs(turned - body.first)[inner].max() < 1e-5 * (1 + np.abs(body.first).max())
+
+
+def test_rates_follow_the_driver_in_time(example):
+    linkage, drive, branch, motion = example
+    moment = 1e-4 * (drive[-1] - drive[0]) / 6 / 3.0
+    early, late = (gk.move(linkage, drive + 3.0 * t - t**2, branch) for t in (-moment, moment))
+    for name, body in motion.bodies.items():
+        here, before, after = (b.point(2 - 1j) for b in (body, early.bodies[name], late.bodies[name]))
+        inner = slice(1, -1)
+        velocity = (after.position - before.position) / (2 * moment)
+        assert velocity[inner] == pytest.approx(
+            here.velocity[inner], rel=1e-5, abs=1e-5 * np.abs(velocity).max() + 1e-9
+        )
+        forth = 3.0 + 2.0 * moment, 3.0 - 2.0 * moment
+        gained = (after.first * forth[1] - before.first * forth[0]) / (2 * moment)
+        assert gained[inner] == pytest.approx(
+            here.acceleration[inner], rel=1e-4, abs=1e-4 * np.abs(here.acceleration).max() + 1e-9
+        )
+
+
+@pytest.mark.parametrize("name", [n for n in ALL if ALL[n][0].linkage.sliders])
+def test_sliding_and_coriolis_add_up_to_the_point(name):
+    linkage, drive, branch = ALL[name]
+    motion = gk.move(linkage, drive, branch, speed=3.0, acceleration=-2.0)
+    for slider in linkage.linkage.sliders:
+        slide, guide = motion.slide(slider.name), motion.bodies[slider.along]
+        line = guide.direction * slider.direction
+        point = motion.bodies[slider.body].point(slider.point)
+        # The point of the guide that the sliding point covers just now, carried by the guide alone.
+        covered = np.conj(guide.direction) * (point.position - guide.origin.position)
+        carried = [guide.point(z) for z in covered]
+        velocity = np.array([c.velocity[k] for k, c in enumerate(carried)])
+        acceleration = np.array([c.acceleration[k] for k, c in enumerate(carried)])
+        assert point.velocity == pytest.approx(velocity + slide.velocity * line, abs=1e-9)
+        total = acceleration + slide.acceleration * line + slide.coriolis
+        assert point.acceleration == pytest.approx(total, abs=1e-8)
+
+
+def test_the_driver_may_be_any_link_of_the_same_motion():
+    motion = gk.move(FOUR_BAR, np.linspace(0.7, 2.9, 40))
+    for name in ("coupler", "rocker"):
+        sizes = gk.FourBar(100, 30, 90, 70, 40 + 25j, driver=name)
+        drive = np.unwrap(np.angle(motion.bodies[name].direction))
+        crank_pin = motion.point("crank_pin").position
+        found = [gk.move(sizes, drive, side).point("crank_pin").position for side in (1, -1)]
+        # The crank pin is on one of the two branches at every frame.
+        assert np.minimum(*(np.abs(f - crank_pin) for f in found)).max() < 1e-10
+
+
+def test_loops_by_iteration_agree_with_dyads():
+    linkage, drive = locked()
+    motion = gk.move(linkage, drive)
+    by_dyads = gk.move(gk.Linkage(linkage.bodies, "crank"), np.angle(motion.crank.direction))
+    for pin in "ABPD":
+        assert np.abs(motion.point(pin).position - by_dyads.point(pin).position).max() < 1e-11
+    # The second road for rates: the inverse function.
+    assert motion.crank.first == pytest.approx(1 / by_dyads.bodies["out"].first, rel=1e-9)
+
+
+def test_iteration_stops_open_where_the_linkage_locks():
+    linkage, drive = locked()
+    motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 400))
+    open_from = int(np.argmin(motion.closed))
+    assert 0 < open_from < 400 and not motion.closed[open_from:].any()
+    assert np.isnan(motion.crank.direction[open_from:]).all() and np.isnan(motion.residual[open_from:]).all()
+    assert motion.residual[:open_from].max() < 1e-10
+
+
+def test_many_linkages_at_once_are_each_what_it_is_alone():
+    rng = np.random.default_rng(5)
+    lengths = rng.uniform(0.5, 2.0, (4, 30))
+    many = gk.move(gk.FourBar(*lengths, coupler_point=0.3 + 0.2j), TURN, speed=2.0)
+    assert many.closed.shape == (len(TURN), 30)
+    for k in range(30):
+        try:
+            alone = gk.move(gk.FourBar(*lengths[:, k], coupler_point=0.3 + 0.2j), TURN, speed=2.0)
+        except gk.DesignError:
+            assert not many.closed[:, k].any()
+            continue
+        assert np.array_equal(many.closed[:, k], alone.closed)
+        one, other = many.point("coupler_point").acceleration[:, k], alone.point("coupler_point").acceleration
+        assert one[alone.closed] == pytest.approx(other[alone.closed], rel=1e-12)
+    six_bars = gk.SliderCrank(np.array([20.0, 30.0]), np.array([80.0, 90.0]), 5.0)
+    assert gk.move(six_bars, TURN).slider.origin.position[:, 1] == pytest.approx(
+        gk.move(gk.SliderCrank(30, 90, 5), TURN).slider.origin.position, rel=1e-15
+    )
+
+
+def test_long_rows_are_the_same_as_short_ones():
+    drive = np.linspace(0, 20, 40001)
+    whole = gk.move(FOUR_BAR, drive, speed=2.0)
+    for start in (0, 16000, 39000):
+        part = gk.move(FOUR_BAR, drive[start : start + 1000], speed=2.0)
+        for name in ("coupler", "rocker"):
+            assert np.array_equal(whole.bodies[name].alpha[start : start + 1000], part.bodies[name].alpha[:1000])
+        one, two = whole.point("coupler_point"), part.point("coupler_point")
+        assert np.array_equal(one.acceleration[start : start + 1000], two.acceleration)
+
+
+def test_an_open_frame_is_nan_in_everything():
+    motion = gk.move(gk.StephensonSixBar(FOUR_BAR, 20, 60, 60 + 120j), TURN, speed=2.0)
+    away = ~motion.closed
+    assert away.any()
+    for name, body in motion.bodies.items():
+        if name != "ground":
+            assert np.isnan(body.direction[away]).all() and np.isnan(body.omega[away]).all(), name
+            assert np.isnan(body.point(1.0).acceleration[away]).all(), name
+    assert np.isnan(motion.transmission_angle[away]).all()
+
+
+BAR = {"A": 0, "B": 10}
+
+
+@pytest.mark.parametrize(
+    ("bodies", "driver", "sliders", "words"),
+    [
+        ({"ground": {"O": 0}}, "crank", (), "at least one that moves"),
+        ({"ground": {"O": 0}, "crank": {"O": 0}}, "arm", (), "crank"),
+        ({"ground": {"O": 0}, "crank": {"O": 0}, "loose": {"A": 1}}, "crank", (), "loose is joined to nothing"),
+        (
+            {"ground": {"O": 0, "C": 9}, "crank": {"O": 0, "A": 3}, "bar": {"A": 0, "C": 8}},
+            "crank", (), "rigid",
+        ),
+        (
+            {"ground": {"O": 0, "C": 9}, "crank": {"O": 0, "A": 3}, "bar": {"A": 0, "B": 8}, "far": {"C": 0, "D": 2},
+             "more": {"D": 0, "B": 3}},
+            "crank", (), "loose",
+        ),
+        ({"ground": {"O": 0, "C": np.nan}, "crank": {"O": 0}}, "crank", (), "finite"),
+        ({"ground": {"O": 0}, "crank": {"O": 0}}, "crank", (gk.Slider("s", "block", "ground"),), "block"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_a_linkage_is_refused_with_a_remedy(bodies, driver, sliders, words):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.move(gk.Linkage(bodies, driver, sliders), [0.0])
+    assert words in f"{caught.value}" and caught.value.remedy
+
+
+def test_a_locked_part_beside_a_loose_one_is_found():
+    """The count of freedoms is right as a whole, but a triangle is locked twice and two bars hang loose."""
+    bodies = {
+        "ground": {"O": 0, "C": 9, "E": 5},
+        "crank": {"O": 0, "A": 3},
+        "one": {"A": 0, "B": 8, "F": 3},
+        "two": {"C": 0, "B": 4, "G": 2},
+        "brace": {"F": 0, "G": 5},
+        "hanging": {"A": 0, "H": 5},
+        "last": {"H": 0},
+    }
+    with pytest.raises(gk.DesignError, match="locked|loose|start|rigid"):
+        gk.move(gk.Linkage(bodies, "crank"), [0.5])
+
+
+def test_loops_without_an_estimate_say_which_pins_need_one():
+    linkage, drive = locked()
+    with pytest.raises(gk.DesignError) as caught:
+        gk.move(gk.Linkage(linkage.bodies, "out"), drive)
+    assert caught.value.field == "estimate" and "P" in caught.value.problem
+
+
+def test_parallel_slides_place_nothing():
+    parallel = gk.Linkage(
+        {"ground": {"O": 0, "C": 6}, "in": {"O": 0}, "disc": {}, "out": {"C": 0}},
+        "in",
+        (gk.Slider("a", "disc", "in"), gk.Slider("b", "disc", "out")),
+    )
+    assert not gk.move(parallel, TURN).closed.any()
+
+
+def test_branches_are_asked_for_by_joint():
+    six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
+    both = [gk.move(six_bar, TURN, {"output_pin": side}) for side in (1, -1)]
+    assert both[0].point("output_pin").position != pytest.approx(both[1].point("output_pin").position)
+    assert [set(m.branches["output_pin"]) for m in both] == [{1}, {-1}]
+    for wrong in (0, "left", {"pen": 1}, {"output_pin": 2}):
+        with pytest.raises(gk.DesignError, match="branch"):
+            gk.move(six_bar, TURN, wrong)
+
+
+@pytest.mark.parametrize("drive", [[[0.0, 1.0]], [np.nan], [np.inf]])
+def test_a_drive_that_is_no_row_of_numbers_is_refused(drive):
+    with pytest.raises(gk.DesignError, match="drive"):
+        gk.move(FOUR_BAR, drive)
+    with pytest.raises(gk.DesignError, match="speed"):
+        gk.move(FOUR_BAR, TURN, speed=[1.0, 2.0])
