@@ -45,6 +45,8 @@ class Driven(Dyad):
 
     def sign_from(self, q: Array, sign: int) -> Array:
         """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
+        if not q.size:
+            return np.asarray(sign)
         later = q[0] + 1e-3 * (q[-1] - q[0] if q[-1] != q[0] else 1.0)
         with np.errstate(invalid="ignore"):
             r = [np.sign(self.roots(Pass(drive=np.asarray(t)), 1).r) for t in (q[0], later)]

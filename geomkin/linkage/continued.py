@@ -89,7 +89,7 @@ def _finer(drive: Array) -> tuple[Array, Array]:
     """A row of drives with small steps that has all of `drive` in it, and where."""
     steps = np.abs(np.diff(drive))
     if not steps.size:
-        return drive, np.zeros(1, dtype=int)
+        return drive, np.arange(len(drive))
     parts = np.maximum(1, np.ceil(steps / FINEST[0] - 1e-9)).astype(int)
     ends = np.concatenate([[0], np.cumsum(parts)])
     return np.interp(np.arange(ends[-1] + 1), ends, drive), ends

@@ -12,8 +12,20 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 from .limits import driver_limits
-from .motion import PointMotion
+from .motion import Motion, PointMotion
 from .solve import Branch, Named, move
+
+
+def moved_at(linkage: Named, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Array]:
+    """The motion at drives of any shape and order, and which of its frames each of them is.
+
+    A branch that is followed is followed from `start`, whatever drives are asked for.
+    """
+    drive = np.asarray(t, dtype=float)
+    order = np.argsort(drive, axis=None, kind="stable")
+    frames = np.empty(drive.size, dtype=int)
+    frames[order] = np.arange(1, drive.size + 1)
+    return move(linkage, np.append(start, drive.ravel()[order]), branch), frames.reshape(drive.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,23 +46,23 @@ class CouplerCurve(AbstractCurve):
             reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
             raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
 
-    def _motion(self, t: ArrayLike) -> tuple[PointMotion, tuple[int, ...]]:
-        t = np.asarray(t, dtype=float)
-        return move(self.linkage, t.ravel(), self.branch).point(self.point_name), t.shape
+    def _track(self, t: ArrayLike) -> tuple[PointMotion, Array]:
+        motion, frames = moved_at(self.linkage, t, self.branch, self.span[0])
+        return motion.point(self.point_name), frames
 
     def point(self, t: ArrayLike) -> Array:
-        track, shape = self._motion(t)
-        return track.position.reshape(shape)
+        track, frames = self._track(t)
+        return track.position[frames]
 
     def velocity(self, t: ArrayLike) -> Array:
-        track, shape = self._motion(t)
-        return track.first.reshape(shape)
+        track, frames = self._track(t)
+        return track.first[frames]
 
     def curvature(self, t: ArrayLike) -> Array:
-        track, shape = self._motion(t)
-        second, first = track.second, track.first
+        track, frames = self._track(t)
+        second, first = track.second[frames], track.first[frames]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (np.imag(np.conj(first) * second) / np.abs(first) ** 3).reshape(shape)
+            return np.imag(np.conj(first) * second) / np.abs(first) ** 3
 
     @property
     def breaks(self) -> Array:

@@ -18,6 +18,13 @@ KINDS = {
     "scotch-yoke": "linkages",
     "oldham-coupling": "linkages",
     "linkage": "linkages",
+    "four-bar-atlas": "coupler_atlas",
+    "slider-crank-atlas": "coupler_atlas",
+    "cognates": "cognate_linkages",
+    "inflection-circle": "path_curvature",
+    "centrodes": "path_curvature",
+    "polygons": "polygons",
+    "shaking-force": "shaking_force",
     "disk-cam": "disk_cam",
     "spur-gear": "spur_gear",
 }

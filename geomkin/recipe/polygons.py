@@ -1,0 +1,121 @@
+"""Recipe of velocity and acceleration polygons of any linkage at one position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..linkage.motion import Motion
+from ..linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
+from ..linkage.solve import move
+from ..part import Part
+from ..shop.drawing import PlateStock, arrow, engraved, skeleton
+from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..table import Column, Table
+from .dyad_list import DyadList
+from .kind import Kind
+from .settings import Files
+
+
+@dataclass(frozen=True)
+class PolygonsRecipe:
+    """Velocity and acceleration polygons of a linkage at one position, and the position itself, each on a plate."""
+
+    kind: Literal["polygons"]
+    linkage: DyadList
+    position: float = quantity(
+        "where the driver stands: deg where it turns, mm where it slides",
+        default=60.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    speed: float = quantity("speed of the driver: rad/s or mm/s", default=10.0, at_least=-FARTHEST, at_most=FARTHEST)
+    acceleration: float = quantity(
+        "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+    )
+    size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
+    branch: Literal[1, -1] = entry("branch of every dyad that is not named below", default=1)
+    branches: dict[str, Literal[1, -1]] = entry("branch of single joints", default_factory=dict)
+    stock: PlateStock = entry("the plates", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at its position."""
+        place = self.position if self.linkage.driver_slides else np.radians(self.position)
+        joints = move(self.linkage, [place]).branches
+        unknown = [joint for joint in self.branches if joint not in joints]
+        if unknown:
+            raise DesignError("branches", f"found {unknown[0]}", f"give one of {', '.join(joints)}")
+        signs = {joint: self.branches.get(joint, self.branch) for joint in joints}
+        motion = move(self.linkage, [place], signs, self.speed, self.acceleration)
+        if not motion.closed[0]:
+            raise DesignError("position", f"found {self.position:g}, which is not reached", "give another")
+        return motion
+
+    @cached_property
+    def polygons(self) -> dict[str, tuple[Polygon, str]]:
+        """Each polygon with its unit."""
+        return {
+            "velocity": (velocity_polygon(self.motion, 0, self.size), "mm/s"),
+            "acceleration": (acceleration_polygon(self.motion, 0, self.size), "mm/s2"),
+        }
+
+
+def _table(recipe: PolygonsRecipe) -> Table:
+    rows = [(name, unit, v) for name, (polygon, unit) in recipe.polygons.items() for v in polygon.vectors]
+    words = {
+        "polygon": "the polygon it belongs to",
+        "kind": "absolute, difference, normal, tangential, sliding or coriolis",
+        "body": "the body",
+        "from": "where it leads from",
+        "to": "where it leads to",
+    }
+    texts = zip(*[(name, v.kind, v.body, v.start, v.end) for name, _, v in rows])
+    values = np.array([v.value for _, _, v in rows])
+    return Table(
+        (
+            Column("number", "", "number of the vector", np.arange(1, len(rows) + 1)),
+            *(Column(name, "", about, np.array(text)) for (name, about), text in zip(words.items(), texts)),
+            Column("unit", "", "unit of its size", np.array([unit for _, unit, _ in rows])),
+            Column("size", "", "its size in that unit", np.abs(values)),
+            Column("direction", "deg", "its direction from +x", np.degrees(np.angle(values))),
+        )
+    )
+
+
+def _checks(recipe: PolygonsRecipe) -> list[Check]:
+    angle = np.degrees(recipe.motion.transmission_angle[0])
+    return [Check("transmission angle here", angle, "at least", 5, "deg", "near a dead centre the polygons run off")]
+
+
+def _parts(recipe: PolygonsRecipe) -> list[Part]:
+    parts = [engraved("position", skeleton(recipe.motion, 0, recipe.stock), recipe.stock)]
+    for name, (polygon, _) in recipe.polygons.items():
+        # Of a difference that is drawn in parts only the parts, so that no line is drawn twice.
+        split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
+        drawn: dict[tuple[complex, complex], None] = {}
+        for v in polygon.vectors:
+            ends = v.tail, v.tip
+            if v.kind == "difference" and (v.body, v.start, v.end) in split:
+                continue
+            if ends not in drawn and ends[::-1] not in drawn:
+                drawn[ends] = None
+        marks = [mark for tail, tip in drawn for mark in arrow(tail, tip)]
+        parts.append(engraved(f"{name}-polygon", marks, recipe.stock))
+    return parts
+
+
+def _notes(recipe: PolygonsRecipe) -> dict[str, dict[str, float]]:
+    return {"scale": {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in recipe.polygons.items()}}
+
+
+KINDS = {"polygons": Kind(PolygonsRecipe, _table, _checks, _parts, _notes)}

@@ -1,0 +1,89 @@
+"""Drawings as engraved plates: a mechanism at one position, curves, vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import DesignError
+from ..linkage.motion import Motion
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Circle, Polyline, Segment, rounded_hull
+from ..plane.vec import Array
+from ..sizes import check_sizes, quantity
+
+# Corners of the plate and heads of arrows, mm: plain sizes that a beam draws and an eye sees.
+CORNER = 3.0
+HEAD = 3.0
+
+
+@dataclass(frozen=True)
+class PlateStock:
+    """The plate a drawing is engraved on."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
+    margin: float = quantity("clear edge around the drawing", "mm", default=8.0, at_least=3, at_most=1000)
+    pin_diameter: float = quantity("diameter of the circles drawn for pins", "mm", default=4.0, above=0, at_most=1000)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+def engraved(name: str, marks: Iterable[AbstractCurve], stock: PlateStock) -> Part:
+    """A plate as large as the marks and a margin, with them engraved; the drawing's own coordinates are kept."""
+    drawn = tuple(marks)
+    if not drawn:
+        raise DesignError(name, "there is nothing to draw", "give a position that the linkage reaches")
+    # Sixteenths of each smooth piece see its extremes to far less than the margin.
+    seen = np.concatenate(
+        [curve.point(np.linspace(curve.breaks[:-1], curve.breaks[1:], 17).ravel()) for curve in drawn]
+    )
+    room = stock.margin - CORNER
+    low = complex(seen.real.min() - room, seen.imag.min() - room)
+    high = complex(seen.real.max() + room, seen.imag.max() + room)
+    corners = [low, complex(high.real, low.imag), high, complex(low.real, high.imag)]
+    return Part(name, rounded_hull(corners, CORNER), (), stock.thickness, marks=drawn)
+
+
+def skeleton(motion: Motion, frame: int, stock: PlateStock) -> list[AbstractCurve]:
+    """The linkage at a frame: each body as lines between its points, in circles where pins are."""
+    marks: list[AbstractCurve] = []
+    radius = stock.pin_diameter / 2
+    pins: dict[str, complex] = {}
+    for name, points in motion.linkage.bodies.items():
+        body = motion.bodies[name]
+        places = {p: complex(body.point(z).position[frame]) for p, z in points.items()}
+        pins |= {p: z for p, z in places.items() if p in motion.linkage.pins}
+        if name == motion.linkage.ground:
+            continue
+        # Two points at one place would draw their lines twice.
+        corners = list(dict.fromkeys(places.values()))
+        joints = list(zip(corners[:-1], corners[1:])) + ([(corners[-1], corners[0])] if len(corners) > 2 else [])
+        marks += [line for a, b in joints for line in _between(a, b, radius)]
+    return marks + [Circle(z, radius) for z in pins.values()]
+
+
+def _between(a: complex, b: complex, radius: float) -> list[AbstractCurve]:
+    """The line between two circles, if they leave room for one."""
+    if abs(b - a) <= 2 * radius:
+        return []
+    ahead = (b - a) / abs(b - a) * radius
+    return [Segment(a + ahead, b - ahead)]
+
+
+def arrow(tail: complex, tip: complex) -> list[AbstractCurve]:
+    """A vector: its line and its head; none where it is shorter than files can tell."""
+    length = abs(tip - tail)
+    if length < 1e-3:
+        return []
+    head = min(HEAD, length / 3) * (tail - tip) / length
+    barbs = [tip + head * np.exp(1j * side * np.pi / 9) for side in (1, -1)]
+    return [Segment(tail, tip), Polyline(np.array([barbs[0], tip, barbs[1]]), is_closed=False)]
+
+
+def strokes(runs: Iterable[Array]) -> list[AbstractCurve]:
+    """Runs of points as open lines."""
+    return [Polyline(np.asarray(run), is_closed=False) for run in runs if len(run) > 1]

@@ -1,0 +1,163 @@
+"""Bobillier's constructions against the inflection circle of the motion, and the angles he speaks of."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+import geomkin as gk
+from geomkin.linkage.bobillier import bobillier, bobillier_path
+from geomkin.linkage.curvature import PathCurvature, crank_path, path_curvature
+from geomkin.linkage.inflection import inflection_circle, inflection_circle_of_cranks
+
+TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
+FOUR_BAR = gk.FourBar(100, 30, 90, 70, origin=12 - 7j, ground_angle_deg=33.0)
+PARALLEL_CRANKS = gk.FourBar(100, 30, float(np.hypot(100, 30)), 60)
+
+
+def cranks(motion):
+    return tuple(
+        crank_path(motion.point(pin).position, motion.point(pivot).position)
+        for pin, pivot in (("crank_pin", "crank_pivot"), ("rocker_pin", "rocker_pivot"))
+    )
+
+
+def aslant(one, other):
+    """Sine of the angle between two lines."""
+    return np.abs(np.imag(np.conj(one) * other))
+
+
+def test_the_tangent_is_that_of_the_motion():
+    motion = gk.move(FOUR_BAR, TURN)
+    drawn, circle = bobillier(*cranks(motion)), inflection_circle(motion, "coupler")
+    assert aslant(drawn.tangent, circle.tangent).max() < 1e-12
+    centre = circle.instant_centre.position
+    assert np.abs(drawn.instant_centre.position / centre - 1).max() < 1e-10
+    assert np.abs(drawn.tangent_foot - circle.tangent_foot).max() < 1e-9
+    for line, foot in ((drawn.axis, drawn.axis_foot), (drawn.tangent, drawn.tangent_foot)):
+        assert (np.abs(np.imag(np.conj(line) * (centre - foot))) / np.abs(centre)).max() < 1e-10
+    assert aslant(drawn.axis, (drawn.crossing - centre) / np.abs(drawn.crossing - centre)).max() < 1e-9
+
+
+def test_tangent_to_one_crank_is_as_far_as_the_other_crank_to_the_axis():
+    one, two = cranks(gk.move(FOUR_BAR, TURN))
+    drawn = bobillier(one, two)
+    angles = [np.angle(line**2) / 2 for line in (drawn.tangent, 1j * one.tangent, 1j * two.tangent, drawn.axis)]
+    unequal = (angles[1] - angles[0]) - (angles[3] - angles[2])
+    assert np.abs(np.sin(unequal)).max() < 1e-11
+
+
+@given(st.lists(st.floats(0.2, 5), min_size=4, max_size=4), st.floats(0, 6.28), st.sampled_from([1, -1]))
+def test_both_ways_agree_with_the_motion_of_any_four_bar(lengths, angle, branch):
+    longest = max(lengths)
+    assume(longest < 0.99 * (sum(lengths) - longest))
+    motion = gk.move(gk.FourBar(*lengths), [angle], branch)
+    assume(motion.closed[0] and motion.transmission_angle[0] > 0.05)
+    one, two = cranks(motion)
+    circle = inflection_circle(motion, "coupler")
+    assume(np.isfinite(circle.tangent[0]) and abs(circle.tangent_foot[0]) < 100)
+    assume(max(aslant(one.tangent, two.tangent)[0], 0) > 0.01)
+    # A crank along the tangent says nothing of other points.
+    for crank in (one, two):
+        assume(aslant(1j * crank.tangent, circle.tangent)[0] > 0.01)
+    assert aslant(bobillier(one, two).tangent, circle.tangent)[0] < 1e-6
+    found = bobillier_path(one, circle.tangent_foot, circle.tangent, two.position)
+    assert abs(found.centre[0] - lengths[0]) < 1e-5 * longest
+
+
+def test_one_crank_and_the_tangent_give_the_path_of_any_point():
+    motion = gk.move(FOUR_BAR, TURN)
+    circle = inflection_circle(motion, "coupler")
+    for local in (40 + 25j, -60 - 5j):
+        known = path_curvature(motion, "coupler", local)
+        for crank in cranks(motion):
+            clear = aslant(1j * crank.tangent, circle.tangent) > 0.02
+            found = bobillier_path(crank, circle.tangent_foot, circle.tangent, known.position)
+            assert clear.sum() > 60
+            assert np.abs(np.abs(found.curvature) - np.abs(known.curvature))[clear].max() < 1e-10
+            assert (np.abs(found.centre - known.centre) / (1 + known.radius**2))[clear].max() < 1e-10
+            assert aslant(found.tangent, known.tangent)[clear].max() < 1e-10
+
+
+def test_sliders_are_cranks_like_others():
+    motion = gk.move(gk.SliderCrank(30, 90, 10), TURN)
+    circle = inflection_circle(motion, "coupler")
+    crank = crank_path(motion.point("crank_pin").position, motion.point("crank_pivot").position)
+    slider = PathCurvature(motion.point("slider_pin").position, 1 + 0j, 0.0)
+    for pair in ((crank, slider), (slider, crank)):
+        assert aslant(bobillier(*pair).tangent, circle.tangent).max() < 1e-12
+    clear = aslant(1j * crank.tangent, circle.tangent) > 0.05
+    found = bobillier_path(crank, circle.tangent_foot, circle.tangent, slider.position)
+    assert np.abs(found.curvature[clear]).max() < 1e-12 and aslant(found.tangent, 1)[clear].max() < 1e-12
+    back = bobillier_path(slider, circle.tangent_foot, circle.tangent, crank.position)
+    clear = aslant(1j, circle.tangent) > 0.05
+    assert np.abs(back.centre)[clear].max() < 1e-9
+
+
+def test_two_sliders_have_the_coupler_for_axis():
+    """The trammel: tangent square to the radius from the crossing of its slides."""
+    a, b = PathCurvature(30, 1, 0), PathCurvature(40j, 1j, 0)
+    drawn = bobillier(a, b)
+    assert drawn.instant_centre.position == pytest.approx(30 + 40j) and np.isnan(drawn.crossing)
+    assert aslant(drawn.axis, 0.6 - 0.8j) < 1e-15
+    assert abs(np.real(np.conj(drawn.tangent) * (30 + 40j))) < 1e-13
+
+
+@pytest.mark.parametrize("away", [0.0, 1e-10, 1e-7, 1e-4])
+def test_parallel_cranks_and_nearly_so(away):
+    motion = gk.move(PARALLEL_CRANKS, [np.pi / 2 - away])
+    one, two = cranks(motion)
+    drawn, circle = bobillier(one, two), inflection_circle(motion, "coupler")
+    assert np.isnan(drawn.instant_centre.position[0]) == (away == 0)
+    # Crossing of coupler and frame at x = -100; cranks at 0 and 100: so the tangent stands at x = 200.
+    assert abs(drawn.crossing[0] - -100) < 1e-9 + 40 * away
+    assert abs(drawn.axis_foot[0].real - -100) < 1e-9 + 100 * away
+    assert abs(drawn.tangent_foot[0] - (200 + 30j)) < 1e-9 + 100 * away
+    assert abs(drawn.tangent_foot[0] - circle.tangent_foot[0]) < 1e-9
+    found = bobillier_path(one, drawn.tangent_foot, drawn.tangent, two.position)
+    assert abs(found.centre[0] - 100) < 1e-9
+    found = bobillier_path(two, drawn.tangent_foot, drawn.tangent, 50 + 70j)
+    assert abs(found.curvature[0]) == pytest.approx(1 / 40, abs=1e-10 + away)
+
+
+def test_a_pin_at_the_instant_centre_has_the_tangent_along_its_crank():
+    a, end = 30 * np.exp(1j * 0.9), 100 + 0j
+    pin = a + (end - a) / abs(end - a) * 45
+    one, two = crank_path(a, 0), crank_path(pin, end)
+    for pair in ((one, two), (two, one)):
+        assert aslant(bobillier(*pair).tangent, a / 30) < 1e-13
+    circle = inflection_circle_of_cranks(one, two)
+    assert np.isnan(bobillier_path(one, circle.tangent_foot, circle.tangent, 40j).curvature)
+    found = bobillier_path(two, circle.tangent_foot, circle.tangent, 40j)
+    assert abs(found.curvature) == pytest.approx(abs(circle.path(40j).curvature))
+
+
+def test_a_point_in_line_with_the_crank_is_left_to_euler_and_savary():
+    motion = gk.move(FOUR_BAR, TURN)
+    one, _ = cranks(motion)
+    circle = inflection_circle(motion, "coupler")
+    for share in (0.0, 0.5, 2.0):
+        place = one.position + share * (one.centre - one.position)
+        assert np.isnan(bobillier_path(one, circle.tangent_foot, circle.tangent, place).curvature).all()
+
+
+def test_where_nothing_is_determined_it_is_nan():
+    flat = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.1, 3, 9))
+    assert np.isnan(bobillier(*cranks(flat)).tangent).all() and np.isnan(bobillier(*cranks(flat)).axis).all()
+    in_line = bobillier(crank_path(np.array(30.0), 0), crank_path(np.array(50.0), 100.0))
+    assert np.isnan(in_line.tangent) and np.isnan(in_line.instant_centre.position)
+
+
+@pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
+def test_size_does_not_matter(scale):
+    one, two = cranks(gk.move(gk.FourBar(*(scale * np.array([100.0, 30, 90, 70])).tolist()), TURN))
+    plain = bobillier(*cranks(gk.move(gk.FourBar(100, 30, 90, 70), TURN)))
+    drawn = bobillier(one, two)
+    assert aslant(drawn.tangent, plain.tangent).max() < 1e-12
+    assert np.abs(drawn.tangent_foot - scale * plain.tangent_foot).max() < 1e-9 * scale
+    found = bobillier_path(one, drawn.tangent_foot, drawn.tangent, two.position)
+    # Of a point at the instant centre, which any path may have, the construction says nothing.
+    away = np.abs(two.position - drawn.instant_centre.position)
+    clear = (aslant(1j * one.tangent, drawn.tangent) > 0.02) & (away > 2 * scale)
+    assert clear.sum() > 60
+    assert np.abs(found.centre - 100 * scale)[clear].max() < 1e-9 * scale
