@@ -7,15 +7,32 @@ from .check import Check
 from .errors import DesignError, FileError, GeomkinError, RecipeError
 from .gear.rack import Rack
 from .gear.spur import SpurGear
+from .linkage.atlas import coupler_curves, coupler_grid, dashes
+from .linkage.bobillier import Bobillier, bobillier, bobillier_path
+from .linkage.centres import InstantCentre, instant_centre, instant_centres
+from .linkage.centrode_curve import CentrodeCurve
+from .linkage.centrodes import Centrodes
+from .linkage.cognates import Cognate, cognates, roberts_linkage, third_pivot
 from .linkage.coupler import CouplerCurve
+from .linkage.curvature import PathCurvature, crank_path, euler_savary, path_curvature
 from .linkage.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
+from .linkage.equivalent import Contact
 from .linkage.four_bar import FourBar
+from .linkage.inflection import InflectionCircle, inflection_circle, inflection_circle_of_cranks
 from .linkage.inverted_slider_crank import InvertedSliderCrank
 from .linkage.limits import dead_centres, driver_limits
 from .linkage.linkage import Linkage, Slider
 from .linkage.measures import circuits, grashof_type, mechanical_advantage
 from .linkage.motion import Body, Motion, PointMotion, SlideMotion
 from .linkage.newton import Root, newton_raphson
+from .linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
+from .linkage.shaking import (
+    Counterbalance,
+    SliderCrankMasses,
+    best_counterbalance,
+    judged_counterbalance,
+    shaking_force,
+)
 from .linkage.shaper import Shaper
 from .linkage.six_bars import StephensonSixBar, WattSixBar
 from .linkage.slider_crank import SliderCrank
@@ -34,12 +51,18 @@ from .plane.vec import xy
 from .table import Column, Table
 
 __all__ = [
-    "AbstractCurve", "Arc", "Body", "Cam", "Check", "Circle", "Column", "CouplerCurve", "DesignError", "Dwell",
-    "EllipticTrammel", "FileError", "FollowerMotion", "FourBar", "GeomkinError", "InvertedSliderCrank", "Involute",
-    "Linkage", "Mirrored", "Motion", "Moved", "Offset", "OldhamCoupling", "Part", "Path", "PointMotion", "Polyline",
-    "Pose", "Program", "Rack", "RecipeError", "Return", "Reversed", "Ring", "Rise", "Root", "ScotchYoke", "Segment",
-    "Shaper", "SlideMotion", "Slider", "SliderCrank", "SpurGear", "StephensonSixBar", "Table", "TranslatingRoller",
-    "Trochoid", "WattSixBar", "area", "centroid", "circuits", "curvature", "dead_centres", "driver_limits", "flatten",
-    "grashof_type", "length", "mechanical_advantage", "move", "nearest", "newton_raphson", "pressure_angle",
-    "rounded_hull", "slot", "to_arcs", "xy",
+    "AbstractCurve", "Arc", "Bobillier", "Body", "Cam", "CentrodeCurve", "Centrodes", "Check", "Circle",
+    "Cognate", "Column", "Contact", "Counterbalance", "CouplerCurve", "DesignError", "Dwell", "EllipticTrammel",
+    "FileError", "FollowerMotion", "FourBar", "GeomkinError", "InflectionCircle", "InstantCentre",
+    "InvertedSliderCrank", "Involute", "Linkage", "Mirrored", "Motion", "Moved", "Offset", "OldhamCoupling",
+    "Part", "Path", "PathCurvature", "PointMotion", "Polygon", "Polyline", "Pose", "Program", "Rack",
+    "RecipeError", "Return", "Reversed", "Ring", "Rise", "Root", "ScotchYoke", "Segment", "Shaper",
+    "SlideMotion", "Slider", "SliderCrank", "SliderCrankMasses", "SpurGear", "StephensonSixBar", "Table",
+    "TranslatingRoller", "Trochoid", "WattSixBar", "acceleration_polygon", "area", "best_counterbalance",
+    "bobillier", "bobillier_path", "centroid", "circuits", "cognates", "coupler_curves", "coupler_grid",
+    "crank_path", "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary", "flatten",
+    "grashof_type", "inflection_circle", "inflection_circle_of_cranks", "instant_centre", "instant_centres",
+    "judged_counterbalance", "length", "mechanical_advantage", "move", "nearest", "newton_raphson",
+    "path_curvature", "pressure_angle", "roberts_linkage", "rounded_hull", "shaking_force", "slot",
+    "third_pivot", "to_arcs", "velocity_polygon", "xy",
 ]  # fmt: skip

@@ -100,6 +100,17 @@ class PointXY:
         )
 
 
+class NotBoolean:
+    """Marks a choice of numbers, where `true` would otherwise count as 1."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(
+            lambda value: str(value).lower() if isinstance(value, bool) else value, handler(source)
+        )
+
+
 class OneOfKinds:
     """Marks a union of dataclasses told apart by their `kind`, so that errors speak of the right one."""
 

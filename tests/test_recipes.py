@@ -126,3 +126,11 @@ def test_the_crank_rocker_table_agrees_with_the_library():
     x = np.array([float(r["coupler_point_x_mm"]) for r in rows])
     speed = np.array([float(r["coupler_point_velocity_x_mm_per_s"]) for r in rows])
     assert np.abs(np.gradient(x, times)[1:-1] - speed[1:-1]).max() < 2e-3 * np.abs(speed).max()
+
+
+def test_every_linkage_of_the_gallery_closes_its_loops_over_its_whole_way(made):
+    recipe = gk.load(made[0])
+    motions = [getattr(recipe, name) for name in ("motion", "figure") if hasattr(recipe, name)]
+    for motion in motions:
+        size = max(abs(z) for points in motion.linkage.bodies.values() for z in points.values())
+        assert motion.closed.all() and motion.residual.max() < 1e-12 * size

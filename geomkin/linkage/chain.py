@@ -1,4 +1,4 @@
-"""The steps of a linkage run over its frames, in blocks, no further than the order asked for."""
+"""The steps of a linkage run over its frames, no further than the order asked for."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ import numpy as np
 
 from ..plane.vec import Array, cross, direction_deg, dot
 from .closure import Driven
-from .continued import followed, run
+from .continued import followed, run, started
 from .dyads import Dyad
 from .linkage import Linkage
 from .loops import Loops
 from .motion import Solution
 from .steps import Pass, Step
 
-# Frames worked on at once. Fewer spend their time on calls; more no longer fit a processor's cache.
-BLOCK = 16384
+
+# The system's allocator gives freed arrays back at once and then pays for every page of the next one, which
+# triples the time of rows of 10,000 frames; once a block of this size, bytes, was freed it keeps smaller ones.
+# Larger has no effect.
+KEPT = 31 << 20
+np.empty(KEPT, dtype=np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,21 +54,21 @@ class Chain(Solution):
     def closed(self) -> Array:
         closed = np.ones(self.shape, dtype=bool)
         for step in self.steps:
-            reached = step.reached(self._passes(0)[0])
+            reached = step.reached(self._upto(0)[0])
             if reached is not None:
                 closed &= np.isfinite(reached)
         return closed
 
     @cached_property
     def branches(self) -> Mapping[str, Array]:
-        found = {}
+        found: dict[str, Array] = {}
         for step in self.steps:
             if isinstance(step, Driven):
                 with np.errstate(invalid="ignore"):
                     r = step.roots(Pass(drive=self._column(self.drive)), self._branch[step.joint]).r
                 sign = np.where(self.closed, np.sign(r), 0)
             elif isinstance(step, Dyad):
-                sign = self._branch[step.joint]
+                sign = np.asarray(self._branch[step.joint])
             else:
                 continue
             found[step.joint] = np.where(self.closed, sign, 0).astype(int)
@@ -74,7 +78,7 @@ class Chain(Solution):
     def transmission_angle(self) -> Array:
         angles = []
         for step in self.steps:
-            ways = step.meeting(self._passes(0)[0])
+            ways = step.meeting(self._upto(0)[0])
             if ways is not None:
                 angles.append(np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways))))
         least = np.full(self.shape, np.pi / 2)
@@ -85,10 +89,6 @@ class Chain(Solution):
     def _column(self, q: Array) -> Array:
         """Drives against all linkages."""
         return q.reshape(-1, *(1,) * (len(self.shape) - 1))
-
-    @cached_property
-    def _kept(self) -> dict[int, list[Pass]]:
-        return {}
 
     @cached_property
     def _history(self) -> tuple[list[Pass], Mapping[str, Array | int]] | None:
@@ -107,63 +107,44 @@ class Chain(Solution):
             return self.signs
         return {s.joint: s.sign_from(self.drive, self.signs[s.joint]) for s in self.steps if isinstance(s, Driven)}
 
-    def _passes(self, order: int) -> list[Pass]:
-        """Passes up to an order at least, in the fixed body's frame."""
-        kept = self._kept
-        for k in range(order, 3):
-            if k in kept:
-                return kept[k]
-        kept[order] = self._history[0] if self._history is not None else self._in_blocks(order)
-        return kept[order]
+    @cached_property
+    def _started(self) -> list[Pass]:
+        """Passes of as many orders as were asked for so far, in the fixed body's frame."""
+        if self._history is not None:
+            return self._history[0]
+        return [started(self.linkage.ground, self._column(self.drive))]
 
-    def _in_blocks(self, order: int) -> list[Pass]:
-        many = int(np.prod(self.shape[1:]))
-        size = max(1, BLOCK // many)
-        if len(self.drive) <= size:
-            return run(self.steps, self.linkage.ground, self._column(self.drive), self._branch, order)
-        whole: list[Pass] = []
-        for start in range(0, len(self.drive), size):
-            q = self._column(self.drive[start : start + size])
-            block = run(self.steps, self.linkage.ground, q, self._branch, order)
-            whole = whole or [_room(p, self.shape) for p in block]
-            for full, part in zip(whole, block):
-                for target, source in ((full.origin, part.origin), (full.turn, part.turn)):
-                    for name, values in source.items():
-                        if np.ndim(values):
-                            target[name][start : start + size] = values
-        return whole
+    def _upto(self, order: int) -> list[Pass]:
+        passes = self._started
+        if len(passes) <= order or len(passes[0].turn) == 1:
+            run(self.steps, self.linkage.ground, self._branch, passes, order)
+        return passes
 
     def _seen(self, body: str, order: int, turn: bool) -> Array:
         """Origin or turn as seen from outside the fixed body's frame, at every frame, nan where open."""
-        kept = self._kept_seen
+        kept = self._kept
         if (body, order, turn) not in kept:
-            p = self._passes(order)[order]
+            p = self._upto(order)[order]
             values = np.asarray(p.turn[body] if turn else p.origin[body])
-            ahead = complex(direction_deg(self.linkage.ground_angle_deg))
-            if ahead != 1 and not (turn and order):
-                values = values * ahead
-            if order == 0 and not turn and self.linkage.origin != 0:
+            if self._ahead != 1 and not (turn and order):
+                values = values * self._ahead
+            if order == 0 and not turn and np.any(self.linkage.origin != 0):
                 values = values + self.linkage.origin
-            if turn and order == 0 or not turn:
+            if order == 0 or not turn:
                 values = values.astype(complex, copy=False)
             if body != self.linkage.ground and not self._all_closed:
                 values = np.where(self.closed, values, np.nan)
-            kept[body, order, turn] = np.broadcast_to(values, self.shape)
+            kept[body, order, turn] = values if values.shape == self.shape else np.broadcast_to(values, self.shape)
         return kept[body, order, turn]
+
+    @cached_property
+    def _kept(self) -> dict[tuple[str, int, bool], Array]:
+        return {}
+
+    @cached_property
+    def _ahead(self) -> complex:
+        return complex(direction_deg(self.linkage.ground_angle_deg))
 
     @cached_property
     def _all_closed(self) -> bool:
         return bool(self.closed.all())
-
-    @cached_property
-    def _kept_seen(self) -> dict[tuple[str, int, bool], Array]:
-        return {}
-
-
-def _room(p: Pass, shape: tuple[int, ...]) -> Pass:
-    """An empty pass for all frames, after that of the first block; what is one number stays so."""
-
-    def room(values: Mapping[str, Array]) -> dict[str, Array]:
-        return {k: np.empty(shape, np.asarray(v).dtype) if np.ndim(v) else v for k, v in values.items()}
-
-    return Pass(room(p.origin), room(p.turn))

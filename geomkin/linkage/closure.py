@@ -23,14 +23,9 @@ from .steps import Pass, scaled
 class Driven(Dyad):
     """A dyad whose loop is C + K e^{iq} for the drive q. `follow`: run smoothly through change points."""
 
-    dyad: RRR | RRP
     still: complex
     turning: complex
     follow: bool
-
-    @property
-    def leader(self) -> str:
-        return self.dyad.leader
 
     @abstractmethod
     def roots(self, p0: Pass, branch: Array | int) -> Roots:
@@ -39,9 +34,6 @@ class Driven(Dyad):
     @abstractmethod
     def limits(self) -> list[float]:
         """Drives, rad, at which the loop is stretched or folded to the utmost and the driver turns back."""
-
-    def meeting(self, p0: Pass) -> tuple[Array, Array] | None:
-        return self.dyad.meeting(p0)
 
     def sign_from(self, q: Array, sign: int) -> Array:
         """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
@@ -63,6 +55,15 @@ class DrivenRRR(Driven):
     h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
     """
 
+    dyad: RRR
+
+    @property
+    def leader(self) -> str:
+        return self.dyad.leader
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return self.dyad.meeting(p0)
+
     @cached_property
     def _sizes(self) -> _Sizes:
         a, b, c, d = np.abs(self.turning), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.still)
@@ -71,9 +72,11 @@ class DrivenRRR(Driven):
         nearest, unequal = gap_of(self.follow, d, -a), gap_of(self.follow, b, -c)
         kite = (nearest == 0) & (unequal == 0)
         forward = self.still / d
+        half_turn = np.sqrt(-self.turning * np.conj(self.still) / (a * d) + 0j)
         return _Sizes(
             gaps=Gaps.of(d1, d2, 2 * np.sqrt(a * d), self.follow),
-            half_turn=np.sqrt(-self.turning * np.conj(self.still) / (a * d) + 0j),
+            half_turn=half_turn,
+            straight=bool(np.all(half_turn == 1)),
             a=a,
             d=d,
             nearest=nearest,
@@ -85,7 +88,7 @@ class DrivenRRR(Driven):
 
     def roots(self, p0: Pass, branch: Array | int) -> Roots:
         turn, k, (cosine, sine) = self._sizes.half_turn, self._sizes.gaps.k, p0.half
-        if np.any(turn != 1):
+        if not self._sizes.straight:
             cosine, sine = turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
         return Roots(self._sizes.gaps, k * cosine, k * sine, branch)
 
@@ -134,12 +137,13 @@ class DrivenRRR(Driven):
 class _Sizes:
     """Of a four-bar, exact where they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
 
-    half_turn: half the turn from q to t. ahead: from the bars seen along C to their bodies' directions. kite: whether
+    half_turn: half the turn from q to t; straight: whether there is none. ahead: from the bars seen along C to their bodies' directions. kite: whether
     both nearest and squares vanish.
     """
 
     gaps: Gaps
     half_turn: Array
+    straight: bool
     a: Array
     d: Array
     nearest: Array
@@ -156,6 +160,15 @@ class DrivenRRP(Driven):
     Seen along the rail, L = x + C + K e^{iq} = r + i n with n = c + k sin t, t = q + arg K, and
     r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
     """
+
+    dyad: RRP
+
+    @property
+    def leader(self) -> str:
+        return self.dyad.leader
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return self.dyad.meeting(p0)
 
     @cached_property
     def _sizes(self) -> tuple[Gaps, Array, Array, Array]:

@@ -9,39 +9,41 @@ import numpy as np
 from ..plane.vec import Array
 from .closure import Driven
 from .dyads import Dyad
-from .steps import Pass, Step
+from .steps import Pass, Step, Turned
 
-# Steps of the finer row of drives, rad and share of the whole travel of a slider: coarser, and a prediction
+# Steps of the finer row of drives, rad, and of a slider as a share of its whole way: coarser, and a prediction
 # by first and second derivative may take the wrong branch beside a change point.
-FINEST = np.pi / 180, 1 / 360
+FINEST_TURN, FINEST_SHARE = np.pi / 180, 1 / 360
 
 
-def run(steps: Sequence[Step], ground: str, q: Array, branch: Mapping[str, Array | int], order: int) -> list[Pass]:
-    """Passes up to an order, in the fixed body's frame."""
+def started(ground: str, q: Array) -> Pass:
+    """A first pass with nothing placed but the fixed body."""
+    return Pass({ground: np.zeros(())}, {ground: np.ones(())}, q)
+
+
+def run(steps: Sequence[Step], ground: str, branch: Mapping[str, Array | int], passes: list[Pass], order: int) -> None:
+    """Carry started passes on up to an order, in the fixed body's frame; what is there is not done again."""
     # What cannot close is nan, and what is singular is not finite: both are meant.
     with np.errstate(all="ignore"):
-        p0 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, q)
-        for step in steps:
-            step.place(p0, branch[step.joint] if isinstance(step, Dyad) else 1)
-        if order == 0:
-            return [p0]
-        p1 = _still(ground)
-        for step in steps:
-            step.first(p0, p1)
-        if order == 1:
-            return [p0, p1]
-        p2 = _still(ground)
-        for step in steps:
-            step.second(p0, p1, p2)
-    return [p0, p1, p2]
+        if len(passes[0].turn) == 1:
+            for step in steps:
+                step.place(passes[0], branch[step.joint] if isinstance(step, Dyad) else 1)
+        if order > 0 and len(passes) == 1:
+            passes.append(_still(ground))
+            for step in steps:
+                step.first(passes[0], passes[1])
+        if order > 1 and len(passes) == 2:
+            passes.append(_still(ground))
+            for step in steps:
+                step.second(passes[0], passes[1], passes[2])
 
 
 def followed(
     steps: Sequence[Step], ground: str, drive: Array, signs: Mapping[str, int], follow: bool
 ) -> tuple[list[Pass], Mapping[str, Array | int]]:
     """All passes, and the branches by joint, worked out step by step along a finer row of drives."""
-    fine, places = _finer(drive)
-    p0, p1, p2 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, fine), _still(ground), _still(ground)
+    fine, places = _finer(drive, FINEST_TURN if isinstance(steps[0], Turned) else FINEST_SHARE * np.ptp([*drive, 0]))
+    p0, p1, p2 = started(ground, fine), _still(ground), _still(ground)
     branch: dict[str, Array | int] = {}
     with np.errstate(all="ignore"):
         for step in steps:
@@ -57,7 +59,7 @@ def followed(
             step.first(p0, p1)
             step.second(p0, p1, p2)
     return [_taken(p, places) for p in (p0, p1, p2)], {
-        joint: sign[places] if np.ndim(sign) else sign for joint, sign in branch.items()
+        joint: np.broadcast_to(sign, fine.shape)[places] for joint, sign in branch.items()
     }
 
 
@@ -85,12 +87,12 @@ def _smooth(step: Dyad, passes: tuple[Pass, Pass, Pass], q: Array, sign: int) ->
     return signs * changed[before]
 
 
-def _finer(drive: Array) -> tuple[Array, Array]:
+def _finer(drive: Array, finest: float) -> tuple[Array, Array]:
     """A row of drives with small steps that has all of `drive` in it, and where."""
     steps = np.abs(np.diff(drive))
     if not steps.size:
         return drive, np.arange(len(drive))
-    parts = np.maximum(1, np.ceil(steps / FINEST[0] - 1e-9)).astype(int)
+    parts = np.maximum(1, np.ceil(steps / (finest or 1.0) - 1e-9)).astype(int)
     ends = np.concatenate([[0], np.cumsum(parts)])
     return np.interp(np.arange(ends[-1] + 1), ends, drive), ends
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal
 
 from ..errors import DesignError
@@ -34,7 +35,7 @@ class EllipticTrammel:
         if self.driver not in ("rod", "shuttle"):
             raise DesignError("driver", f"found {self.driver!r}", "give rod or shuttle")
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: shuttles "shuttle" and "cross_shuttle" in "slot" and "cross_slot"."""
         return Linkage(
@@ -74,7 +75,7 @@ class ScotchYoke:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: the sliding joints are "slot", block in yoke, and "way", yoke on ground."""
         return Linkage(
@@ -111,7 +112,7 @@ class OldhamCoupling:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: hubs "driving" and "driven", the disc's tongues "first" and "second" at right angles."""
         return Linkage(

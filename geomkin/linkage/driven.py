@@ -26,8 +26,8 @@ def driven(dyad: RRR | RRP, ground: str, steps: Sequence[Step], follow: bool) ->
     if np.any(turning == 0):
         return None
     if isinstance(dyad, RRP):
-        return DrivenRRP(dyad.joint, dyad, still, turning, follow)
-    return None if np.any(still == 0) else DrivenRRR(dyad.joint, dyad, still, turning, follow)
+        return DrivenRRP(dyad.joint, still, turning, follow, dyad)
+    return None if np.any(still == 0) else DrivenRRR(dyad.joint, still, turning, follow, dyad)
 
 
 class _Seen:

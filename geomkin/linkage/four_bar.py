@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -54,7 +55,7 @@ class FourBar:
                 f"give {longest} less than {others:g} mm or lengthen the others",
             )
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: ground and rocker have their frames at their pivots, the coupler at the crank pin."""
         return Linkage(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -60,10 +61,10 @@ class InvertedSliderCrank:
                 f"give less than {reach:g} mm",
             )
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: the sliding joint is named "slide"."""
-        through = 1j * np.asarray(self.offset)
+        through = 1j * self.offset
         crank = {
             "ground": {"crank_pivot": 0j, "rocker_pivot": self.ground + 0j},
             "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -71,12 +72,12 @@ class Linkage:
         """Itself, as every named linkage has it."""
         return self
 
-    @property
+    @cached_property
     def ground(self) -> str:
         """Name of the fixed body."""
         return next(iter(self.bodies))
 
-    @property
+    @cached_property
     def pins(self) -> Mapping[str, tuple[str, ...]]:
         """Pins: the bodies each one joins, two or more."""
         joined: dict[str, list[str]] = {}

@@ -49,12 +49,16 @@ class Timing:
 
     def rate(self, first: Array) -> Array:
         """d/dt of what has the first kinematic coefficient `first`."""
-        return first * self.speed
+        with np.errstate(invalid="ignore"):
+            return first * self.speed
 
     def gain(self, first: Array, second: Array) -> Array:
         """d2/dt2 of what has these first and second kinematic coefficients."""
-        gain = second * self.speed**2
-        return gain if np.ndim(self.acceleration) == 0 and self.acceleration == 0 else gain + first * self.acceleration
+        with np.errstate(invalid="ignore", over="ignore"):
+            gain = second * self.speed**2
+            return (
+                gain if np.ndim(self.acceleration) == 0 and self.acceleration == 0 else gain + first * self.acceleration
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +80,21 @@ class PointMotion:
     @cached_property
     def first(self) -> Array:
         """First kinematic coefficient: dP/dq, mm per unit of drive."""
-        return self.body.solution.origin(self.body.name, 1) + 1j * self.body.first * self._arm
+        with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
+            turned = self._arm * self.body.first
+            turned *= 1j
+            turned += self.body.solution.origin(self.body.name, 1)
+            return turned
 
     @cached_property
     def second(self) -> Array:
         """Second kinematic coefficient: d2P/dq2, mm per unit of drive squared."""
-        turn = 1j * self.body.second - self.body.first**2
-        return self.body.solution.origin(self.body.name, 2) + turn * self._arm
+        with np.errstate(invalid="ignore"):
+            turned = np.empty(self._arm.shape, dtype=complex)
+            turned.real, turned.imag = -(self.body.first**2), self.body.second
+            turned *= self._arm
+            turned += self.body.solution.origin(self.body.name, 2)
+            return turned
 
     @cached_property
     def velocity(self) -> Array:

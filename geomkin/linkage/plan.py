@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,14 @@ def plan(linkage: Linkage, follow: bool = False) -> list[Step]:
 
     Raises DesignError where the joints leave the linkage rigid or loose.
     """
+    # Kept with the linkage: a curve of its points asks for the same plan thousands of times.
+    kept = linkage.__dict__.setdefault("_plans", {})
+    if follow not in kept:
+        kept[follow] = _planned(linkage, follow)
+    return kept[follow]
+
+
+def _planned(linkage: Linkage, follow: bool) -> list[Step]:
     _check_mobility(linkage)
     planner = _Planner(linkage, follow)
     planner.drive()
@@ -116,7 +125,10 @@ class _Planner:
 
     def two_bars(self, one: str, two: str, name: str, inner: tuple[str, str], shift: tuple) -> bool:
         outer = self.pins_to_placed(one)[0], self.pins_to_placed(two)[0]
-        arms = tuple(self.local(b, i) - self.local(b, o) for b, i, o in zip((one, two), inner, outer))
+        arms = (
+            self.local(one, inner[0]) - self.local(one, outer[0]),
+            self.local(two, inner[1]) - self.local(two, outer[1]),
+        )
         second = self.anchor(outer[1])
         bases = self.anchor(outer[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
         self.append(RRR(name, (one, two), arms, bases))
@@ -227,13 +239,13 @@ class _Planner:
         return Anchor(other, through, ((body, -near), *way))
 
 
-def _turn(slider: Slider, body: str) -> complex:
+def _turn(slider: Slider, body: str) -> Any:
     """Direction of the body's x axis seen from the other body of the slider."""
     turn = slider.direction * np.exp(1j * np.radians(slider.angle_deg)) if slider.angle_deg else slider.direction
     return turn if body == slider.body else np.conj(turn)
 
 
-def _seen_from(slider: Slider, other: str) -> tuple[complex, complex, complex]:
+def _seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
     """A slider as a line on `other`: the point that runs on it, a point of the line, the line's direction.
 
     Seen from the body that slides, it is the guide's own point that runs along a line through `point`,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 from ..errors import DesignError
@@ -41,7 +42,7 @@ class Shaper:
                 f"give less than {self.ground:g} mm",
             )
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: the sliding joints are "slide", crank pin on lever, and "ram_slide"."""
         return Linkage(

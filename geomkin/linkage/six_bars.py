@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
@@ -31,7 +32,7 @@ class StephensonSixBar:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: bodies of the four-bar, then link and output."""
         return _with_dyad(self.four_bar, "coupler_point", "coupler", self.four_bar.coupler_point, self)
@@ -61,7 +62,7 @@ class WattSixBar:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: bodies of the four-bar, then link and output."""
         return _with_dyad(self.four_bar, "rocker_point", "rocker", self.rocker_point, self)

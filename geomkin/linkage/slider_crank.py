@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -50,7 +51,7 @@ class SliderCrank:
                 f"give less than {self.crank + self.coupler:g} mm or lengthen the others",
             )
 
-    @property
+    @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: the coupler has its frame at the crank pin, the slider at its pin."""
         return Linkage(

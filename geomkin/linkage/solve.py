@@ -15,7 +15,7 @@ from .linkage import Linkage
 from .motion import Motion, Timing
 from .plan import plan
 
-Branch = Literal[1, -1, "follow"] | Mapping[str, int]
+Branch = int | Literal["follow"] | Mapping[str, int]
 
 
 class Named(Protocol):

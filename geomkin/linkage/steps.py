@@ -47,7 +47,7 @@ class Anchor:
 
     @cached_property
     def _arms(self) -> list[tuple[str, complex]]:
-        return [(b, z) for b, z in ((self.body, self.place), *self.arms) if np.any(z != 0)]
+        return [(b, z) for b, z in ((self.body, self.place), *self.arms) if isinstance(z, np.ndarray) or z != 0]
 
     def at(self, p0: Pass) -> Array:
         """Its position, mm."""
@@ -73,9 +73,11 @@ def _sum(origin: Array, arms: list[Array]) -> Array:
     return origin
 
 
-def scaled(z: Array, by: complex) -> Array:
+def scaled(z: Array, by: Array | complex) -> Array:
     """z times a constant, at a third of the price where that is real."""
-    return z * np.real(by) if np.all(np.imag(by) == 0) else z * by
+    if isinstance(by, np.ndarray) and by.ndim:
+        return z * by
+    return z * by.real if by.imag == 0 else z * by
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.links import link_parts
 from ..shop.stack import Stack, stack_links
 from ..shop.stock import LinkStock
-from ..sizes import entry
+from ..sizes import NotBoolean, entry
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
@@ -31,7 +31,9 @@ class CognatesRecipe:
 
     kind: Literal["cognates"]
     linkage: FourBar = entry("the given four-bar", example=FourBar(100, 30, 90, 70, 50 + 45j))
-    branch: Literal[1, -1] = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
+        "1 or -1: rocker pin left or right of the line to its pivot", default=1
+    )
     drive: Turn = entry("how the driver turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -46,8 +48,8 @@ class CognatesRecipe:
 
     @cached_property
     def figure(self) -> Motion:
-        """Roberts' figure over the same drive."""
-        drive = self.drive.frames
+        """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
+        drive = self.drive.fine
         return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
 
     @cached_property

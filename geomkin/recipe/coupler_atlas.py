@@ -21,7 +21,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..plane.vec import Array
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
@@ -66,7 +66,9 @@ class FourBarAtlasRecipe:
     kind: Literal["four-bar-atlas"]
     linkage: FourBar
     grid: Grid
-    branch: Literal[1, -1] = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
+        "1 or -1: rocker pin left or right of the line to its pivot", default=1
+    )
     drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
@@ -79,7 +81,7 @@ class SliderCrankAtlasRecipe:
     kind: Literal["slider-crank-atlas"]
     linkage: SliderCrank
     grid: Grid
-    branch: Literal[1, -1] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from difflib import get_close_matches
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
@@ -72,7 +72,7 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
     """Dataclasses that may stand at a place, the field it is (None for an unknown one), and its dotted key."""
     tables: list[type] = [recipe]
     field: dataclasses.Field | None = None
-    key = ""
+    key, chosen = "", False
     for part in loc:
         if isinstance(part, int):
             key += f"[{part}]"
@@ -84,7 +84,10 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
             continue
         key = _join(key, printable(part, 60))
         owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
-        field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
+        # Under a field of names that a person chooses, such as bodies, that field says what is wanted.
+        if owners or not chosen:
+            field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
+            chosen = any(get_origin(get_type_hints(t)[part]) is dict for t in owners)
         inner = [c for t in owners for c in _dataclasses_in(get_type_hints(t)[part])]
         tables = inner or tables
     return tables, field, key

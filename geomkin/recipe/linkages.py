@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -13,16 +13,17 @@ from ..errors import DesignError
 from ..linkage.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.four_bar import FourBar
 from ..linkage.inverted_slider_crank import InvertedSliderCrank
-from ..linkage.motion import Motion
+from ..linkage.limits import driver_limits
+from ..linkage.measures import grashof_type
 from ..linkage.shaper import Shaper
 from ..linkage.six_bars import StephensonSixBar, WattSixBar
 from ..linkage.slider_crank import SliderCrank
-from ..linkage.solve import move
+from ..linkage.solve import Branch, move
 from ..part import Part
 from ..shop.links import link_parts
 from ..shop.stack import stack_links
 from ..shop.stock import LinkStock
-from ..sizes import entry
+from ..sizes import NotBoolean, entry
 from ..table import Table
 from .dyad_list import DyadList
 from .kind import Kind
@@ -37,13 +38,13 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
     fields: list[tuple[str, Any, Any]] = [
         ("kind", Literal[name], dataclasses.field()),  # type: ignore[valid-type]
         ("linkage", sizes, dataclasses.field()),
-        ("branch", Literal[1, -1, "follow"], entry(
+        ("branch", Annotated[Literal[1, -1, "follow"], NotBoolean()], entry(
             "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
             "follow: from 1 smoothly on, also through change points", default=1)),
     ]  # fmt: skip
     if several:
         branches = entry("branch of single joints, where it is not the one above", default_factory=dict)
-        fields.append(("branches", dict[str, Literal[1, -1]], branches))
+        fields.append(("branches", dict[str, Annotated[Literal[1, -1], NotBoolean()]], branches))
     fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
     if slides:
         fields.append(
@@ -58,8 +59,11 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
         namespace={
             "__doc__": about,
             "__post_init__": _agree,
-            "motion": cached_property(_motion),
-            "stack": cached_property(lambda recipe: stack_links(recipe.motion, recipe.stock)),
+            "signs": cached_property(_signs),
+            "motion": cached_property(lambda r: move(r.linkage, r.way.frames, r.signs, r.way.speed)),
+            "fine_motion": cached_property(lambda r: move(r.linkage, r.way.fine, r.signs, r.way.speed)),
+            "stack": cached_property(lambda recipe: stack_links(recipe.fine_motion, recipe.stock)),
+            "way": property(lambda recipe: getattr(recipe, "stroke", None) or recipe.drive),
         },
     )  # fmt: skip
     return Kind(recipe, _table, _checks, _parts, _notes)
@@ -75,22 +79,18 @@ def _agree(recipe: Any) -> None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
 
 
-def _motion(recipe: Any) -> Motion:
-    drive, speed = (
-        (recipe.stroke.frames, recipe.stroke.speed)
-        if getattr(recipe, "stroke", None)
-        else (recipe.drive.frames, recipe.drive.speed)
-    )
+def _signs(recipe: Any) -> Branch:
+    """The branch of all dyads, or of each where some have their own."""
     own = getattr(recipe, "branches", {})
     if not own:
-        return move(recipe.linkage, drive, recipe.branch, speed)
+        return recipe.branch
     if recipe.branch == "follow":
         raise DesignError("branches", "are given, but branch is follow", "leave one of the two out")
-    joints = move(recipe.linkage, drive[:1]).branches
+    joints = move(recipe.linkage, recipe.way.frames[:1]).branches
     unknown = [joint for joint in own if joint not in joints]
     if unknown:
         raise DesignError("branches", f"found {unknown[0]}", f"give one of {', '.join(joints)}")
-    return move(recipe.linkage, drive, {joint: own.get(joint, recipe.branch) for joint in joints}, speed)
+    return {joint: own.get(joint, recipe.branch) for joint in joints}
 
 
 def _table(recipe: Any) -> Table:
@@ -126,11 +126,17 @@ def _checks(recipe: Any) -> list[Check]:
 
 
 def _parts(recipe: Any) -> list[Part]:
-    return link_parts(recipe.motion, recipe.stock, recipe.stack)
+    return link_parts(recipe.fine_motion, recipe.stock, recipe.stack)
 
 
 def _notes(recipe: Any) -> dict[str, Any]:
-    return {"stack": recipe.stack.summary()}
+    """How far the driver goes, what turns fully, and how the plates lie on each other."""
+    way, sizes = recipe.way, recipe.linkage
+    in_deg = isinstance(way, Turn)
+    limits = driver_limits(sizes, recipe.signs, (float(way.fine[0]), float(way.fine[-1])))
+    shown = [[float(f"{np.degrees(q) if in_deg else q:.10g}") for q in part] for part in limits]
+    grashof = {"grashof_type": grashof_type(sizes)} if isinstance(sizes, FourBar) else {}
+    return {f"driver_reaches_{'deg' if in_deg else 'mm'}": shown, **grashof, "stack": recipe.stack.summary()}
 
 
 KINDS = {

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..linkage.measures import mechanical_advantage
 from ..linkage.motion import Motion
 from ..plane.vec import Array
 from ..table import Column, Table, xy_columns
@@ -27,6 +28,8 @@ def motion_table(motion: Motion) -> Table:
         *_bodies(motion),
         *_slides(motion),
         Column("transmission_angle", "deg", "least over the dyads", np.degrees(motion.transmission_angle)),
+        *_outputs(motion),
+        *(Column(f"{joint}_branch", "", f"branch of {joint}, 0 for none", b) for joint, b in motion.branches.items()),
     ]
     for body, points in linkage.bodies.items():
         for point in points:
@@ -55,6 +58,17 @@ def _slides(motion: Motion) -> Iterator[Column]:
             yield from xy_columns(
                 f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", _finite(slide.coriolis)
             )
+
+
+def _outputs(motion: Motion) -> Iterator[Column]:
+    """Mechanical advantage of every body that the ground holds: what may drive something else."""
+    linkage = motion.linkage
+    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
+    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
+    for name in linkage.bodies:
+        if name in held - {linkage.ground, linkage.driver}:
+            words = f"torque or force that the {name} gives for 1 of the driver's"
+            yield Column(f"{name}_mechanical_advantage", "", words, _finite(mechanical_advantage(motion, name)))
 
 
 def _point(motion: Motion, point: str) -> Iterator[Column]:

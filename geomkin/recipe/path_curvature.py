@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -23,11 +23,10 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Segment
 from ..plane.vec import Array
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
-
 
 # Diameters and radii that are drawn, as a multiple of the longest link: larger ones leave nothing else to be seen.
 LARGEST = 5.0
@@ -40,7 +39,9 @@ class InflectionCircleRecipe:
     kind: Literal["inflection-circle"]
     linkage: FourBar
     position_deg: float = quantity("driver's angle that is drawn", "deg", default=60.0, at_least=-360, at_most=360)
-    branch: Literal[1, -1] = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
+        "1 or -1: rocker pin left or right of the line to its pivot", default=1
+    )
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
@@ -133,7 +134,9 @@ class CentrodesRecipe:
 
     kind: Literal["centrodes"]
     linkage: FourBar
-    branch: Literal[1, -1, "follow"] = entry("1 or -1, or follow: from 1 on through change points", default=1)
+    branch: Annotated[Literal[1, -1, "follow"], NotBoolean()] = entry(
+        "1 or -1, or follow: from 1 on through change points", default=1
+    )
     reach: float = quantity(
         "farthest from the crank pin that the centrodes are drawn", "mm", default=200.0, above=0, at_most=10_000
     )

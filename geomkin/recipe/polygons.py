@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ..linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve import move
 from ..part import Part
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
 from .dyad_list import DyadList
 from .kind import Kind
@@ -39,8 +39,10 @@ class PolygonsRecipe:
         "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
     size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
-    branch: Literal[1, -1] = entry("branch of every dyad that is not named below", default=1)
-    branches: dict[str, Literal[1, -1]] = entry("branch of single joints", default_factory=dict)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("branch of every dyad that is not named below", default=1)
+    branches: dict[str, Annotated[Literal[1, -1], NotBoolean()]] = entry(
+        "branch of single joints", default_factory=dict
+    )
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 

@@ -85,8 +85,17 @@ class Turn:
     @property
     def frames(self) -> Array:
         """Driver angles, rad, both ends included, in equal steps no larger than asked."""
+        return self._in_steps(self.step_deg)
+
+    @property
+    def fine(self) -> Array:
+        """The same in steps in which nothing slips through between two plates."""
+        return self._in_steps(min(self.step_deg, 1.0))
+
+    def _in_steps(self, step: float) -> Array:
         turn = self.end_deg - self.start_deg
-        return np.linspace(*np.radians([self.start_deg, self.end_deg]), int(np.ceil(turn / self.step_deg - 1e-9)) + 1)
+        count = int(np.ceil(turn / step - 1e-9)) + 1
+        return np.linspace(np.radians(self.start_deg), np.radians(self.end_deg), count)
 
 
 @dataclass(frozen=True)
@@ -116,7 +125,15 @@ class Stroke:
     @property
     def frames(self) -> Array:
         """Driver places, mm, both ends included, in equal steps no larger than asked."""
-        return np.linspace(self.start, self.end, int(np.ceil((self.end - self.start) / self.step - 1e-9)) + 1)
+        return self._in_steps(self.step)
+
+    @property
+    def fine(self) -> Array:
+        """The same in steps in which nothing slips through between two plates."""
+        return self._in_steps(min(self.step, (self.end - self.start) / 180))
+
+    def _in_steps(self, step: float) -> Array:
+        return np.linspace(self.start, self.end, int(np.ceil((self.end - self.start) / step - 1e-9)) + 1)
 
 
 # Rows of a motion table: more take minutes to write, and no program opens them.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ..plane.primitives import Circle
 from ..shop.links import link_parts
 from ..shop.stack import Stack, stack_links
 from ..shop.stock import LinkStock
-from ..sizes import entry, quantity
+from ..sizes import NotBoolean, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
@@ -52,7 +52,7 @@ class ShakingForceRecipe:
         above=0,
         at_most=30000,
     )
-    branch: Literal[1, -1] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the crank turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -68,8 +68,13 @@ class ShakingForceRecipe:
         return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
 
     @cached_property
+    def fine_motion(self) -> Motion:
+        """In steps in which nothing slips through between two plates."""
+        return move(self.linkage, self.drive.fine, self.branch, self.drive.speed)
+
+    @cached_property
     def stack(self) -> Stack:
-        return stack_links(self.motion, self.stock)
+        return stack_links(self.fine_motion, self.stock)
 
     @cached_property
     def best(self) -> Counterbalance:
@@ -108,12 +113,12 @@ def _checks(recipe: ShakingForceRecipe) -> list[Check]:
             "largest force, given to best counterbalance", largest["given"] / largest["best"], "at most", 1.05, "",
             f"give counterbalance = {recipe.best.product.real:.6g}",
         ),
-        Check("plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "", "summary.json names them"),
+        Check("plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "", "see summary.json"),
     ]  # fmt: skip
 
 
 def _parts(recipe: ShakingForceRecipe) -> list[Part]:
-    return [*link_parts(recipe.motion, recipe.stock, recipe.stack), *_counterweight(recipe)]
+    return [*link_parts(recipe.fine_motion, recipe.stock, recipe.stack), *_counterweight(recipe)]
 
 
 def _counterweight(recipe: ShakingForceRecipe) -> list[Part]:

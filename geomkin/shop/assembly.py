@@ -75,8 +75,9 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
 
     Each body is a plate with a hole for each of its points. A block, which is a sliding body with one pin on the
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
-    sliding body is kept from turning by two guide pins in slots of its guide, and so are the hubs of a coupling. Slots are as long as the travel
-    over the motion's frames. Raises DesignError where there is no frame, or no room for guide pins.
+    sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
+    body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
+    frames. Raises DesignError where there is no frame, or no room for guide pins.
     """
     linkage = motion.linkage
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}

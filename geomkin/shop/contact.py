@@ -26,7 +26,8 @@ Run = tuple[float, float]
 class Contacts:
     """What would meet if it were in one layer, seen from above: edges nearer than the play count as meeting.
 
-    Pairs that a pin joins are left out where they move together: pins of one moving plate, and a pin and its plate.
+    Two pins need no look: of two that pass through one layer, one has a plate there that surrounds it, and
+    that the other meets first.
     """
 
     motion: Motion
@@ -72,18 +73,6 @@ class Contacts:
                     path = path_in(self.motion, plate.body, pin.body, pin.place)
                     if runs := _runs(path, path.gap(plate.centres) < near):
                         found[pin.name, name] = runs
-        return found
-
-    @cached_property
-    def pin_and_pin(self) -> dict[tuple[str, str], list[Run]]:
-        """Pins, each with one that comes after it, that meet, and when."""
-        near = self.stock.pin_diameter + self.play
-        found = {}
-        for one, two in combinations(self.assembly.pins, 2):
-            if not set(one.plates) & set(two.plates) - {self.ground}:
-                path = path_in(self.motion, one.body, two.body, two.place)
-                if runs := _runs(path, path.gap(np.array([one.place])) < near):
-                    found[one.name, two.name] = runs
         return found
 
 

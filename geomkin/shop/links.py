@@ -9,7 +9,7 @@ from ..part import Part
 from ..plane.primitives import Circle, rounded_hull, slot
 from .assembly import Plate, assemble
 from .stack import Stack
-from .stock import LinkStock as LinkStock
+from .stock import LinkStock
 
 
 def link_parts(motion: Motion, stock: LinkStock, stack: Stack | None = None) -> list[Part]:

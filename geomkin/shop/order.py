@@ -11,14 +11,13 @@ class Passing:
     """A pin as the layers see it; plates are bits of whole numbers, plate k the bit 1 << k.
 
     joins: plates that it joins. bottom, top: whether it goes down to what lies below all layers, or up to
-    what lies above. hits: plates that it cannot pass. crosses: pins, by their number, that cannot pass beside it.
+    what lies above. hits: plates that it cannot pass.
     """
 
     joins: int
     bottom: bool
     top: bool
     hits: int
-    crosses: frozenset[int]
 
     def through(self, below: int) -> bool:
         """Whether it goes from the plates `below`, or the bottom, up to any other, or the top."""
@@ -53,11 +52,9 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
         if below not in best:
             continue
         collisions, layers, length, _ = best[below]
-        through = [k for k, pin in enumerate(pins) if pin.through(below)]
-        collisions += sum(other in pins[k].crosses for k in through for other in through if other < k)
-        if clean and collisions:
-            continue
-        barred = [pins[k].hits for k in through]
+        # A pin that starts in the next layer needs no look: its own plate there meets whatever it hits.
+        through = [pin for pin in pins if pin.through(below)]
+        barred = [pin.hits for pin in through]
         anywhere = 0
         for hits in barred:
             anywhere |= hits

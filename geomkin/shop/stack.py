@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,9 @@ from .bridge import Way, pile_places, split, ways
 from .contact import Contacts, Run
 from .order import Order, Passing, order
 from .stock import LinkStock
+
+# Moving plates that the search takes. Each more triples its time: the worst case of 15 takes five seconds.
+LARGEST = 15
 
 
 @dataclass(frozen=True)
@@ -32,16 +34,16 @@ class PinSpan:
 
 @dataclass(frozen=True)
 class Collision:
-    """A pin that meets a plate or another pin while the driver goes from `first` to `last`; unit: deg or mm."""
+    """A pin that meets a plate while the driver goes from `first` to `last`; unit: deg or mm."""
 
     pin: str
-    other: str
+    plate: str
     first: float
     last: float
     unit: str
 
     def __str__(self) -> str:
-        return f"pin {self.pin} meets {self.other} from {self.first:.4g} to {self.last:.4g} {self.unit}"
+        return f"pin {self.pin} meets {self.plate} from {self.first:.4g} to {self.last:.4g} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +86,17 @@ def stack_links(motion: Motion, stock: LinkStock) -> Stack:
     top, the bridge, carries some of them: again the fewest layers, then the fewest carried. Two piles of
     discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
     `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
-    collisions of the one that has the fewest.
+    collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, or where no
+    frame closes.
     """
     found = assemble(motion, stock)
     if not motion.closed.any():
         raise DesignError("drive", "the linkage closes at no frame", "drive it where it can be put together")
     contacts = Contacts(motion, stock, found)
+    if len(contacts.moving) > LARGEST:
+        raise DesignError(
+            "bodies", f"found {len(contacts.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
+        )
     # Where openings meet whatever the bridge carries, `link_parts` says which.
     fitting: list[Way] = [way for way in ways(found, contacts.ground) if _fits(contacts, way)] or [()]
     for some in ([way for way in fitting if not way], [way for way in fitting if way]):
@@ -118,7 +125,6 @@ def _order(contacts: Contacts, way: Way, clean: bool = True) -> Order | None:
             bottom=ground in pin.plates and pin.joint not in way,
             top=ground in pin.plates and pin.joint in way,
             hits=sum(bit for name, bit in bits.items() if (pin.name, name) in contacts.pin_and_plate),
-            crosses=frozenset(k for k, other in enumerate(pins) if (other.name, pin.name) in contacts.pin_and_pin),
         )
         for pin in pins
     ]
@@ -158,10 +164,6 @@ def _collisions(contacts: Contacts, spans: list[PinSpan], layers: Mapping[str, i
         pin = next(span for span in spans if span.name == name)
         if pin.first <= layers[plate] <= pin.last:
             yield from _told(contacts, name, plate, runs)
-    for one, two in combinations(spans, 2):
-        runs = contacts.pin_and_pin.get((one.name, two.name), [])
-        if one.first <= two.last and two.first <= one.last:
-            yield from _told(contacts, one.name, f"pin {two.name}", runs)
 
 
 def _told(contacts: Contacts, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
