@@ -125,10 +125,7 @@ class _Planner:
 
     def two_bars(self, one: str, two: str, name: str, inner: tuple[str, str], shift: tuple) -> bool:
         outer = self.pins_to_placed(one)[0], self.pins_to_placed(two)[0]
-        arms = (
-            self.local(one, inner[0]) - self.local(one, outer[0]),
-            self.local(two, inner[1]) - self.local(two, outer[1]),
-        )
+        arms = self.arm(one, outer[0], inner[0]), self.arm(two, outer[1], inner[1])
         second = self.anchor(outer[1])
         bases = self.anchor(outer[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
         self.append(RRR(name, (one, two), arms, bases))
@@ -148,7 +145,7 @@ class _Planner:
         near, far = inner
         slider = self.rails_to_placed(slid)[0]
         start = self.start(slider, slid, ((slid, self.local(slid, far)), *((b, -z) for b, z in shift)))
-        arm = self.local(bar, near) - self.local(bar, outer)
+        arm = self.arm(bar, outer, near)
         self.append(RRP(name, bar, arm, self.anchor(outer), start, self.rail(slider, slid)))
         self.steps.append(Carried(bar, self.local(bar, outer), self.anchor(outer)))
         self.placed.add(bar)
@@ -199,6 +196,14 @@ class _Planner:
 
     def local(self, body: str, pin: str) -> complex:
         return self.linkage.bodies[body][pin]
+
+    def arm(self, body: str, outer: str, inner: str) -> complex:
+        arm = self.local(body, inner) - self.local(body, outer)
+        if np.any(arm == 0):
+            raise DesignError(
+                "bodies", f"{outer} and {inner} are at one place of {body}", "move them apart, or pin its neighbours"
+            )
+        return arm
 
     def pins_to_placed(self, body: str) -> list[str]:
         return [pin for pin, bodies in self.linkage.pins.items() if body in bodies and self.placed & set(bodies)]

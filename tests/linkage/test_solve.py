@@ -173,6 +173,10 @@ BAR = {"A": 0, "B": 10}
              "more": {"D": 0, "B": 3}},
             "crank", (), "loose",
         ),
+        (
+            {"ground": {"O": 0, "C": 9}, "crank": {"O": 0, "A": 3}, "bar": {"A": 1, "B": 1}, "far": {"C": 0, "B": 8}},
+            "crank", (), "one place of bar",
+        ),
         ({"ground": {"O": 0, "C": np.nan}, "crank": {"O": 0}}, "crank", (), "finite"),
         ({"ground": {"O": 0}, "crank": {"O": 0}}, "crank", (gk.Slider("s", "block", "ground"),), "block"),
     ],
