@@ -17,7 +17,6 @@ from .loops import Loops
 from .motion import Solution
 from .steps import Pass, Step
 
-
 # The system's allocator gives freed arrays back at once and then pays for every page of the next one, which
 # triples the time of rows of 10,000 frames; once a block of this size, bytes, was freed it keeps smaller ones.
 # Larger has no effect.

@@ -137,8 +137,8 @@ class DrivenRRR(Driven):
 class _Sizes:
     """Of a four-bar, exact where they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
 
-    half_turn: half the turn from q to t; straight: whether there is none. ahead: from the bars seen along C to their bodies' directions. kite: whether
-    both nearest and squares vanish.
+    half_turn: half the turn from q to t; straight: whether there is none. ahead: from the bars seen along C to
+    their bodies' directions. kite: whether both nearest and squares vanish.
     """
 
     gaps: Gaps

@@ -33,7 +33,8 @@ def move(
     drive: (frames,). speed and acceleration of the driver, rad/s and rad/s2 or mm/s and mm/s2: numbers or
     (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
     named): +1 puts the joint left of the line from the first body's outer pin to the second's; "follow" starts
-    at +1 and keeps the smooth continuation, also through a change point, at any step. A frame that cannot
+    at +1 and keeps the smooth continuation, also through a change point, at any step (branches of a dyad
+    that more than the driver moves count as meeting where they pass within a degree of it). A frame that cannot
     be reached is nan with closed False. At a true dead centre of the driver the rates are not finite.
     """
     general = linkage.linkage

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
-from ..linkage.motion import Motion
+from ..linkage.centres import instant_centres
+from ..linkage.motion import Body, Motion
 from ..linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve import move
 from ..part import Part
+from ..plane.primitives import Circle
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
@@ -21,10 +24,14 @@ from .dyad_list import DyadList
 from .kind import Kind
 from .settings import Files
 
+# Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
+# would leave nothing else to be seen.
+REACH = 2.0
+
 
 @dataclass(frozen=True)
 class PolygonsRecipe:
-    """Velocity and acceleration polygons of a linkage at one position, and the position itself, each on a plate."""
+    """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
     kind: Literal["polygons"]
     linkage: DyadList
@@ -100,7 +107,9 @@ def _checks(recipe: PolygonsRecipe) -> list[Check]:
 
 
 def _parts(recipe: PolygonsRecipe) -> list[Part]:
-    parts = [engraved("position", skeleton(recipe.motion, 0, recipe.stock), recipe.stock)]
+    radius = recipe.stock.pin_diameter / 4
+    centres = [Circle(z, radius) for z in _near_centres(recipe)]
+    parts = [engraved("position", [*skeleton(recipe.motion, 0, recipe.stock), *centres], recipe.stock)]
     for name, (polygon, _) in recipe.polygons.items():
         # Of a difference that is drawn in parts only the parts, so that no line is drawn twice.
         split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
@@ -116,8 +125,32 @@ def _parts(recipe: PolygonsRecipe) -> list[Part]:
     return parts
 
 
-def _notes(recipe: PolygonsRecipe) -> dict[str, dict[str, float]]:
-    return {"scale": {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in recipe.polygons.items()}}
+def _near_centres(recipe: PolygonsRecipe) -> list[complex]:
+    """Instant centres that are no pins and lie near enough to be drawn."""
+    motion = recipe.motion
+    points = [z for n, b in motion.bodies.items() for z in _places(b, motion.linkage.bodies[n])]
+    middle, reach = sum(points) / len(points), max(abs(z - points[0]) for z in points)
+    found: list[complex] = []
+    for centre in instant_centres(motion).values():
+        z = complex(centre.position[0])
+        if abs(z - middle) <= REACH * reach and all(abs(z - other) > 1e-6 * reach for other in (*points, *found)):
+            found.append(z)
+    return found
+
+
+def _places(body: Body, points: Mapping[str, complex]) -> list[complex]:
+    return [complex(body.point(z).position[0]) for z in points.values()]
+
+
+def _notes(recipe: PolygonsRecipe) -> dict[str, Any]:
+    """Scales of the drawings, and every instant centre: its place, or the direction in which it lies at infinity."""
+    scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in recipe.polygons.items()}
+    centres: dict[str, Any] = {}
+    for pair, centre in instant_centres(recipe.motion).items():
+        z = complex(centre.position[0])
+        far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
+        centres[" and ".join(pair)] = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")] if np.isfinite(z) else far
+    return {"scale": scale, "instant_centres_mm": centres}
 
 
 KINDS = {"polygons": Kind(PolygonsRecipe, _table, _checks, _parts, _notes)}
