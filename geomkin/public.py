@@ -1,8 +1,13 @@
 """The names that `geomkin` offers, in one place; `import geomkin` reads them when first asked for one."""
 
+from .cam.base_circle import BaseCircle, flat_face_base_radius, least_base_circle
 from .cam.cam import Cam, pressure_angle
-from .cam.follower import TranslatingRoller
+from .cam.follower import OscillatingFlat, OscillatingRoller, TranslatingFlat, TranslatingRoller
+from .cam.limits import SegmentLimits, segment_limits
+from .cam.polar import polar_radius
 from .cam.program import Dwell, FollowerMotion, Program, Return, Rise
+from .cam.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolynomial, OptimisedSpline
+from .cam.undercut import Undercut, undercut
 from .check import Check
 from .errors import DesignError, FileError, GeomkinError, RecipeError
 from .gear.rack import Rack
@@ -51,18 +56,20 @@ from .plane.vec import xy
 from .table import Column, Table
 
 __all__ = [
-    "AbstractCurve", "Arc", "Bobillier", "Body", "Cam", "CentrodeCurve", "Centrodes", "Check", "Circle",
-    "Cognate", "Column", "Contact", "Counterbalance", "CouplerCurve", "DesignError", "Dwell", "EllipticTrammel",
-    "FileError", "FollowerMotion", "FourBar", "GeomkinError", "InflectionCircle", "InstantCentre",
-    "InvertedSliderCrank", "Involute", "Linkage", "Mirrored", "Motion", "Moved", "Offset", "OldhamCoupling",
-    "Part", "Path", "PathCurvature", "PointMotion", "Polygon", "Polyline", "Pose", "Program", "Rack",
-    "RecipeError", "Return", "Reversed", "Ring", "Rise", "Root", "ScotchYoke", "Segment", "Shaper",
-    "SlideMotion", "Slider", "SliderCrank", "SliderCrankMasses", "SpurGear", "StephensonSixBar", "Table",
-    "TranslatingRoller", "Trochoid", "WattSixBar", "acceleration_polygon", "area", "best_counterbalance",
-    "bobillier", "bobillier_path", "centroid", "circuits", "cognates", "coupler_curves", "coupler_grid",
-    "crank_path", "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary", "flatten",
+    "AbstractCurve", "Arc", "BaseCircle", "Bobillier", "Body", "Cam", "CentrodeCurve", "Centrodes", "Check",
+    "Circle", "Cognate", "Column", "Contact", "Counterbalance", "CouplerCurve", "DesignError", "Dwell",
+    "EllipticTrammel", "FileError", "FollowerMotion", "FourBar", "GeomkinError", "InflectionCircle",
+    "InstantCentre", "InvertedSliderCrank", "Involute", "LiftPolynomial", "LiftSpline", "LiftTable", "Linkage",
+    "Mirrored", "Motion", "Moved", "Offset", "OldhamCoupling", "OptimisedPolynomial", "OptimisedSpline",
+    "OscillatingFlat", "OscillatingRoller", "Part", "Path", "PathCurvature", "PointMotion", "Polygon",
+    "Polyline", "Pose", "Program", "Rack", "RecipeError", "Return", "Reversed", "Ring", "Rise", "Root",
+    "ScotchYoke", "Segment", "SegmentLimits", "Shaper", "SlideMotion", "Slider", "SliderCrank",
+    "SliderCrankMasses", "SpurGear", "StephensonSixBar", "Table", "TranslatingFlat", "TranslatingRoller",
+    "Trochoid", "Undercut", "WattSixBar", "acceleration_polygon", "area", "best_counterbalance", "bobillier",
+    "bobillier_path", "centroid", "circuits", "cognates", "coupler_curves", "coupler_grid", "crank_path",
+    "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary", "flat_face_base_radius", "flatten",
     "grashof_type", "inflection_circle", "inflection_circle_of_cranks", "instant_centre", "instant_centres",
-    "judged_counterbalance", "length", "mechanical_advantage", "move", "nearest", "newton_raphson",
-    "path_curvature", "pressure_angle", "roberts_linkage", "rounded_hull", "shaking_force", "slot",
-    "third_pivot", "to_arcs", "velocity_polygon", "xy",
+    "judged_counterbalance", "least_base_circle", "length", "mechanical_advantage", "move", "nearest",
+    "newton_raphson", "path_curvature", "polar_radius", "pressure_angle", "roberts_linkage", "rounded_hull",
+    "segment_limits", "shaking_force", "slot", "third_pivot", "to_arcs", "undercut", "velocity_polygon", "xy",
 ]  # fmt: skip

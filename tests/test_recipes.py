@@ -34,11 +34,12 @@ def rings(folder, name):
 
 # What the gallery shows on purpose: a parallelogram is at a dead centre where its links lie in line, and the
 # walking leg's last dyad comes within 9 deg of one, as its inventor's lengths have it; in Roberts' figure a pin of the
-# left cognate sweeps that cognate's own rocker, whatever the order of the plates.
+# left cognate sweeps that cognate's own rocker, whatever the order of the plates; and one cam is undercut.
 ADVISED = {
     "parallelogram": {"least transmission angle"},
     "walking-leg": {"least transmission angle"},
     "cognates": {"plates and pins that collide"},
+    "undercut-cam": {"lift lost to undercut", "least pitch radius to roller radius"},
 }
 
 

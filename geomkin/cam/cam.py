@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -10,18 +10,19 @@ from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..plane.derived import Offset
+from ..plane.pose import Pose
 from ..plane.vec import Array
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .follower import TranslatingRoller
+from .contact import Contact
+from .follower import Follower, Roller, TranslatingRoller
 from .program import Dwell, Program, Return, Rise
 
 
 @dataclass(frozen=True)
 class Cam:
-    """A disk cam about the origin, drawn at cam angle 0, and its follower above it."""
+    """A disk cam about the origin, drawn at cam angle 0, and the follower that rides on it."""
 
-    follower: TranslatingRoller = entry("what rides on the cam", example=TranslatingRoller(10))
+    follower: Follower = entry("what rides on the cam", example=TranslatingRoller(10))
     program: Program = entry(
         "segments that fill one turn",
         example=Program((Dwell(end_deg=120), Rise("3-4-5", rise=20, end_deg=240), Return("cycloidal", end_deg=360))),
@@ -33,18 +34,13 @@ class Cam:
         check_sizes(self)
         if self.direction not in ("counterclockwise", "clockwise"):
             raise DesignError("direction", f"found {self.direction!r}", "give counterclockwise or clockwise")
-        if abs(self.follower.offset) >= self.prime_radius:
-            raise DesignError(
-                "follower.offset",
-                f"found {self.follower.offset:g} mm, but the roller's centre starts {self.prime_radius:g} mm from "
-                "the axis",
-                f"give an offset below {self.prime_radius:g} mm or a larger base_radius",
-            )
+        check_lifts(self.follower, self.program)
+        self.follower.check(self.base_radius, self.program, self.sense)
 
     @property
     def prime_radius(self) -> float:
-        """Least distance of the roller's centre from the cam axis: base radius and roller radius, mm."""
-        return self.base_radius + self.follower.roller_radius
+        """Least distance of a roller's centre from the cam axis, mm; of a flat face, the base radius."""
+        return self.base_radius + getattr(self.follower, "roller_radius", 0.0)
 
     @property
     def sense(self) -> int:
@@ -53,73 +49,96 @@ class Cam:
 
     @property
     def pitch_curve(self) -> AbstractCurve:
-        """Path of the roller's centre on the cam; t is the cam angle, rad, 0 to 2 pi."""
-        return PitchCurve(self)
+        """Path of the roller's centre on the cam; t is the cam angle, rad, 0 to 2 pi. A flat face has none."""
+        if not isinstance(self.follower, Roller):
+            raise DesignError("follower", "a flat face has no roller, so its cam no pitch curve", "use the profile")
+        # The roller's centre is a knife edge on the prime circle.
+        return Profile(replace(self.follower, roller_radius=0.0), self.program, self.prime_radius, self.sense)
 
     @property
     def profile(self) -> AbstractCurve:
-        """The cam's outline, one roller radius inside the pitch curve; t as there.
+        """What the follower touches, on the cam; t is the cam angle, rad, 0 to 2 pi.
 
-        Exact, loops included where the roller is larger than the pitch curve can bear.
+        Exact, and untrimmed: loops are included where the follower undercuts, and where the programme's
+        velocity jumps so does the point of contact. `undercut` gives the outline of the cam that is left.
         """
-        if self.follower.roller_radius == 0:
-            return self.pitch_curve
-        return Offset(self.pitch_curve, self.sense * self.follower.roller_radius)
+        return Profile(self.follower, self.program, self.base_radius, self.sense)
+
+    def contact(self, angle: ArrayLike) -> Contact:
+        """Cam and follower where they touch, at cam angles in rad; a point z of it lies on the cam at z exp(-i sgn t).
+
+        At a joint, that of the segment that starts there.
+        """
+        motion = self.program.motion(np.asarray(angle, dtype=float))
+        return self.follower.contact(motion, self.base_radius, self.sense)
+
+    def follower_pose(self, angle: ArrayLike) -> Pose:
+        """Where the follower stands at cam angles in rad.
+
+        Its origin is the roller's centre, the place where a translating face crosses the y axis, or an arm's
+        pivot; its x axis lies as the ground's, or runs along the face or the arm.
+        """
+        return self.follower.place(self.program.motion(np.asarray(angle, dtype=float)).lift, self.base_radius)
 
 
 @dataclass(frozen=True, eq=False)
-class PitchCurve(AbstractCurve):
-    """Path of the roller's centre seen from the cam.
+class Profile(AbstractCurve):
+    """Where a follower touches its cam, seen from the cam: E z with E = exp(-i sgn t) from ground to cam."""
 
-    P = E (e + i H), with E = exp(-i sgn theta) from ground to cam, e the offset, H the centre's height:
-    it runs against the cam's turning.
-    """
-
-    cam: Cam
+    follower: Follower
+    program: Program
+    base_radius: float
+    sense: int
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
-        height, _, _ = _height(self.cam, t)
-        return np.exp(-1j * self.cam.sense * t) * (self.cam.follower.offset + 1j * height)
+        return np.exp(-1j * self.sense * t) * self._contact(t).point
 
     def velocity(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
-        height, sideways, _ = _height(self.cam, t)
-        return np.exp(-1j * self.cam.sense * t) * (self.cam.sense * height + 1j * sideways)
+        contact = self._contact(t)
+        return -1j * self.sense * np.exp(-1j * self.sense * t) * contact.normal * contact.advance
 
     def curvature(self, t: ArrayLike) -> Array:
-        return -self.cam.sense * convex_curvature(self.cam, t)
+        contact = self._contact(np.asarray(t, dtype=float))
+        with np.errstate(divide="ignore"):
+            return contact.turn / np.abs(contact.advance)
+
+    def _contact(self, t: Array) -> Contact:
+        return self.follower.contact(self.program.motion(t), self.base_radius, self.sense)
 
     @property
     def breaks(self) -> Array:
-        return self.cam.program.breaks
+        return self.program.breaks
 
     @property
     def closed(self) -> bool:
         return True
 
 
+def check_lifts(follower: Follower, program: Program) -> None:
+    """Raises DesignError where the programme's lifts are of the wrong sort for the follower."""
+    if getattr(program, "oscillates", False) == follower.oscillates:
+        return
+    kind = follower.kind.replace("-", " ")
+    raise DesignError(
+        "program",
+        f"its lifts are in {'mm' if follower.oscillates else 'degrees'}, but the follower is of the {kind} sort, "
+        f"which {'swings about a pivot' if follower.oscillates else 'moves along a line'}",
+        f"give the lifts in {'degrees' if follower.oscillates else 'mm'}, or a follower of the other sort",
+    )
+
+
 def pressure_angle(cam: Cam, angle: ArrayLike) -> Array:
     """Signed angle, rad, between the follower's path and the force on it, at cam angles in rad.
 
-    tan(alpha) = (s' - sgn e) / H, positive when the cam pushes the follower towards the side its
-    contact leads to; above about 30 deg the follower binds in its guide.
+    Of a follower that moves straight, positive when the force leans the way the cam's surface runs under it;
+    of one on an arm, when the force pulls the arm away from its pivot. Above about 30 deg (45 on an arm) the
+    follower binds.
     """
-    height, sideways, _ = _height(cam, np.asarray(angle, dtype=float))
-    return np.arctan2(sideways, height)
+    return cam.contact(angle).pressure_angle
 
 
 def convex_curvature(cam: Cam, angle: ArrayLike) -> Array:
-    """Curvature of the pitch curve, 1/mm, positive where convex; the roller fits while it is below 1 / its radius.
-
-    (H^2 + q (q + s') - H s'') / (H^2 + q^2)^(3/2), with q = s' - sgn e.
-    """
-    height, sideways, motion = _height(cam, np.asarray(angle, dtype=float))
-    top = height**2 + sideways * (sideways + motion.velocity) - height * motion.acceleration
-    return top / np.hypot(height, sideways) ** 3
-
-
-def _height(cam: Cam, angle: Array):
-    motion = cam.program.motion(angle)
-    height = np.sqrt(cam.prime_radius**2 - cam.follower.offset**2) + motion.lift
-    return height, motion.velocity - cam.sense * cam.follower.offset, motion
+    """Curvature of the pitch curve, 1/mm, positive where convex; the roller fits while it is below 1 / its radius."""
+    return -cam.sense * cam.pitch_curve.curvature(angle)

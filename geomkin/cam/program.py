@@ -3,76 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from ..plane.vec import Array
-from ..sizes import FARTHEST, OneOfKinds, check_sizes, entry, quantity
-from .laws import LAWS
+from .ends import SLIP, rounding, spans
+from .laws import breaks_of
+from .optimise import Optimum
+from .pieces import Piece, pieces_of, reach
+from .segments import Dwell, OneSegment, Return, Rise, Segment
 
-# Angles, deg, and lifts, mm, that a person wrote to add up may miss by this much: less refuses thirds
-# of a turn written with nine digits, more hides a real gap.
-SLIP = 1e-7
-
-LawName = Literal["cycloidal", "harmonic", "3-4-5"]
-
-
-def _angle(meaning: str) -> float | None:
-    return quantity(meaning, "deg", default=None, at_least=-360, at_most=360)
-
-
-@dataclass(frozen=True)
-class Dwell:
-    """The follower rests. Give two of start, end and duration; the start may be left to the segment before."""
-
-    kind: Literal["dwell"] = "dwell"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
-
-
-@dataclass(frozen=True)
-class Rise:
-    """The follower moves away, by `rise` or to `end_lift`; give one of the two."""
-
-    law: LawName = entry("law of motion", example="cycloidal")
-    rise: float | None = quantity(
-        "how far it moves, positive outward", "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST
-    )
-    end_lift: float | None = quantity(
-        "lift above the base circle where it ends", "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST
-    )
-    kind: Literal["rise"] = "rise"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
-
-
-@dataclass(frozen=True)
-class Return:
-    """The follower moves back to `end_lift`, 0 unless given."""
-
-    law: LawName = entry("law of motion", example="cycloidal")
-    end_lift: float = quantity(
-        "lift above the base circle where it ends", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
-    )
-    kind: Literal["return"] = "return"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
-
-
-Segment = Annotated[Dwell | Rise | Return, OneOfKinds()]
+__all__ = ["Dwell", "FollowerMotion", "Program", "Return", "Rise", "Segment"]
 
 
 @dataclass(frozen=True, eq=False)
 class FollowerMotion:
-    """The follower over cam angles: lift mm and its derivatives by angle, mm/rad, mm/rad2, mm/rad3."""
+    """The follower over cam angles: lift mm and its derivatives by angle, mm/rad, mm/rad2, mm/rad3.
+
+    For a follower that swings, rad, rad/rad, rad/rad2, rad/rad3.
+    """
 
     lift: Array
     velocity: Array
@@ -82,20 +36,24 @@ class FollowerMotion:
 
 @dataclass(frozen=True)
 class Program:
-    """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0."""
+    """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0.
 
-    segments: Sequence[Dwell | Rise | Return]
+    folder: where a table's file is looked for, unless its name says.
+    """
+
+    segments: Sequence[Segment]
+    folder: str = ""
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
-        """A recipe gives the list of segments itself."""
+        """A recipe gives the list of segments itself; the folder comes with the context it is validated in."""
         from pydantic_core import core_schema
 
-        return core_schema.no_info_after_validator_function(
-            cls,
-            handler.generate_schema(tuple[Segment, ...]),
+        return core_schema.with_info_after_validator_function(
+            lambda segments, info: cls(segments, (info.context or {}).get("folder", "")),
+            handler.generate_schema(tuple[OneSegment, ...]),
             serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda program: [asdict(segment) for segment in program.segments]
+                lambda program: [_plain(segment) for segment in program.segments]
             ),
         )
 
@@ -103,90 +61,127 @@ class Program:
         self._resolved  # refuses what does not add up
 
     @cached_property
-    def _resolved(self) -> tuple[Array, Array, tuple[str | None, ...]]:
-        """Segment limits in deg (n + 1,), lifts there (n + 1,) and the law of each, None for a dwell."""
-        limits, lifts, laws = [0.0], [0.0], []
-        for k, segment in enumerate(self.segments):
-            place = f"program[{k}]"
-            try:
-                check_sizes(segment)
-            except DesignError as error:
-                raise DesignError(f"{place}.{error.field}", error.problem, error.remedy) from None
-            limits.append(_end(segment, limits[-1], place))
-            lifts.append(_end_lift(segment, lifts[-1], place))
-            laws.append(None if isinstance(segment, Dwell) else segment.law)
-        if abs(limits[-1] - 360) > SLIP:
-            raise DesignError("program", f"the segments end at {limits[-1]:g} deg", "make the last one end at 360 deg")
-        if abs(lifts[-1] - lifts[0]) > SLIP:
-            raise DesignError(
-                "program", f"the lift ends at {lifts[-1]:g} mm, not at 0", "add a return, or correct its end_lift"
-            )
-        limits[-1], lifts[-1] = 360.0, lifts[0]
-        return np.array(limits), np.array(lifts), tuple(laws)
+    def _resolved(self) -> _Resolved:
+        made = spans(self.segments, self.folder)
+        # A slip in the last lift would be a jump at the end of the turn.
+        made[-1] = replace(made[-1], end_lift=made[0].lift)
+        return _Resolved(pieces_of(made))
+
+    @property
+    def oscillates(self) -> bool:
+        """Whether lifts are angles of an arm, given in degrees and told in radians. False for dwells alone."""
+        return self._resolved.oscillates
 
     @property
     def breaks(self) -> Array:
-        """Cam angles of the segments' limits, rad, from 0 to 2 pi."""
-        return np.radians(self._resolved[0])
+        """Cam angles, rad, from 0 to 2 pi, between which lift, velocity, acceleration and jerk are continuous."""
+        return self._resolved.breaks
+
+    @property
+    def optima(self) -> dict[int, Optimum]:
+        """Of each optimised segment, by its place in `segments`: peaks in mm/rad2 and mm/rad3 and the bound.
+
+        For a follower that swings, rad/rad2 and rad/rad3.
+        """
+        pieces = self._resolved.pieces
+        return {k: piece.optimum for k, piece in enumerate(pieces) if piece.optimum is not None}
+
+    @property
+    def jumps(self) -> FollowerMotion:
+        """How much each derivative jumps at `breaks[:-1]`, up positive; the first at 0 deg, where the turn closes.
+
+        A jump in velocity is an infinite acceleration, as where a uniform motion meets a dwell. What
+        is below 1e-9 of the largest value is rounding, and told as 0.
+        """
+        return FollowerMotion(*self._resolved.jumps())
 
     def motion(self, angle: ArrayLike) -> FollowerMotion:
         """The follower at cam angles of any shape, rad; at a joint, that of the segment that starts there."""
-        angle = np.asarray(angle, dtype=float)
-        breaks, (_, lifts, laws) = self.breaks, self._resolved
-        turned = np.where((angle >= 0) & (angle <= breaks[-1]), angle, np.mod(angle, 2 * np.pi))
-        which = np.clip(np.searchsorted(breaks, turned, side="right") - 1, 0, len(laws) - 1)
-        span, rise = np.diff(breaks)[which], np.diff(lifts)[which]
-        out = np.zeros((4, *angle.shape))
+        return FollowerMotion(*self._resolved.motion(np.asarray(angle, dtype=float)))
+
+
+class _Resolved:
+    """A programme's segments as arrays: spans (n,), pieces between breaks (p,), distinct laws.
+
+    starts, widths (n,): rad. scales (4, n): what a law's rows are multiplied by. span, low, high (p,):
+    the span a piece lies in, and its x there.
+    """
+
+    def __init__(self, pieces: list[Piece]):
+        self.pieces = pieces
+        self.oscillates = any(piece.span.oscillates for piece in pieces)
+        self._check_base()
+        unit = np.radians(1) if self.oscillates else 1.0
+        limits = np.radians([0.0, *(piece.span.end for piece in pieces)])
+        self.starts, self.widths = limits[:-1], np.diff(limits)
+        self.lifts = np.array([piece.span.lift for piece in pieces]) * unit
+        rises = np.array([piece.scale for piece in pieces])
+        self.scales = rises * unit * self.widths ** -np.arange(4.0)[:, None]
+        self.laws = list({id(piece.law): piece.law for piece in pieces if piece.law}.values())
+        number = {id(law): k for k, law in enumerate(self.laws)}
+        # The last number is that of no law: rest.
+        self.law_of = np.array([number.get(id(piece.law), len(self.laws)) for piece in pieces])
+        inner = [np.array([0.0, 1.0]) if piece.law is None else breaks_of(piece.law) for piece in pieces]
+        self.span = np.repeat(np.arange(len(pieces)), [len(x) - 1 for x in inner])
+        self.low = np.concatenate([x[:-1] for x in inner])
+        # At a break inside a segment the piece before ends just before it, whatever the angle's rounding says.
+        ends = np.concatenate([x[1:] for x in inner])
+        self.high = np.where(ends < 1, np.nextafter(ends, 0), 1.0)
+        self.breaks = np.append(self.starts[self.span] + self.widths[self.span] * self.low, limits[-1])
+
+    def motion(self, angle: Array) -> Array:
+        """(4, ...) at angles in rad."""
+        turned = np.where((angle >= 0) & (angle <= self.breaks[-1]), angle, np.mod(angle, 2 * np.pi))
+        piece = np.clip(np.searchsorted(self.breaks, turned, side="right") - 1, 0, len(self.span) - 1)
+        span = self.span[piece]
+        x = (turned - self.starts[span]) / self.widths[span]
+        return self.values(span, np.clip(x, self.low[piece], self.high[piece]))
+
+    def values(self, span: Array, x: Array) -> Array:
+        """(4, ...) at places x from 0 to 1 of spans."""
+        out = np.zeros((4, *np.shape(x)))
+        flat, spans, places = out.reshape(4, -1), np.ravel(span), np.ravel(x)
         # By law, not by segment: a programme of very many segments costs no more than a short one.
-        named = np.array([law or "" for law in laws])[which]
-        for law in {law for law in laws if law}:
-            mask = named == law
-            x = (turned[mask] - breaks[which[mask]]) / span[mask]
-            out[:, mask] = rise[mask] * span[mask] ** -np.arange(4.0)[:, None] * LAWS[law](x)
-        out[0] += lifts[which]
-        return FollowerMotion(*out)
+        laws = self.law_of[spans]
+        order = np.argsort(laws, kind="stable")
+        limits = np.searchsorted(laws[order], np.arange(len(self.laws) + 1))
+        for law, start, end in zip(self.laws, limits[:-1], limits[1:]):
+            if end > start:
+                where = order[start:end]
+                flat[:, where] = self.scales[:, spans[where]] * law(places[where])
+        out[0] += self.lifts[span]
+        return out
+
+    def jumps(self) -> Array:
+        """(4, p): values after each break less those before."""
+        before, after = self.values(self.span, self.high), self.values(self.span, self.low)
+        # Places between, none of them where a symmetric motion is 0.
+        inside = [self.values(self.span, self.low + share * (self.high - self.low)) for share in (0.3, 0.6)]
+        largest = np.abs([before, *inside, after]).max(axis=(0, 2))[:, None]
+        change = after - np.roll(before, 1, axis=1)
+        return np.where(np.abs(change) > 1e-9 * largest, change, 0.0)
+
+    def _check_base(self) -> None:
+        unit = "deg" if self.oscillates else "mm"
+        seen = [(piece, *reach(piece)) for piece in self.pieces]
+        highest = max(high for *_, high in seen)
+        for piece, low, angle, _ in seen:
+            # A curve near rounded rows may dip as far as they are rounded.
+            if low < -max(SLIP, DIP * highest, rounding(piece.span.segment)):
+                raise DesignError(
+                    piece.span.place,
+                    f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle",
+                    "give other values there, or more lift and a smaller base_radius",
+                )
 
 
-def _end(segment: Dwell | Rise | Return, before: float, place: str) -> float:
-    start = before if segment.start_deg is None else segment.start_deg
-    if abs(start - before) > SLIP:
-        kind = "a gap" if start > before else "an overlap"
-        raise DesignError(
-            f"{place}.start_deg",
-            f"found {start:g}, but the segment before ends at {before:g} deg: {kind}",
-            "leave start_deg out, or add a dwell between them",
-        )
-    ends = [segment.end_deg, None if segment.duration_deg is None else before + segment.duration_deg]
-    known = [e for e in ends if e is not None]
-    if not known or (len(known) == 2 and abs(known[0] - known[1]) > SLIP):
-        found = "neither" if not known else "two that disagree"
-        raise DesignError(f"{place}.end_deg", f"of end_deg and duration_deg found {found}", "give one of them")
-    if known[0] - before <= SLIP:
-        raise DesignError(
-            f"{place}.end_deg",
-            f"the segment runs from {before:g} to {known[0]:g} deg",
-            "give an end after its start",
-        )
-    return known[0]
+def _plain(segment: Segment) -> dict[str, Any]:
+    """A segment as a recipe gives it; an arm's lifts only where there is an arm."""
+    given = asdict(segment)
+    return {name: value for name, value in given.items() if value is not None or name not in ARM_LIFTS}
 
 
-def _end_lift(segment: Dwell | Rise | Return, before: float, place: str) -> float:
-    if isinstance(segment, Dwell):
-        return before
-    if isinstance(segment, Rise):
-        reached = None if segment.rise is None else before + segment.rise
-        ways = [v for v in (segment.end_lift, reached) if v is not None]
-        if len(ways) != 1:
-            raise DesignError(
-                f"{place}.rise", f"of rise and end_lift found {('neither', '', 'both')[len(ways)]}", "give one of them"
-            )
-        end = ways[0]
-        if end <= before:
-            raise DesignError(f"{place}.rise", f"it ends at {end:g} mm, not above its start", "use a return to go down")
-        return end
-    end = segment.end_lift
-    if end >= before:
-        raise DesignError(f"{place}.end_lift", f"found {end:g} mm, not below its start", "use a rise to go up")
-    if end < 0:
-        raise DesignError(f"{place}.end_lift", f"found {end:g} mm, below the base circle", "give 0 mm or more")
-    return end
+ARM_LIFTS = ("rise_deg", "end_lift_deg")
+# A curve through given values, such as measured ones, may dip below the base circle by this share of the lift:
+# less than a cutter follows. Less refuses values for their last decimal, more shows on the cam.
+DIP = 1e-4

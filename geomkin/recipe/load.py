@@ -24,11 +24,11 @@ def load(file: str | Path) -> Any:
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
     path = Path(file)
-    return parse(_read(path), str(file))
+    return parse(_read(path), str(file), str(path.parent))
 
 
-def parse(text: str, file: str = "recipe") -> Any:
-    """The recipe in a TOML text; `file` is what messages call it."""
+def parse(text: str, file: str = "recipe", folder: str = "") -> Any:
+    """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names are."""
     # The reader's time grows with the square of a key's parts.
     if re.search(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){100}", text):
         raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")
@@ -44,7 +44,7 @@ def parse(text: str, file: str = "recipe") -> Any:
         hint = nearest(name, KINDS) if isinstance(name, str) else ""
         raise RecipeError(file, [Problem("kind", found, f"give one of {', '.join(KINDS)}{hint}")])
     try:
-        return adapter(name).validate_python(data, extra="forbid")
+        return adapter(name).validate_python(data, extra="forbid", context={"folder": folder})
     except ValidationError as error:
         raise RecipeError(file, explain(error, kind(name).recipe)) from None
 

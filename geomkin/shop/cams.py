@@ -1,4 +1,4 @@
-"""Cam plate and roller."""
+"""Cam plate, roller, and the plate that carries roller or face."""
 
 from __future__ import annotations
 
@@ -7,22 +7,49 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..cam.cam import Cam
-from ..cam.limits import cam_angles, tightest_convex
-from ..errors import DesignError
+from ..cam.extremes import samples
+from ..cam.follower import OscillatingFlat, OscillatingRoller, Roller, TranslatingFlat
+from ..cam.limits import contact_travel
+from ..cam.pivot import side_sign
+from ..cam.undercut import Undercut, undercut
 from ..part import Part
-from ..plane.primitives import Circle
-from ..sizes import check_sizes, quantity
+from ..plane.primitives import Circle, rounded_hull
+from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .bore import bore
+from .cam_followers import faced_arm, hole, stemmed_face
+from .keyway import keyed_bore
+from .timing import timing_marks
 
 
 @dataclass(frozen=True)
 class CamStock:
-    """What a cam and its roller are cut from."""
+    """What a cam and its follower are cut from."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
     bore: float = quantity("diameter of the hole for the cam shaft, 0 for none", "mm", default=8.0, at_least=0)
     roller_bore: float = quantity(
         "diameter of the hole for the roller's pin, 0 for none", "mm", default=4.0, at_least=0
+    )
+    keyway_width: float = quantity(
+        "width of the keyway in the bore, 0 for none", "mm", default=0.0, at_least=0, at_most=FARTHEST
+    )
+    keyway_depth: float = quantity(
+        "depth of the keyway beyond the bore, along its middle", "mm", default=0.0, at_least=0, at_most=FARTHEST
+    )
+    timing_mark: bool = entry(
+        "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
+    )
+    bar_width: float = quantity(
+        "width of a flat follower's bars and of arms", "mm", default=12.0, at_least=0.01, at_most=FARTHEST
+    )
+    overhang: float = quantity(
+        "how far a flat face runs beyond where the cam touches it", "mm", default=2.0, at_least=0, at_most=FARTHEST
+    )
+    stem_length: float = quantity(
+        "distance from a translating flat face to the hole in its stem", "mm", default=40.0, above=0, at_most=FARTHEST
+    )
+    pivot_bore: float = quantity(
+        "diameter of the hole for an arm's pivot or in a stem, 0 for none", "mm", default=6.0, at_least=0
     )
 
     def __post_init__(self) -> None:
@@ -30,19 +57,55 @@ class CamStock:
 
 
 def cam_parts(cam: Cam, stock: CamStock) -> list[Part]:
-    """The cam plate about its axis, and the roller. Refuses a roller larger than the pitch curve can bear."""
-    roller = cam.follower.roller_radius
-    largest, angle = tightest_convex(cam)
-    if roller >= largest:
-        raise DesignError(
-            "cam.follower.roller_radius",
-            f"found {roller:g} mm, but at {angle * 57.29577951308232:.4g} deg the pitch curve bends with a radius of "
-            f"{largest:.4g} mm, so the cam would be undercut",
-            f"give less than {largest:.4g} mm, a larger base_radius or a longer segment there",
-        )
-    narrowest = 2 * float(np.abs(cam.profile.point(cam_angles(cam))).min())
-    parts = [Part("cam", cam.profile, bore(stock.bore, narrowest, "stock.bore"), stock.thickness)]
-    if roller > 0:
-        hole = bore(stock.roller_bore, 2 * roller, "stock.roller_bore")
-        parts.append(Part("roller", Circle(0j, roller), hole, stock.thickness))
-    return parts
+    """The cam plate about its axis, a roller, and a flat follower or an arm.
+
+    Where the follower undercuts, the plate is what it leaves; `undercut` tells what lift that costs.
+    """
+    return [_plate(cam, stock, undercut(cam)), *_rollers(cam, stock), *_carriers(cam, stock)]
+
+
+def _plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
+    narrowest = 2 * float(np.abs(cut.outline.point(samples(cut.outline.breaks))).min())
+    start = complex(cam.profile.point(0.0))
+    towards = start / abs(start)
+    holes = keyed_bore(stock.bore, stock.keyway_width, stock.keyway_depth, towards, narrowest, "stock")
+    if not stock.timing_mark:
+        return Part("cam", cut.outline, holes, stock.thickness)
+    inner = abs(complex(stock.bore / 2 + stock.keyway_depth, stock.keyway_width / 2))
+    marks = timing_marks(towards, inner, narrowest / 2, cam.sense)
+    return Part("cam", cut.outline, holes, stock.thickness, marks=marks)
+
+
+def _rollers(cam: Cam, stock: CamStock) -> list[Part]:
+    if not isinstance(cam.follower, Roller) or cam.follower.roller_radius == 0:
+        return []
+    radius = cam.follower.roller_radius
+    return [
+        Part("roller", Circle(0j, radius), bore(stock.roller_bore, 2 * radius, "stock.roller_bore"), stock.thickness)
+    ]
+
+
+def _carriers(cam: Cam, stock: CamStock) -> list[Part]:
+    """The plate of a follower in its own frame; none of a roller that moves straight, which needs a guide to fit."""
+    follower, width = cam.follower, stock.bar_width
+    match follower:
+        case TranslatingFlat():
+            outline, place = stemmed_face(_face(cam, stock), follower.tilt, width, stock.stem_length)
+            return [
+                Part("follower", outline, hole(place, stock.pivot_bore, width, "stock.pivot_bore"), stock.thickness)
+            ]
+        case OscillatingFlat():
+            arm = faced_arm(_face(cam, stock), follower.face_offset, width, side_sign(follower.side))
+            return [Part("arm", arm, hole(0j, stock.pivot_bore, width, "stock.pivot_bore"), stock.thickness)]
+        case OscillatingRoller():
+            end = complex(follower.arm_length)
+            holes = hole(0j, stock.pivot_bore, width, "stock.pivot_bore")
+            if follower.roller_radius:
+                holes += hole(end, stock.roller_bore, width, "stock.roller_bore")
+            return [Part("arm", rounded_hull([0j, end], width / 2), holes, stock.thickness)]
+    return []
+
+
+def _face(cam: Cam, stock: CamStock) -> tuple[float, float]:
+    low, high = contact_travel(cam)
+    return low - stock.overhang, high + stock.overhang

@@ -103,7 +103,7 @@ def test_a_program_that_does_not_add_up(run, refused, recipe, program, key, word
         ({"cam.base_radius": "1e160"}, "cam.base_radius", ""),
         ({"cam.follower.roller_radius": "-1"}, "cam.follower.roller_radius", "at least 0"),
         ({"cam.follower.roller_radius": "1e160"}, "cam.follower.roller_radius", ""),
-        ({"cam.follower.roller_radius": "30", "cam.program": None}, "cam.follower.roller_radius", "undercut"),
+        ({"cam.follower.kind": '"sliding-shoe"'}, "cam.follower.kind", "oscillating-flat"),
         ({"cam.follower.roller_radius": "10", "cam.follower.offset": "50"}, "cam.follower.offset", "below 50"),
         ({"stock.bore": "80"}, "stock.bore", "less"),
         ({"stock.bore": "1e-9"}, "stock.bore", ""),
@@ -114,10 +114,16 @@ def test_a_program_that_does_not_add_up(run, refused, recipe, program, key, word
 )
 def test_a_cam_that_cannot_be(run, refused, recipe, changes, key, word):
     if any(name.startswith("cam.follower.") for name in changes):
-        changes = {"cam.follower": None, "cam.follower.roller_radius": "10"} | changes
-    if "cam.program" in changes:  # a rise so short that the pitch curve bends sharply
-        changes["cam.program"] = f"[{DWELL}, {RISE.replace('180', '100')}, {RETURN}]"
+        plain = {"cam.follower.kind": '"translating-roller"', "cam.follower.roller_radius": "10"}
+        changes = {"cam.follower": None} | plain | changes
     refused(run(recipe("disk-cam", changes)), key, word)
+
+
+def test_a_roller_that_undercuts_is_told_and_the_cam_is_what_it_leaves(run, recipe):
+    short = f"[{DWELL}, {RISE.replace('180', '100')}, {RETURN}]"
+    follower = '{kind = "translating-roller", roller_radius = 30}'
+    result = run(recipe("disk-cam", {"cam.follower": follower, "cam.program": short}))
+    assert result.exit_code == 0 and "lift lost to undercut" in result.stderr
 
 
 @pytest.mark.parametrize("bore", ["1e9", "1e15", "1e300"])

@@ -1,0 +1,191 @@
+"""The least base circle that keeps the pressure angle in bounds and the profile whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from ..errors import DesignError
+from ..plane.vec import Array
+from .cam import Cam, check_lifts
+from .extremes import largest, samples
+from .follower import Follower, Roller, TranslatingFlat
+from .program import FollowerMotion, Program
+from .undercut import undercut
+
+# Base radii tried before the least is closed in on. Good ones between bad ones are found where they cover a
+# stretch wider than a step: 7 % of the radius, or a 240th of what an arm can reach.
+TRIED = 240
+# Halvings that close in on a radius, to 1e-12 of it.
+HALVINGS = 36
+# Shares of the size of lifts, rates and follower: the least base radius tried, below which any might do, and one at
+# which flanks that cross on smaller cams no longer do.
+SMALLEST, FAR = 1e-5, 1e3
+
+Limit = Literal["pressure angle", "undercut", "reach", "nothing"]
+
+
+@dataclass(frozen=True)
+class BaseCircle:
+    """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
+
+    limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even the smallest will do, and
+    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame.
+    """
+
+    radius: float
+    largest: float
+    limit: Limit
+    cam_angle: float
+
+
+def least_base_circle(
+    follower: Follower,
+    program: Program,
+    direction: Literal["counterclockwise", "clockwise"] = "counterclockwise",
+    pressure_angle_deg: float = 30.0,
+    least_radius: float = 0.0,
+) -> BaseCircle:
+    """The least base circle whose cam leans on its follower by no more than `pressure_angle_deg`, to either side,
+    is undercut nowhere, and where convex has no radius of curvature below `least_radius`, mm.
+
+    Where good radii lie between bad ones it is the lower end of the uppermost such stretch. Raises DesignError
+    where no base circle will do.
+    """
+    if not 0 < pressure_angle_deg <= 90:
+        raise DesignError("pressure_angle_deg", f"found {pressure_angle_deg}", "give more than 0 and at most 90 deg")
+    if not 0 <= least_radius < np.inf:
+        raise DesignError("least_radius", f"found {least_radius}", "give 0 mm or more")
+    check_lifts(follower, program)
+    places = samples(program.breaks)
+    motion = program.motion(places)
+    low, high = follower.base_radii(float(motion.lift.max()))
+    scale = max(float(np.abs(v).max()) for v in (motion.lift, motion.velocity, motion.acceleration))
+    scale = max(scale, 1e-3, *(abs(v) for v in vars(follower).values() if isinstance(v, float | int)))
+    sense = 1 if direction == "counterclockwise" else -1
+    follower.check(0.5 * (low + high) if np.isfinite(high) else low + scale, program, sense)
+    rules = _rules(follower, sense, np.radians(pressure_angle_deg), least_radius)
+
+    def excess(radii: Array) -> Array:
+        """By how much each rule is broken on the samples, (rules, radii)."""
+        return np.array([[rule(motion, radius).max() for radius in radii] for rule in rules.values()])
+
+    tried = _tried(low, high, scale, excess)
+    good = np.asarray((excess(tried) <= 0).all(axis=0))
+    if not good.any():
+        raise _hopeless(rules, excess(tried), pressure_angle_deg)
+    last = len(good) - 1 - int(good[::-1].argmax())
+    first = last - int(np.append(good[last::-1], False).argmin()) + 1
+    most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
+    if first:
+        radius, limit, angle = _border(program, rules, *tried[[first, first - 1]].tolist())
+        if limit == "undercut" and isinstance(follower, TranslatingFlat):
+            radius = flat_face_base_radius(program, least_radius, follower.tilt_deg)
+    else:
+        radius, limit, angle = low, "reach" if low else "nothing", np.nan
+    return _uncrossed(follower, program, direction, BaseCircle(radius, most, limit, angle), scale)
+
+
+def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg: float = 0.0) -> float:
+    """Least base radius, mm, for which a translating flat face leaves no radius of curvature below `least_radius`.
+
+    rho = Rb + (s + s'') cos(tilt), so it is least_radius - min(s + s'') cos(tilt), exactly. Below 0 any will do.
+    """
+
+    def below(angle: Array) -> Array:
+        motion = program.motion(angle)
+        return -motion.lift - motion.acceleration
+
+    return least_radius + float(np.cos(np.radians(tilt_deg))) * largest(program.breaks, below)[0]
+
+
+Rule = Callable[[FollowerMotion, float], Array]
+
+
+def _rules(follower: Follower, sense: int, steepest: float, least_radius: float) -> dict[Limit, Rule]:
+    """What may not exceed 0 anywhere: functions of a motion and a base radius."""
+
+    def leaning(motion: FollowerMotion, radius: float) -> Array:
+        return np.abs(follower.contact(motion, radius, sense).pressure_angle) - steepest * (1 + 1e-12)
+
+    return {"pressure angle": leaning, "undercut": _convex_rule(follower, sense, least_radius)}
+
+
+def _convex_rule(follower: Follower, sense: int, least_radius: float) -> Rule:
+    if isinstance(follower, Roller):
+        # A profile with this radius left is one that a roller larger by as much just does not undercut.
+        larger = replace(follower, roller_radius=follower.roller_radius + least_radius)
+        return lambda motion, radius: -larger.contact(motion, radius - least_radius, sense).advance
+
+    def face(motion: FollowerMotion, radius: float) -> Array:
+        contact = follower.contact(motion, radius, sense)
+        return least_radius * np.abs(contact.turn) - contact.advance
+
+    return face
+
+
+def _tried(low: float, high: float, scale: float, excess: Callable[[Array], Array]) -> Array:
+    """Rising base radii, mm, over all that the follower allows."""
+    if np.isfinite(high):
+        return low + (high - low) * (np.arange(TRIED) + 0.5) / TRIED
+    top = 8 * scale
+    while (excess(np.array([low + top])) > 0).any() and top < 1e6 * scale:
+        top *= 2
+    return low + np.geomspace(SMALLEST * scale, 4 * top, TRIED)
+
+
+def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float) -> tuple[float, Limit, float]:
+    """The last good base radius on the way to a bad one, the rule that forbids more, and the cam angle."""
+
+    def worst(radius: float) -> tuple[float, float, Limit]:
+        return max((*_largest(program, rule, radius), name) for name, rule in rules.items())
+
+    for _ in range(HALVINGS):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if worst(middle)[0] <= 0 else (good, middle)
+    _, angle, name = worst(bad)
+    return good, name, angle
+
+
+def _largest(program: Program, rule: Rule, radius: float) -> tuple[float, float]:
+    return largest(program.breaks, lambda t: rule(program.motion(t), radius))
+
+
+def _uncrossed(
+    follower: Follower, program: Program, direction: Literal["counterclockwise", "clockwise"], found: BaseCircle,
+    scale: float,
+) -> BaseCircle:  # fmt: skip
+    """The same, or a larger one where flanks of the profile cross or its velocity jumps."""
+
+    def crossed(radius: float) -> tuple[float, float] | None:
+        cut = undercut(Cam(follower, program, radius, direction))
+        return cut.worst if cut.found else None
+
+    # A touch more than the border itself, where rounding decides.
+    bad = max(found.radius * (1 + 1e-9), SMALLEST * scale)
+    if bad >= found.largest or not crossed(bad):
+        return found
+    good = min(FAR * max(bad, scale), found.largest * (1 - 1e-6))
+    if worst := crossed(good):
+        raise DesignError(
+            "program",
+            f"at {np.degrees(worst[1]):.4g} deg the velocity jumps, which undercuts a cam of any size",
+            "give a law of motion without such a jump there",
+        )
+    while good - bad > 1e-9 * good:
+        middle = 0.5 * (good + bad)
+        good, bad = (good, middle) if crossed(middle) else (middle, bad)
+    return replace(found, radius=good, limit="undercut", cam_angle=(crossed(bad) or (0.0, np.nan))[1])
+
+
+def _hopeless(rules: dict[Limit, Rule], excess: Array, pressure_angle_deg: float) -> DesignError:
+    never = [name for name, least in zip(rules, excess.min(axis=1).tolist()) if least > 0]
+    what = " and ".join(never) or "one of pressure angle and undercut"
+    return DesignError(
+        "base_radius",
+        f"with any that the follower allows, {what} is beyond its limit (pressure angle {pressure_angle_deg:g} deg)",
+        "give longer segments, another follower or a larger pressure angle",
+    )

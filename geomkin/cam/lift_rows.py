@@ -1,0 +1,86 @@
+"""Angles and lifts given as numbers: in the segment itself, or in a CSV file."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DesignError, printable, shown
+from ..plane.vec import Array
+from ..sizes import FARTHEST
+from .segments import LiftTable, Pointed
+
+# Nearly three times a table of 0.1 deg; more takes seconds to fit and tells no more.
+MOST_ROWS = 10_000
+# Bytes of a CSV file: as many rows of fifty columns.
+LARGEST = 10_000_000
+ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
+
+
+def read_rows(segment: Pointed, folder: str | Path) -> tuple[str, Array, bool]:
+    """The field that has them, (n, 2) angles in deg with lifts, and whether the lifts are in degrees."""
+    names = ("rows", "rows_deg", "file") if isinstance(segment, LiftTable) else ("points", "points_deg")
+    given = [name for name in names if getattr(segment, name) is not None]
+    if len(given) != 1:
+        found = "none" if not given else " and ".join(given)
+        raise DesignError(names[0], f"of {', '.join(names)} found {found}", "give one of them")
+    field = given[0]
+    if field == "file":
+        points, swings = _from_csv(getattr(segment, field), folder)
+        return field, points, swings
+    return field, _checked(getattr(segment, field), field), field.endswith("_deg")
+
+
+def _checked(rows: object, field: str) -> Array:
+    try:
+        points = np.array(rows, dtype=float)
+        fits = points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
+        fits = fits and bool((np.abs(points) <= FARTHEST).all())
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        raise DesignError(
+            field, f"found {shown(rows)}", f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers"
+        )
+    return points
+
+
+def _from_csv(name: object, folder: str | Path) -> tuple[Array, bool]:
+    if not isinstance(name, str | Path):
+        raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
+    path = Path(folder) / name
+    try:
+        if not path.is_file():
+            raise FileNotFoundError(0, "it is no file")
+        if path.stat().st_size > LARGEST:
+            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
+        # As spreadsheets save it, with a mark at the start.
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        raise DesignError("file", f"{printable(path)} cannot be read ({reason})", "give a CSV file") from None
+    try:
+        lines = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise DesignError("file", f"{printable(path)} is not CSV ({error})", "give a CSV file") from None
+    header = [cell.strip() for cell in lines[0]] if lines else []
+    lifts = [name for name in LIFTS if name in header]
+    if ANGLE not in header or len(lifts) != 1:
+        raise DesignError(
+            "file",
+            f"the first line of {printable(path)} is {shown(','.join(header))}",
+            f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, with commas between",
+        )
+    columns = header.index(ANGLE), header.index(lifts[0])
+    points = []
+    for k, line in enumerate(lines[1:], 2):
+        if not "".join(line).strip():
+            continue
+        try:
+            points.append([float(line[column]) for column in columns])
+        except (ValueError, IndexError):
+            problem = f"line {k} of {printable(path)} is {shown(','.join(line))}"
+            raise DesignError("file", problem, "give a number in each of its columns") from None
+    return _checked(points, "file"), LIFTS[lifts[0]]

@@ -1,0 +1,138 @@
+"""What the follower touches all the way round, as one closed curve, loops and all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..plane.curve import AbstractCurve, just_before
+from ..plane.joined import Path
+from ..plane.primitives import Arc, Segment
+from ..plane.vec import Array
+from .cam import Cam
+from .follower import Roller
+
+# Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
+# what joins them is a piece of the outline. Smaller makes pieces of what a law leaves of rounding at its ends;
+# larger leaves a gap that a path of pieces does not take for closed.
+APART = 5e-10
+# Chords over one turn in the search for crossings, and at least in each segment. Loops of the profile are looked
+# at more closely; of two flanks that cross without one, these miss less than 2e-7 of the cam's size.
+CHORDS, CHORDS_PER_SEGMENT = 4096, 64
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch(AbstractCurve):
+    """The part of a curve over `run`, rising parameters, between which it is smooth; it may jump at the last."""
+
+    curve: AbstractCurve
+    run: Array
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.curve.point(self._inside(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.curve.velocity(self._inside(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self.curve.curvature(self._inside(t))
+
+    def _inside(self, t: ArrayLike) -> Array:
+        """At its end the curve would answer for the piece beyond."""
+        return just_before(np.asarray(t, dtype=float), self.run[-1:])
+
+    @property
+    def breaks(self) -> Array:
+        return self.run
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class RawOutline:
+    """What a follower touches all the way round: the profile, and where it jumps what joins its ends.
+
+    Where the programme's velocity jumps, the follower stands still while the contact runs along it: along
+    the face, or round the roller. So pieces of the profile, each over a stretch of cam angles, are followed
+    each by such a joint; but one piece, the profile itself, where nothing jumps.
+    """
+
+    cam: Cam
+
+    @cached_property
+    def pieces(self) -> tuple[AbstractCurve, ...]:
+        """Pieces end to end, all the way round; every second one is a joint."""
+        profile, breaks = self.cam.profile, self.cam.program.breaks
+        before = profile.point(just_before(breaks[1:], breaks[1:]))
+        after = profile.point(np.append(breaks[1:-1], breaks[0]))
+        jumps = np.flatnonzero(np.abs(after - before) > APART * self.cam.base_radius)
+        if not len(jumps):
+            return (profile,)
+        pieces: list[AbstractCurve] = []
+        first = 0
+        for k in jumps.tolist():
+            joint = _joint(self.cam, breaks[k + 1], complex(before[k]), complex(after[k]))
+            pieces += [Stretch(profile, breaks[first : k + 2]), joint]
+            first = k + 1
+        return (*pieces, Stretch(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
+
+    @cached_property
+    def curve(self) -> Path:
+        """The pieces as one closed curve; piece k runs over k <= t <= k + 1."""
+        return Path(self.pieces)
+
+    def cam_angle(self, t: float) -> float:
+        """Cam angle, rad, at a parameter of the curve."""
+        k = min(int(t), len(self.pieces) - 1)
+        if k % 2:
+            return float(self.pieces[k - 1].breaks[-1])
+        first, last = self.pieces[k].breaks[[0, -1]].tolist()
+        return first + (t - k) * (last - first)
+
+    def parameter(self, angle: float, ending: bool) -> float:
+        """Parameter of the curve at a cam angle; at a joint, that where it is reached if `ending`, else left."""
+        ends = np.array([piece.breaks[-1] for piece in self.pieces[::2]])
+        k = min(int(np.searchsorted(ends, angle, side="left" if ending else "right")), len(ends) - 1)
+        first, last = self.pieces[2 * k].breaks[[0, -1]].tolist()
+        return 2 * k + (angle - first) / (last - first)
+
+    def between(self, start: float, end: float) -> list[AbstractCurve]:
+        """The curves between two parameters."""
+        parts: list[AbstractCurve] = []
+        for k in range(int(start), int(np.ceil(end))):
+            b = self.pieces[k].breaks
+            low, high = (b[0] + (min(max(t, k), k + 1) - k) * (b[-1] - b[0]) for t in (start, end))
+            # What is left of a piece beyond a crossing at its very end is rounding.
+            if high - low > 1e-13 * (b[-1] - b[0]):
+                parts.append(Stretch(self.pieces[k], np.array([low, *b[(b > low) & (b < high)], high])))
+        return parts
+
+    @cached_property
+    def places(self) -> Array:
+        """Rising parameters whose chords are near enough to the curve to cross where it does, but for its loops."""
+        return np.concatenate([k + self._shares(k) for k in range(len(self.pieces))])
+
+    def _shares(self, number: int) -> Array:
+        """From 0 to 1 along a piece, its end excluded."""
+        b = self.pieces[number].breaks
+        if number % 2:
+            return np.linspace(0, 1, CHORDS_PER_SEGMENT + 1)[:-1]
+        counts = np.maximum(CHORDS_PER_SEGMENT, CHORDS * np.diff(b) / (2 * np.pi)).astype(int).tolist()
+        t = np.concatenate([np.linspace(first, last, n + 1)[:-1] for first, last, n in zip(b, b[1:], counts)])
+        if len(self.pieces) > 1:
+            # Ever closer to where it jumps: the smaller the jump, the nearer the profile crosses itself.
+            close = np.diff(b).min() / CHORDS * 0.5 ** np.arange(30)
+            t = np.unique(np.concatenate([t, b[0] + close, b[-1] - close]))
+        return (t - b[0]) / (b[-1] - b[0])
+
+
+def _joint(cam: Cam, angle: float, before: complex, after: complex) -> AbstractCurve:
+    if not isinstance(cam.follower, Roller):
+        return Segment(before, after)
+    centre = complex(cam.pitch_curve.point(angle))
+    return Arc(centre, before, float(np.angle((after - centre) / (before - centre))))

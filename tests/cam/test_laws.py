@@ -1,0 +1,168 @@
+"""Laws of motion by second roads: differences, quadrature of the textbooks' accelerations, handbooks' peaks."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.cam.laws import LAWS, breaks_of, checked, sine_constant_cosine
+
+pi = np.pi
+each_law = pytest.mark.parametrize("law", LAWS)
+
+# Peaks of velocity, acceleration and jerk for rise 1 over angle 1, as the handbooks of cam design print them.
+PEAKS = {
+    "uniform": (1, 0, 0),
+    "parabolic": (2, 4, 0),
+    "harmonic": (pi / 2, pi**2 / 2, pi**3 / 2),
+    "cycloidal": (2, 2 * pi, 4 * pi**2),
+    "modified-trapezoid": (2, 8 * pi / (2 + pi), 32 * pi**2 / (2 + pi)),
+    "modified-sine": (4 * pi / (4 + pi), 4 * pi**2 / (4 + pi), 16 * pi**3 / (4 + pi)),
+    "3-4-5": (15 / 8, 10 / np.sqrt(3), 60),
+    "4-5-6-7": (35 / 16, 84 * np.sqrt(5) / 25, 52.5),
+}
+
+
+@each_law
+def test_peaks_are_those_of_the_handbooks(law):
+    values = LAWS[law](np.linspace(0, 1, 1_000_001))
+    assert np.abs(values[1:]).max(axis=1) == pytest.approx(PEAKS[law], rel=1e-10)
+
+
+@each_law
+def test_a_law_goes_from_0_to_1_and_starts_and_ends_at_rest_but_for_uniform(law):
+    ends = LAWS[law](np.array([0.0, 1.0]))
+    assert ends[0] == pytest.approx([0, 1], abs=1e-15)
+    assert ends[1] == pytest.approx([1, 1] if law == "uniform" else [0, 0], abs=1e-14)
+    if law not in ("uniform", "parabolic", "harmonic"):
+        assert ends[2] == pytest.approx([0, 0], abs=1e-13)
+    if law == "4-5-6-7":
+        assert ends[3] == pytest.approx([0, 0], abs=1e-12)
+
+
+@each_law
+def test_each_row_is_the_derivative_of_the_row_before(law):
+    x, h = np.linspace(0.0013, 0.9987, 499), 1e-4
+    x = x[np.abs(x[:, None] - breaks_of(LAWS[law])).min(axis=1) > 2 * h]
+    values = LAWS[law](x)
+    # Five points: the error is that of the fifth derivative, 1e-16 of it, and of rounding, 1e-12.
+    slope = sum(w * LAWS[law](x + k * h) for w, k in ((1, -2), (-8, -1), (8, 1), (-1, 2))) / (12 * h)
+    for order in range(3):
+        assert slope[order] == pytest.approx(values[order + 1], abs=2e-10 * max(1, np.abs(values[order + 1]).max()))
+
+
+@each_law
+def test_the_way_back_is_the_way_there_turned_round(law):
+    x = np.linspace(0, 0.4999, 777)
+    there, back = LAWS[law](x), LAWS[law](1 - x)
+    # At a jump each side answers for the piece that starts there, so those are left out.
+    clear = np.abs(x[:, None] - breaks_of(LAWS[law])[1:-1]).min(axis=1, initial=1) > 1e-9
+    for order, (a, b) in enumerate(zip(there, (1 - back[0], back[1], -back[2], back[3]), strict=True)):
+        assert a[clear] == pytest.approx(b[clear], abs=3e-12), order
+
+
+def trapezoid_of_sines(x):
+    """The modified trapezoid's acceleration, of height 1, as the handbooks draw it eighth by eighth."""
+    eighth = np.minimum((8 * x).astype(int), 7)
+    up = np.sin(4 * pi * x)
+    middle = np.cos(4 * pi * (x - 3 / 8))
+    down = -np.cos(4 * pi * (x - 7 / 8))
+    return np.select([eighth < 1, eighth < 3, eighth < 5, eighth < 7], [up, 1 + 0 * x, middle, -1 + 0 * x], down)
+
+
+def sine_of_sines(x):
+    """The modified sine's acceleration, of height 1: a fast sine in the outer eighths, a slow one between."""
+    slow = np.sin(pi / 3 + 4 * pi / 3 * x)
+    return np.select([x < 1 / 8, x < 7 / 8], [np.sin(4 * pi * x), slow], np.sin(4 * pi * x - 2 * pi))
+
+
+@pytest.mark.parametrize(
+    ("law", "acceleration"), [("modified-trapezoid", trapezoid_of_sines), ("modified-sine", sine_of_sines)]
+)
+def test_modified_laws_are_the_handbooks_acceleration_integrated_twice(law, acceleration):
+    # Simpson's rule on 8000 steps whose joints are the law's; error 1e-15.
+    n = 8000
+    x = np.linspace(0, 1, 2 * n + 1)
+    a = acceleration(x)
+
+    def integral(y):
+        return np.append(0, np.cumsum((y[:-2:2] + 4 * y[1:-1:2] + y[2::2]) / (6 * n)))
+
+    fine = np.linspace(0, 1, 4 * n + 1)
+    b = acceleration(fine)
+    velocity = np.append(0, np.cumsum((b[:-2:2] + 4 * b[1:-1:2] + b[2::2]) / (12 * n)))
+    lift = integral(velocity)
+    scale = 1 / lift[-1]
+    values = LAWS[law](x[::2])
+    assert values[0] == pytest.approx(lift * scale, abs=1e-12)
+    assert values[1] == pytest.approx(velocity[::2] * scale, abs=1e-11)
+    assert values[2] == pytest.approx(a[::2] * scale, abs=1e-10)
+
+
+def test_the_family_of_sine_constant_cosine_holds_harmonic_and_cycloidal_too():
+    x = np.linspace(0, 1, 501)
+    assert sine_constant_cosine(0, 0, 1)(x) == pytest.approx(LAWS["harmonic"](x), abs=1e-12)
+    clear = np.abs(x - 0.5) < 0.2499  # its own joints are at the quarters
+    assert sine_constant_cosine(0.5, 0, 0.5)(x)[:, clear] == pytest.approx(LAWS["cycloidal"](x)[:, clear], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "before", "after"),
+    [("parabolic", (4, 0), (-4, 0)), ("modified-trapezoid", (4.888123762813258, 61.42597481), (4.888123762813258, 0))],
+)
+def test_at_a_jump_the_piece_that_starts_there_answers(law, before, after):
+    joint = breaks_of(LAWS[law])[1]
+    values = LAWS[law](np.array([np.nextafter(joint, 0), joint]))
+    if law == "parabolic":
+        assert values[2:, 0] == pytest.approx(before) and values[2:, 1] == pytest.approx(after)
+    else:
+        # The quarter sine is level where it meets the constant, so nothing jumps there but the next derivative.
+        assert values[2, 0] == pytest.approx(before[0]) and values[2:, 1] == pytest.approx(after, abs=1e-12)
+
+
+@each_law
+def test_arrays_of_any_shape_go_through(law):
+    x = np.linspace(0, 1, 12).reshape(3, 4)
+    assert LAWS[law](x).shape == (4, 3, 4) and LAWS[law](np.array(0.3)).shape == (4,)
+    assert (LAWS[law](x)[:, 1, 2] == LAWS[law](x[1, 2])).all()
+
+
+@each_law
+def test_every_law_passes_the_trial_of_a_law_of_ones_own(law):
+    assert checked(LAWS[law]) is LAWS[law] and checked(law) is LAWS[law]
+
+
+class Kinked:
+    """Half the way at speed 1.5, the rest at 0.5, with the joint kept quiet or not."""
+
+    def __call__(self, x):
+        slow = x >= 0.5
+        return np.stack([np.where(slow, 0.5 + 0.5 * x, 1.5 * x), np.where(slow, 0.5, 1.5), 0 * x, 0 * x])
+
+
+class Told(Kinked):
+    breaks = (0, 0.5, 1)
+
+
+def test_a_law_of_ones_own_may_jump_where_it_says_so():
+    assert isinstance(checked(Told()), Told)
+    with pytest.raises(gk.DesignError, match="breaks"):
+        checked(Kinked())
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (lambda x: x, "shape"),
+        (lambda x: np.stack([2 * x, 2 + 0 * x, 0 * x, 0 * x]), "from 0 to 2"),
+        (lambda x: np.stack([x**2, x, 1 + 0 * x, 0 * x]), "row 1 is not the derivative of its row 0"),
+        (lambda x: np.stack([x**2, 2 * x, 2 + 0 * x, 1 + 0 * x]), "row 3 is not the derivative of its row 2"),
+        (lambda x: np.stack([x, 1 + 0 * x, np.nan + 0 * x, 0 * x]), "finite"),
+        (type("Late", (Told,), {"breaks": (0.1, 1)})(), "rising numbers from 0 to 1"),
+        (type("None_", (Told,), {"breaks": ()})(), "rising numbers from 0 to 1"),
+        ("cycloid", "cycloidal"),
+        (7, "callable"),
+    ],
+)
+def test_a_law_that_cannot_be_is_refused(law, words):
+    with pytest.raises(gk.DesignError, match=words):
+        checked(law)

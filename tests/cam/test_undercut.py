@@ -1,0 +1,164 @@
+"""Undercut by second roads: half-planes and offset polygons of another library, followers let down on the result."""
+
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.cam.flat import TranslatingFlat
+from geomkin.cam.limits import segment_limits, tightest_convex
+from geomkin.cam.roller import TranslatingRoller
+from geomkin.cam.undercut import undercut
+
+from .cams import CAMS, UNDERCUT, depth, programme, resting, rolls, seen_from_cam
+
+each_undercut = pytest.mark.parametrize("cam", UNDERCUT.values(), ids=UNDERCUT)
+
+
+def polygon(curve, tolerance=1e-5):
+    return shapely.Polygon(gk.xy(gk.flatten(curve, tolerance)))
+
+
+def cut_by_another_library(cam, count=20_000):
+    """What the follower leaves: the pitch polygon shrunk by the roller, or the half-planes behind the face."""
+    angles = np.unique(np.concatenate([np.linspace(0, 2 * np.pi, count)[:-1], cam.program.breaks[:-1]]))
+    if rolls(cam):
+        shrunk = shapely.Polygon(gk.xy(seen_from_cam(cam, angles))).buffer(-cam.follower.roller_radius, quad_segs=500)
+        return next(part for part in shapely.get_parts(shrunk) if part.contains(shapely.Point(0, 0)))
+    # Half-planes Re(conj(w) z) <= 1 have in common the polygon whose corners are the edges of the hull of all w.
+    foot, normal = seen_from_cam(cam, angles[np.append(True, np.diff(angles) > 1e-9)])
+    hull = shapely.MultiPoint(gk.xy(normal / np.real(np.conj(normal) * foot))).convex_hull
+    w = shapely.get_coordinates(hull.exterior).view(complex)[:-1, 0]
+    following = np.roll(w, -1)
+    return shapely.Polygon(gk.xy(1j * (w - following) / np.imag(np.conj(w) * following)))
+
+
+@each_undercut
+def test_the_outline_is_what_another_library_leaves(cam):
+    mine, other = polygon(undercut(cam).outline), cut_by_another_library(cam)
+    assert mine.is_valid
+    # The other library drops detail of a share of the roller's radius before it shrinks; half-planes are exact.
+    share, far = (1e-4, 2e-3) if rolls(cam) else (1e-6, 3e-5)
+    assert mine.symmetric_difference(other).area < share * mine.area
+    assert mine.exterior.hausdorff_distance(other.exterior) < far
+
+
+@each_undercut
+def test_no_follower_enters_the_outline_and_each_corner_touches_two(cam):
+    cut = undercut(cam)
+    z = cut.outline.point(np.linspace(0, cut.outline.breaks[-1], 1500))
+    angles = np.unique(np.concatenate([np.linspace(0, 2 * np.pi, 3000), cam.program.breaks]))
+    inside = depth(cam, seen_from_cam(cam, angles), z[:, None])
+    assert inside.max() < 1e-11
+    assert len(cut.corners) == len(cut.spans) > 0
+    for corner, span in zip(cut.corners, cut.spans):
+        assert depth(cam, seen_from_cam(cam, span % (2 * np.pi)), corner) == pytest.approx(0, abs=1e-11)
+        assert np.abs(cut.outline.point(cut.outline.breaks) - corner).min() < 1e-11
+
+
+@each_undercut
+def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
+    cut, angles = undercut(cam), np.radians(np.arange(360))
+    lost = cam.program.motion(angles).lift - resting(cam, gk.flatten(cut.outline, 1e-4), angles)
+    # On an arm the lift is an angle, and no contact is nearer to its pivot than 20 mm.
+    assert cut.lost_lift(angles) == pytest.approx(lost, abs=3e-4 / (20 if cam.follower.oscillates else 1))
+    most, angle = cut.worst
+    assert most == pytest.approx(cut.lost_lift(np.linspace(0, 2 * np.pi, 40001)).max(), rel=1e-4)
+    assert cut.lost_lift(angle) == pytest.approx(most, abs=1e-13) and most > 0
+    assert cut.lost_lift(angle + 2 * np.pi) == pytest.approx(most)
+
+
+@each_undercut
+def test_where_the_follower_touches_it_touches_the_outline(cam):
+    cut = undercut(cam)
+    angles = np.linspace(0, 2 * np.pi, 721)[:-1]
+    since = np.mod(angles[:, None] - cut.spans[:, 0], 2 * np.pi)
+    missing = (since < cut.spans[:, 1] - cut.spans[:, 0]).any(axis=1)
+    away = gk.nearest(cut.outline, cam.profile.point(angles))[1]
+    assert away[~missing].max() < 1e-10 and 5 < missing.sum() < 400
+    # Within a span it would have to touch beyond a corner, where nothing is left.
+    assert (away[missing] > 1e-9).mean() > 0.95
+
+
+@pytest.mark.parametrize("cam", CAMS.values(), ids=CAMS)
+def test_a_cam_without_undercut_keeps_its_profile(cam):
+    cut = undercut(cam)
+    assert not cut.found and cut.worst == (0, 0) and not cut.lost_lift(np.linspace(0, 7, 9)).any()
+    assert cut.outline.point(1.25) == cam.profile.point(1.25)
+    assert (
+        polygon(cut.outline).symmetric_difference(cut_by_another_library(cam)).area
+        < (1e-5 if rolls(cam) else 1e-6) * 10_000
+    )
+
+
+def test_undercut_is_found_from_the_first_and_grows_with_the_square():
+    """At its limit a roller cuts nothing, and beyond it by e it takes a lift in proportion to e^2."""
+    program, lost = programme(20, ends=(60, 150, 170, 280)), {}
+    least, angle = tightest_convex(gk.Cam(TranslatingRoller(0, 5), program, 60))
+    for e in (-1e-13, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2):
+        # Larger rollers on smaller base circles: the same pitch curve.
+        cut = undercut(gk.Cam(TranslatingRoller(least * (1 + e), 5), program, 60 - least * (1 + e)))
+        assert cut.found == (e > 0), e
+        assert polygon(cut.outline, 1e-3).is_valid and gk.to_arcs(cut.outline, 1e-3).closed
+        lost[e] = cut.worst[0]
+        if e > 0:
+            (start, end) = cut.spans[0]
+            assert start < angle < end and end - start < 20 * np.sqrt(e) + 1e-6
+    assert lost[1e-4] / lost[1e-5] == pytest.approx(100, rel=0.05)
+    assert lost[1e-3] / lost[1e-4] == pytest.approx(100, rel=0.05)
+    assert all(lost[e] < 1e-12 for e in lost if e < 1e-6)
+
+
+def test_a_flat_face_cuts_from_its_least_base_radius_on():
+    from geomkin.cam.base_circle import flat_face_base_radius
+
+    program = programme(20, ends=(60, 150, 170, 280))
+    for tilt in (0, 20):
+        least = flat_face_base_radius(program, 0, tilt)
+        for e in (-1e-2, -1e-5, -1e-9, 1e-12, 1e-6):
+            cam = gk.Cam(TranslatingFlat(tilt), program, least * (1 + e))
+            assert undercut(cam).found == (e < 0) == bool((segment_limits(cam).convex_radius <= 0).any())
+
+
+@pytest.mark.parametrize("follower", [TranslatingRoller(14, 3), TranslatingFlat(10)], ids=["roller", "flat"])
+def test_what_a_jump_of_velocity_costs_goes_with_its_square(follower):
+    lost = []
+    for jump in (1, 1e-1, 1e-2, 1e-3, 1e-5, 1e-7):
+        program = gk.Program([gk.Dwell(end_deg=60), gk.Rise("uniform", rise=jump, end_deg=150),
+                              gk.Return("uniform", end_deg=240), gk.Dwell(end_deg=360)])  # fmt: skip
+        cut = undercut(gk.Cam(follower, program, 40))
+        assert len(cut.spans) == 1 and np.degrees(cut.spans.mean()) == pytest.approx(150, abs=0.1)
+        assert polygon(cut.outline, 1e-3).is_valid
+        lost.append(cut.worst[0])
+        assert np.degrees(cut.worst[1]) == pytest.approx(150, abs=1e-4)
+    assert lost[0] / lost[1] == pytest.approx(100, rel=0.1) and lost[2] / lost[3] == pytest.approx(100, rel=1e-2)
+    assert max(lost[4:]) < 1e-11
+
+
+def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
+    """The follower stands still while the contact runs along it: a straight edge, or an arc of the roller's radius."""
+    program = programme(15, laws=("uniform", "uniform"))
+    for follower, bend in [(TranslatingFlat(), 0), (TranslatingRoller(14), -1 / 14)]:
+        outline = undercut(gk.Cam(follower, program, 40)).outline
+        pieces = [p for p in outline.pieces if len(p.breaks) == 2 and gk.length(p) > 1e-3]
+        assert any(p.curvature(p.breaks.mean()) * np.sign(gk.area(outline)) == pytest.approx(bend) for p in pieces)
+
+
+def test_a_knife_edge_cuts_nothing_away():
+    cam = gk.Cam(TranslatingRoller(0, 12), programme(30, ends=(60, 100, 105, 150)), 20)
+    cut = undercut(cam)
+    assert not cut.found and gk.area(cut.outline) == gk.area(cam.pitch_curve)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_any_cam_is_cut_as_another_library_would_cut_it(seed):
+    rng = np.random.default_rng(seed)
+    ends = np.sort(rng.choice(np.arange(5, 355, 5), 4, replace=False)).tolist()
+    laws = rng.choice(["cycloidal", "harmonic", "3-4-5", "uniform"], 2).tolist()
+    base, roller, rise = rng.uniform(10, 60), rng.uniform(0, 40), rng.uniform(2, 40)
+    direction = str(rng.choice(["clockwise", "counterclockwise"]))
+    offset, tilt = rng.uniform(-0.6, 0.6) * (base + roller), rng.uniform(-30, 30)
+    for follower in (TranslatingRoller(roller, offset), TranslatingFlat(tilt)):
+        cam = gk.Cam(follower, programme(rise, False, ends, laws), base, direction)
+        mine, other = polygon(undercut(cam).outline, 1e-4), cut_by_another_library(cam, 7000)
+        assert mine.is_valid and mine.symmetric_difference(other).area < 1e-4 * mine.area
