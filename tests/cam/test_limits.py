@@ -45,13 +45,13 @@ def test_an_offset_helps_one_stroke_and_harms_the_other():
     assert 0 < max(moved[1], -moved[1]) < plain[1] and moved[3] < plain[3] < 0
 
 
-def test_acceleration_that_jumps_at_a_joint_counts_from_both_sides():
-    """A harmonic rise ends with its largest deceleration, which the dwell after it does not have."""
-    rise, dwell = gk.Rise("harmonic", rise=10, end_deg=60), gk.Dwell(end_deg=180)
-    program = gk.Program([rise, dwell, gk.Return("3-4-5", end_deg=360)])
+def test_acceleration_that_jumps_at_a_joint_counts_on_its_own_side():
+    """A harmonic rise ends with its largest deceleration, a return starts with it, and the dwell between has none."""
+    rise, rest = gk.Rise("harmonic", rise=10, end_deg=60), gk.Dwell(end_deg=180)
+    program = gk.Program([rise, rest, gk.Return("harmonic", end_deg=360)])
     limits = segment_limits(gk.Cam(TranslatingFlat(), program, 40))
     # rho = base + lift + s'', with s'' = -h / 2 (pi / beta)^2 at the top.
-    assert limits.convex_radius[:2] == pytest.approx([40 + 10 - 5 * 9, 50], rel=1e-12)
+    assert limits.convex_radius == pytest.approx([40 + 10 - 5 * 9, 50, 40 + 10 - 5], rel=1e-12)
     assert np.degrees(limits.convex_radius_at[0]) == pytest.approx(60)
 
 

@@ -159,12 +159,26 @@ def test_polynomials_keep_their_jerk_limit_between_the_points_too_and_pay_for_it
     optimum = optimal_polynomial(degree, 1.0, REST, REST, limit)
     values = optimum.law(X)
     assert np.abs(values[3]).max() <= limit * (1 + 2e-9) and optimum.gap <= 1e-9
+    # A bound above a motion that is there would be no bound.
+    assert optimum.bound <= np.abs(values[2]).max() * (1 + 1e-6)
     assert np.abs(values[2]).max() == pytest.approx(optimum.peak_acceleration, rel=1e-6)
     free = optimal_polynomial(degree, 1.0, REST, REST, None)
     assert optimum.peak_acceleration >= free.peak_acceleration * (1 - 1e-9)
     assert (free.peak_jerk <= limit) == (abs(optimum.peak_acceleration / free.peak_acceleration - 1) < 1e-9)
     # The trapezoid is the best of all motions with that jerk.
     assert optimum.peak_acceleration > limit / 4 * (1 - np.sqrt(1 - 32 / limit))
+
+
+@pytest.mark.parametrize(("degree", "jerk"), [(5, 60), (6, 60), (7, 80), (8, 80), (11, 168), (12, 168), (15, 288)])
+def test_optima_are_exact_to_the_last_digits_also_where_the_peak_hardly_changes(degree, jerk):
+    """These have whole-numbered jerks; a peak good to 1e-9 alone would give them to 1e-5."""
+    optimum = optimal_polynomial(degree, 1.0, REST, REST, None)
+    assert optimum.peak_jerk == pytest.approx(jerk, rel=1e-11) and optimum.gap < 1e-12
+
+
+@pytest.mark.parametrize(("degree", "limit"), [(7, 40), (9, 40), (9, 50), (12, 80), (15, 50)])
+def test_optima_with_a_jerk_limit_are_exact_too(degree, limit):
+    assert optimal_polynomial(degree, 1.0, REST, REST, float(limit)).gap < 5e-12
 
 
 def test_a_jerk_no_motion_keeps_is_refused_with_the_least_that_would_do():

@@ -328,7 +328,7 @@ def test_a_table_of_a_whole_turn_with_dwells_keeps_to_what_its_docstring_says():
 
 
 def test_a_table_comes_from_a_file_beside_the_recipe_with_other_columns_and_without_its_last_row(tmp_path):
-    lines = ["time_s, cam_angle_deg ,lift_mm"] + [f"{a / 7:g},{a:g},{lift}" for a, lift in rounded(CYCLOIDS, 4)]
+    lines = ["cam_angle_deg, time_s,lift_mm "] + [f"{a:g},{a / 7:g},{lift}" for a, lift in rounded(CYCLOIDS, 4)]
     # As a spreadsheet saves it: a mark at the start, other line ends, an empty line at the end.
     (tmp_path / "lift.csv").write_bytes(("\ufeff" + "\r\n".join(lines) + "\r\n\r\n").encode())
     from_file = Program([LiftTable(4, file="lift.csv")], folder=str(tmp_path))
