@@ -104,7 +104,14 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
     for name, moving in (("rise", velocity > 0), ("return", velocity < 0)):
         if moving.any():
             advice = "give a larger base_radius or a longer segment"
-            checks.append(Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", limit, "deg", advice))
+            checks.append(
+                Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", limit, "deg", advice)
+            )
+    jumps = np.abs(cam.program.jumps.velocity)
+    if jumps.any():
+        at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
+        advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
+        checks.append(Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice))
     if recipe.stock.bore:
         outline = recipe.cut.outline
         inner = np.abs(outline.point(np.linspace(outline.breaks[:-1], outline.breaks[1:], 65))).min()

@@ -7,6 +7,33 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.primitives import Circle, Polyline
 
+# Radius of outer corners, mm: a sharp one cuts fingers and chips in a drop, and beams burn it.
+CORNER = 1.0
+
+
+def rounded(outline: Polyline, radius: float) -> Polyline:
+    """The outline, counterclockwise, with its convex corners between straight edges rounded by `radius`, mm, at most.
+
+    A corner is rounded less where its edges are short.
+    """
+    z = np.asarray(outline.vertices)
+    bulges = np.zeros(len(z)) if outline.bulges is None else np.asarray(outline.bulges)
+    before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+    turn = np.angle(after * np.conj(before))
+    corner = (turn > 1e-9) & (bulges == 0) & (np.roll(bulges, 1) == 0)
+    tangent = np.tan(turn / 2)
+    cut = np.minimum(radius * tangent, 0.4 * np.minimum(np.abs(before), np.abs(after)))
+    points: list[complex] = []
+    curves: list[float] = []
+    for k, place in enumerate(z):
+        if corner[k] and cut[k] > 0:
+            points += [place - cut[k] * before[k] / abs(before[k]), place + cut[k] * after[k] / abs(after[k])]
+            curves += [float(np.tan(turn[k] / 4)), float(bulges[k])]
+        else:
+            points.append(place)
+            curves.append(float(bulges[k]))
+    return Polyline(np.array(points), np.array(curves))
+
 
 def stemmed_face(face: tuple[float, float], tilt: float, width: float, stem: float) -> tuple[Polyline, complex]:
     """Outline of a flat follower, and the place of the hole in its stem's rounded end.

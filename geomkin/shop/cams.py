@@ -16,7 +16,7 @@ from ..part import Part
 from ..plane.primitives import Circle, rounded_hull
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .bore import bore
-from .cam_followers import faced_arm, hole, stemmed_face
+from .cam_followers import CORNER, faced_arm, hole, rounded, stemmed_face
 from .keyway import keyed_bore
 from .timing import timing_marks
 
@@ -88,15 +88,17 @@ def _rollers(cam: Cam, stock: CamStock) -> list[Part]:
 def _carriers(cam: Cam, stock: CamStock) -> list[Part]:
     """The plate of a follower in its own frame; none of a roller that moves straight, which needs a guide to fit."""
     follower, width = cam.follower, stock.bar_width
+    # The corners of a face lie beyond what the cam touches.
+    corner = min(CORNER, stock.overhang)
     match follower:
         case TranslatingFlat():
             outline, place = stemmed_face(_face(cam, stock), follower.tilt, width, stock.stem_length)
-            return [
-                Part("follower", outline, hole(place, stock.pivot_bore, width, "stock.pivot_bore"), stock.thickness)
-            ]
+            holes = hole(place, stock.pivot_bore, width, "stock.pivot_bore")
+            return [Part("follower", rounded(outline, corner), holes, stock.thickness)]
         case OscillatingFlat():
             arm = faced_arm(_face(cam, stock), follower.face_offset, width, side_sign(follower.side))
-            return [Part("arm", arm, hole(0j, stock.pivot_bore, width, "stock.pivot_bore"), stock.thickness)]
+            holes = hole(0j, stock.pivot_bore, width, "stock.pivot_bore")
+            return [Part("arm", rounded(arm, corner), holes, stock.thickness)]
         case OscillatingRoller():
             end = complex(follower.arm_length)
             holes = hole(0j, stock.pivot_bore, width, "stock.pivot_bore")

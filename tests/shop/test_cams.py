@@ -88,9 +88,11 @@ def test_the_face_runs_beyond_the_contact_by_the_overhang(name):
     face = z.imag.min() if "arm" not in name else -cam.follower.face_offset
     low, high = contact_travel(cam)
     on_face = z[np.abs(z.imag - face) < 1e-9].real
-    assert on_face.min() <= low - 3 + 1e-9 and on_face.max() >= high + 3 - 1e-9
+    # Of the overhang of 3 mm the last is the rounded corner.
+    assert on_face.min() <= low - 2 + 1e-9 and on_face.max() >= high + 2 - 1e-9
     # No more than that where neither stem nor boss needs it.
-    assert on_face.max() == pytest.approx(high + 3) or "tilted" in name
+    assert on_face.max() == pytest.approx(high + 2) or "tilted" in name
+    assert z.real.max() == pytest.approx(high + 3) or "tilted" in name
 
 
 @each_cam
