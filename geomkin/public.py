@@ -10,8 +10,22 @@ from .cam.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolyno
 from .cam.undercut import Undercut, undercut
 from .check import Check
 from .errors import DesignError, FileError, GeomkinError, RecipeError
+from .gear.conjugate import Conjugate, conjugate
+from .gear.cutter import PinionCutter
+from .gear.flank_gear import FlankGear
+from .gear.gear_rack import GearRack
+from .gear.lantern import LanternPinion
+from .gear.measures import base_pitch, chord, over_pins, span
+from .gear.pair import GearPair
+from .gear.planetary import PlanetarySet
+from .gear.point_tooth import PointToothGear
 from .gear.rack import Rack
+from .gear.rack_pair import RackPair
+from .gear.ring import RingGear
+from .gear.shifts import balanced_shifts, undercut_free_shift
 from .gear.spur import SpurGear
+from .gear.straight_sided import StraightSidedGear
+from .gear.untouched import Untouched
 from .linkage.atlas import coupler_curves, coupler_grid, dashes
 from .linkage.bobillier import Bobillier, bobillier, bobillier_path
 from .linkage.centres import InstantCentre, instant_centre, instant_centres
@@ -45,6 +59,7 @@ from .linkage.solve import move
 from .part import Part
 from .plane.arcs import to_arcs
 from .plane.curve import AbstractCurve
+from .plane.cycloid import Cycloid
 from .plane.derived import Mirrored, Moved, Offset, Reversed
 from .plane.flatten import flatten
 from .plane.joined import Path, Ring
@@ -52,24 +67,28 @@ from .plane.measure import area, centroid, curvature, length, nearest
 from .plane.pose import Pose
 from .plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from .plane.roulettes import Involute, Trochoid
+from .plane.spline import Spline
 from .plane.vec import xy
 from .table import Column, Table
 
 __all__ = [
     "AbstractCurve", "Arc", "BaseCircle", "Bobillier", "Body", "Cam", "CentrodeCurve", "Centrodes", "Check",
-    "Circle", "Cognate", "Column", "Contact", "Counterbalance", "CouplerCurve", "DesignError", "Dwell",
-    "EllipticTrammel", "FileError", "FollowerMotion", "FourBar", "GeomkinError", "InflectionCircle",
-    "InstantCentre", "InvertedSliderCrank", "Involute", "LiftPolynomial", "LiftSpline", "LiftTable", "Linkage",
-    "Mirrored", "Motion", "Moved", "Offset", "OldhamCoupling", "OptimisedPolynomial", "OptimisedSpline",
-    "OscillatingFlat", "OscillatingRoller", "Part", "Path", "PathCurvature", "PointMotion", "Polygon",
-    "Polyline", "Pose", "Program", "Rack", "RecipeError", "Return", "Reversed", "Ring", "Rise", "Root",
-    "ScotchYoke", "Segment", "SegmentLimits", "Shaper", "SlideMotion", "Slider", "SliderCrank",
-    "SliderCrankMasses", "SpurGear", "StephensonSixBar", "Table", "TranslatingFlat", "TranslatingRoller",
-    "Trochoid", "Undercut", "WattSixBar", "acceleration_polygon", "area", "best_counterbalance", "bobillier",
-    "bobillier_path", "centroid", "circuits", "cognates", "coupler_curves", "coupler_grid", "crank_path",
-    "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary", "flat_face_base_radius", "flatten",
-    "grashof_type", "inflection_circle", "inflection_circle_of_cranks", "instant_centre", "instant_centres",
-    "judged_counterbalance", "least_base_circle", "length", "mechanical_advantage", "move", "nearest",
-    "newton_raphson", "path_curvature", "polar_radius", "pressure_angle", "roberts_linkage", "rounded_hull",
-    "segment_limits", "shaking_force", "slot", "third_pivot", "to_arcs", "undercut", "velocity_polygon", "xy",
+    "Circle", "Cognate", "Column", "Conjugate", "Contact", "Counterbalance", "CouplerCurve", "Cycloid",
+    "DesignError", "Dwell", "EllipticTrammel", "FileError", "FlankGear", "FollowerMotion", "FourBar",
+    "GearPair", "GearRack", "GeomkinError", "InflectionCircle", "InstantCentre", "InvertedSliderCrank",
+    "Involute", "LanternPinion", "LiftPolynomial", "LiftSpline", "LiftTable", "Linkage", "Mirrored", "Motion",
+    "Moved", "Offset", "OldhamCoupling", "OptimisedPolynomial", "OptimisedSpline", "OscillatingFlat",
+    "OscillatingRoller", "Part", "Path", "PathCurvature", "PinionCutter", "PlanetarySet", "PointMotion",
+    "PointToothGear", "Polygon", "Polyline", "Pose", "Program", "Rack", "RackPair", "RecipeError", "Return",
+    "Reversed", "Ring", "RingGear", "Rise", "Root", "ScotchYoke", "Segment", "SegmentLimits", "Shaper",
+    "SlideMotion", "Slider", "SliderCrank", "SliderCrankMasses", "Spline", "SpurGear", "StephensonSixBar",
+    "StraightSidedGear", "Table", "TranslatingFlat", "TranslatingRoller", "Trochoid", "Undercut", "Untouched",
+    "WattSixBar", "acceleration_polygon", "area", "balanced_shifts", "base_pitch", "best_counterbalance",
+    "bobillier", "bobillier_path", "centroid", "chord", "circuits", "cognates", "conjugate", "coupler_curves",
+    "coupler_grid", "crank_path", "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary",
+    "flat_face_base_radius", "flatten", "grashof_type", "inflection_circle", "inflection_circle_of_cranks",
+    "instant_centre", "instant_centres", "judged_counterbalance", "least_base_circle", "length",
+    "mechanical_advantage", "move", "nearest", "newton_raphson", "over_pins", "path_curvature", "polar_radius",
+    "pressure_angle", "roberts_linkage", "rounded_hull", "segment_limits", "shaking_force", "slot", "span",
+    "third_pivot", "to_arcs", "undercut", "undercut_free_shift", "velocity_polygon", "xy",
 ]  # fmt: skip

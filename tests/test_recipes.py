@@ -28,7 +28,10 @@ def rings(folder, name):
     document = ezdxf.readfile(folder / f"{name}.dxf")
     out = {"CUT": [], "HOLE": []}
     for entity in document.modelspace().query('*[layer!="ENGRAVE"]'):
-        out[entity.dxf.layer].append(shapely.Polygon([(v.x, v.y) for v in dxf_path.make_path(entity).flattening(1e-3)]))
+        # A path of a circle is of Bezier curves, which are a 3700th of the radius off.
+        round_one = entity.dxftype() == "CIRCLE"
+        points = entity.flattening(1e-3) if round_one else dxf_path.make_path(entity).flattening(1e-3)
+        out[entity.dxf.layer].append(shapely.Polygon([(v.x, v.y) for v in points]))
     return out
 
 
@@ -40,6 +43,7 @@ ADVISED = {
     "walking-leg": {"least transmission angle"},
     "cognates": {"plates and pins that collide"},
     "undercut-cam": {"lift lost to undercut", "least pitch radius to roller radius"},
+    "undercut-gear": {"involute lost to undercut"},
 }
 
 

@@ -19,7 +19,7 @@ class SegmentLimits:
 
     pressure_angle: the largest to either side, rad, with its sign. convex_radius: least radius of curvature
     of the profile where it is convex, mm; infinite where it is nowhere convex, 0 or less where the follower
-    undercuts.
+    undercuts. A joint at which the velocity jumps has a corner besides, which `undercut` finds.
     """
 
     pressure_angle: Array

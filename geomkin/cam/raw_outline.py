@@ -20,7 +20,7 @@ from .follower import Roller
 # larger leaves a gap that a path of pieces does not take for closed.
 APART = 5e-10
 # Chords over one turn in the search for crossings, and at least in each segment. Loops of the profile are looked
-# at more closely; of two flanks that cross without one, these miss less than 2e-7 of the cam's size.
+# at more closely; of two flanks that cross without one, these miss what lies within 3e-7 of the radius of curvature.
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 
 
@@ -124,10 +124,6 @@ class RawOutline:
             return np.linspace(0, 1, CHORDS_PER_SEGMENT + 1)[:-1]
         counts = np.maximum(CHORDS_PER_SEGMENT, CHORDS * np.diff(b) / (2 * np.pi)).astype(int).tolist()
         t = np.concatenate([np.linspace(first, last, n + 1)[:-1] for first, last, n in zip(b, b[1:], counts)])
-        if len(self.pieces) > 1:
-            # Ever closer to where it jumps: the smaller the jump, the nearer the profile crosses itself.
-            close = np.diff(b).min() / CHORDS * 0.5 ** np.arange(30)
-            t = np.unique(np.concatenate([t, b[0] + close, b[-1] - close]))
         return (t - b[0]) / (b[-1] - b[0])
 
 

@@ -19,7 +19,7 @@ from .raw_outline import RawOutline
 
 # Chords over the width of a reversed stretch and, to either side, over four times its width, where the
 # profile crosses itself.
-CHORDS_PER_LOOP = 32
+CHORDS_PER_LOOP = 8
 # A reversed stretch whose ends lie nearer than this share of the base radius is a point: its loop is lost in
 # rounding, and so is the lift that it costs.
 POINT = 3e-10

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..sizes import check_sizes, entry, quantity
+from .involute import inverse_involute, involute_function, largest_rounding, roll_at
 from .rack import Rack
-from .tooth import Tooth, involute_function, outline
+from .tooth import Tooth, outline
+
+# An inch, mm, by definition.
+INCH = 25.4
 
 
 @dataclass(frozen=True)
@@ -19,18 +24,41 @@ class SpurGear:
     """An external spur gear about the origin, a tooth centred on +y.
 
     profile_shift: how far the rack stands out from its normal place, in modules; more makes the tooth
-    stronger at its root and thinner at its tip.
+    stronger at its root and thinner at its tip. The teeth's size is given as `module`, or as
+    `diametral_pitch`, which then gives the module.
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=10_000, example=24)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=2)
+    module: float = quantity("pitch diameter per tooth", "mm", default=None, above=0, at_most=1e5, example=2)
     profile_shift: float = quantity(
         "outward shift of the cutting rack", "modules", default=0.0, at_least=-10, at_most=10
     )
     rack: Rack = entry("the cutting rack", default=Rack())
+    addendum: float = quantity(
+        "height of the teeth above the shifted reference line, where it is not the rack's",
+        "modules",
+        default=None,
+        above=0,
+        at_most=5,
+    )
+    thinning: float = quantity(
+        "how much thinner each tooth is along the pitch circle, for backlash", "mm", default=0.0, at_least=0
+    )
+    tip_rounding: float = quantity("radius of the rounding of the tips' edges", "modules", default=0.0, at_least=0)
+    tip_chamfer: float = quantity(
+        "size of the chamfer of the tips' edges, along the radius and along the tip circle",
+        "modules",
+        default=0.0,
+        at_least=0,
+    )
+    pointed: Literal["refuse", "cut"] = entry(
+        "teeth whose flanks meet below the tip circle are refused, or cut off at the point", default="refuse"
+    )
+    diametral_pitch: float = quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        self._settle_module()
         if self.tip_radius <= self.root_radius or self.root_radius <= 0:
             raise DesignError(
                 "profile_shift",
@@ -43,13 +71,62 @@ class SpurGear:
                 f"found {self.profile_shift:g}, which leaves no tooth outside the base circle",
                 "give a larger profile_shift or more teeth",
             )
-        if self.tip_thickness < 0:
+        if self._half_angle(self.base_radius) <= 0:
+            most = self.thinning + 2 * self.pitch_radius * self._half_angle(self.base_radius)
+            raise DesignError(
+                "thinning", f"found {self.thinning:g} mm, which leaves no tooth", f"give less than {most:.4g} mm"
+            )
+        if self.pointed == "refuse" and self.tip_thickness < 0:
             raise DesignError(
                 "profile_shift",
                 f"found {self.profile_shift:g}, with which the flanks meet below the tip circle: the teeth are pointed",
                 self._less_pointed(),
             )
-        self._tooth  # refuses a tooth that the rack cuts away
+        self._check_tip_edge()
+        if not self._tooth.stands:
+            least = self.profile_shift + self._tooth.least_shift() / self.module
+            raise DesignError(
+                "profile_shift",
+                f"found {self.profile_shift:g}: with {self.teeth} teeth the rack's tips cut the teeth off",
+                f"give at least {np.ceil(least * 1000) / 1000:g}, or more teeth",
+            )
+
+    def _settle_module(self) -> None:
+        if self.diametral_pitch is None:
+            if self.module is None:
+                raise DesignError("module", "found neither module nor diametral_pitch", "give one of them")
+            return
+        module = INCH / self.diametral_pitch
+        if self.module is not None and abs(self.module - module) > 1e-9 * module:
+            raise DesignError(
+                "module",
+                f"found {self.module:g} mm, but a diametral_pitch of {self.diametral_pitch:g} makes it {module:.6g} mm",
+                "give one of them",
+            )
+        object.__setattr__(self, "module", module)
+
+    def _check_tip_edge(self) -> None:
+        """The two edges of a tip must leave each other, and the flanks, their room."""
+        if self.tip_rounding and self.tip_chamfer:
+            raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g} beside a tip_rounding", "give one of them")
+        if self.tip_rounding:
+            name, value = "tip_rounding", self.tip_rounding
+            most = largest_rounding(self.base_radius, self._half_angle(self.base_radius), self.tip_radius)
+        else:
+            name, value = "tip_chamfer", self.tip_chamfer
+            most = min(max(0.0, self.tip_thickness / 2), self.tip_radius - self.base_radius)
+        # Twelve digits: a full round asked for as exactly as a number can be written is one.
+        if value * self.module > most * (1 + 1e-12):
+            raise DesignError(
+                name,
+                f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
+                f"give at most {np.floor(most / self.module * 1e4) / 1e4:g}",
+            )
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the flanks at the pitch circle, rad: the rack's."""
+        return self.rack.pressure_angle
 
     @property
     def pitch_radius(self) -> float:
@@ -64,7 +141,12 @@ class SpurGear:
     @property
     def tip_radius(self) -> float:
         """Radius of the tooth tips, mm."""
-        return self.pitch_radius + self.module * (self.rack.addendum + self.profile_shift)
+        addendum = self.rack.addendum if self.addendum is None else self.addendum
+        full = self.pitch_radius + self.module * (addendum + self.profile_shift)
+        if self.pointed == "refuse":
+            return full
+        half = self._half_angle(self.base_radius)
+        return min(full, self.base_radius * float(np.hypot(1, inverse_involute(half)))) if half > 0 else full
 
     @property
     def root_radius(self) -> float:
@@ -82,13 +164,28 @@ class SpurGear:
         return self._tooth.is_undercut
 
     @property
+    def involute_lost(self) -> float:
+        """Share of the involute's length, from base circle to tip, that undercut takes away; 0 without undercut."""
+        return (self._tooth.flank_start / self._tooth.flank_end) ** 2 if self.is_undercut else 0.0
+
+    @property
     def tip_thickness(self) -> float:
         """Thickness of the tooth along its tip circle, mm; negative where the flanks would have met below."""
         return 2 * self.tip_radius * self._half_angle(self.tip_radius)
 
+    @property
+    def tip_land(self) -> float:
+        """What a rounding or chamfer leaves of the tip thickness, mm."""
+        return 2 * self.tip_radius * max(0.0, self._tooth.tip_land)
+
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
         return 2 * radius * self._half_angle(radius)
+
+    @property
+    def flank_lengths(self) -> tuple[float, float]:
+        """Tangent lengths from the base circle to the involute's two ends, root and tip, mm."""
+        return self.base_radius * self._tooth.flank_start, self.base_radius * self._tooth.flank_end
 
     @property
     def outline(self) -> AbstractCurve:
@@ -105,6 +202,11 @@ class SpurGear:
         """Right-hand flank of the tooth on +y, from the root curve up to the tip."""
         return self._tooth.flank
 
+    @property
+    def tip_edge(self) -> AbstractCurve | None:
+        """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
+        return self._tooth.tip_edge
+
     @cached_property
     def _tooth(self) -> Tooth:
         return Tooth(
@@ -116,27 +218,31 @@ class SpurGear:
             pressure_angle=self.rack.pressure_angle,
             half_angle_at_base=self._half_angle(self.base_radius),
             corner_depth=self.module * (self.rack.corner_depth - self.profile_shift),
-            corner_side=self.module * self.rack.corner_side,
+            # A rack with teeth as much thicker as the gear's are to be thinner.
+            corner_side=self.module * self.rack.corner_side + self.thinning / 2,
             corner_rounding=self.module * self.rack.tip_radius,
             flank_depth=self.module * (self.rack.flank_depth - self.profile_shift),
+            tip_rounding=self.module * self.tip_rounding,
+            tip_chamfer=self.module * self.tip_chamfer,
         )
 
     def _half_angle(self, radius: float) -> float:
         """Half the angle that the tooth takes on a circle, rad."""
-        a = self.rack.pressure_angle
-        at_pitch = (np.pi / 2 + 2 * self.profile_shift * np.tan(a)) / self.teeth
-        roll = np.sqrt(max((radius / self.base_radius) ** 2 - 1, 0.0))
-        return float(at_pitch + involute_function(np.tan(a)) - involute_function(roll))
+        return self._half_angle_of(self.profile_shift, roll_at(radius, self.base_radius))
+
+    def _half_angle_of(self, shift: float, roll: float) -> float:
+        slope = np.tan(self.rack.pressure_angle)
+        at_pitch = (np.pi / 2 + 2 * shift * slope - self.thinning / self.module) / self.teeth
+        return float(at_pitch + involute_function(slope) - involute_function(roll))
 
     def _less_pointed(self) -> str:
         """What leaves a tip: the largest shift, by bisection, a little on the safe side, if any does."""
-        low, high = -self.rack.addendum, self.profile_shift
-        a = self.rack.pressure_angle
+        addendum = self.rack.addendum if self.addendum is None else self.addendum
+        low, high = -addendum, self.profile_shift
         for _ in range(60):
             x = 0.5 * (low + high)
-            roll = np.sqrt(max(((self.teeth / 2 + self.rack.addendum + x) / (self.teeth / 2 * np.cos(a))) ** 2 - 1, 0))
-            half = (np.pi / 2 + 2 * x * np.tan(a)) / self.teeth + involute_function(np.tan(a)) - involute_function(roll)
+            half = self._half_angle_of(x, roll_at(self.pitch_radius + self.module * (addendum + x), self.base_radius))
             low, high = (x, high) if half > 0 else (low, x)
-        if low == -self.rack.addendum:
-            return "give a rack with a smaller addendum"
-        return f"give at most {np.floor(low * 1000) / 1000:.4g}, or a rack with a smaller addendum"
+        if low == -addendum:
+            return "give a smaller addendum"
+        return f"give at most {np.floor(low * 1000) / 1000:.4g}, a smaller addendum, or pointed = cut"

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
 from ..plane.pose import Pose
-from ..plane.primitives import Arc
+from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid
+from .involute import Corner, involute_function, roll_at, tip_corner
 
-
-def involute_function(roll: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the polar angle of the involute at a roll angle."""
-    return float(roll - np.arctan(roll))
+# Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
+# and an arc between them would have no direction.
+NARROW = 1e-12
 
 
 @dataclass(frozen=True)
@@ -36,14 +35,36 @@ class Tooth:
     corner_side: float
     corner_rounding: float
     flank_depth: float
+    tip_rounding: float = 0.0
+    tip_chamfer: float = 0.0
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def stands(self) -> bool:
+        """Whether the rack leaves something of the involute, and a neck under it."""
         if self.flank_start >= self.flank_end:
-            raise DesignError(
-                "profile_shift",
-                f"with {self.teeth} teeth the rack's tip cuts away the whole involute",
-                "give more teeth or a larger profile_shift",
-            )
+            return False
+        root = self.root_curve
+        # Only undercut makes a neck; a sample sees it to a thousandth of what would hold.
+        return not self.is_undercut or root.point(np.linspace(root.breaks[0], root.breaks[-1], 65)).real.min() > 0
+
+    def shifted(self, by: float) -> Tooth:
+        """The same tooth cut with the rack farther out, mm."""
+        return replace(
+            self,
+            tip_radius=self.tip_radius + by,
+            root_radius=self.root_radius + by,
+            half_angle_at_base=self.half_angle_at_base + by * float(np.tan(self.pressure_angle)) / self.pitch_radius,
+            corner_depth=self.corner_depth - by,
+            flank_depth=self.flank_depth - by,
+        )
+
+    def least_shift(self) -> float:
+        """How far out the rack must go until the tooth stands, mm; beyond the end of undercut it always does."""
+        low, high = 0.0, self.flank_depth - self.pitch_radius * float(np.sin(self.pressure_angle)) ** 2
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.shifted(middle).stands else (middle, high)
+        return high
 
     @cached_property
     def _rack_start(self) -> float:
@@ -67,21 +88,48 @@ class Tooth:
         """Roll angle where the involute begins."""
         return self._junction[1]
 
-    @property
+    @cached_property
     def flank_end(self) -> float:
-        """Roll angle at the tip circle."""
-        return float(np.sqrt((self.tip_radius / self.base_radius) ** 2 - 1))
+        """Roll angle where the involute ends: at the tip circle, or where the tip is broken."""
+        if self.tip_rounding:
+            return self._corner.roll
+        return roll_at(self.tip_radius - self.tip_chamfer, self.base_radius)
 
     @property
+    def tip_land(self) -> float:
+        """Half the angle of the tip circle's part of the tooth, rad; negative where nothing of it is left."""
+        if self.tip_rounding:
+            return self._corner.angle
+        at_tip = self.half_angle_at_base - involute_function(roll_at(self.tip_radius, self.base_radius))
+        return at_tip - self.tip_chamfer / self.tip_radius
+
+    @cached_property
     def root_curve(self) -> AbstractCurve:
         """Right-hand root curve, from the bottom land up to the flank."""
         return Moved(Reversed(self._trochoid(self._junction[0])), self._root_pose)
 
-    @property
+    @cached_property
     def flank(self) -> AbstractCurve:
         """Right-hand flank, from the root curve up to the tip."""
         cusp = np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
-        return Moved(Involute(self.base_radius, *sorted((self.flank_start, self.flank_end))), Pose(0j, cusp))
+        return Moved(Involute(self.base_radius, self.flank_start, self.flank_end), Pose(0j, cusp))
+
+    @property
+    def tip_edge(self) -> AbstractCurve | None:
+        """What breaks the tip's right-hand edge, from the flank to the tip circle; None where it is sharp."""
+        if not (self.tip_rounding or self.tip_chamfer):
+            return None
+        start = complex(self.flank.point(self.flank_end))
+        # A full round ends in the tooth's very middle.
+        towards = 1j * np.exp(-1j * max(0.0, self.tip_land))
+        if self.tip_chamfer:
+            return Segment(start, self.tip_radius * towards)
+        centre = self._corner.radius * towards
+        return Arc(centre, start, float(np.angle(towards / (start - centre))))
+
+    @cached_property
+    def _corner(self) -> Corner:
+        return tip_corner(self.base_radius, self.half_angle_at_base, self.tip_radius, self.tip_rounding)
 
     def _trochoid(self, lean: float) -> Trochoid:
         return Trochoid(self.pitch_radius, self.corner_depth, self.corner_rounding, lean, 0.0)
@@ -106,37 +154,32 @@ class Tooth:
 
         def inside_tooth(lean: float) -> float:
             z = complex(curve.point(lean))
-            return float(np.angle(z * np.exp(-1j * cusp_angle))) - involute_function(self._roll(abs(z)))
+            return float(np.angle(z * np.exp(-1j * cusp_angle))) - involute_function(roll_at(abs(z), self.base_radius))
 
         base = _root(beyond_base, 0.0, lean_end)
         if inside_tooth(base) <= 0:
             return lean_end, 0.0  # at the very limit: the two meet at the cusp
         lean = _root(inside_tooth, base, lean_end)
-        return lean, self._roll(abs(complex(curve.point(lean))))
-
-    def _roll(self, radius: float) -> float:
-        ratio = radius / self.base_radius
-        return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
+        return lean, roll_at(abs(complex(curve.point(lean))), self.base_radius)
 
 
 def outline(tooth: Tooth) -> AbstractCurve:
     """All teeth: root curve, flank, tip, flank, root curve and bottom land, as often as there are teeth."""
-    rising = [tooth.root_curve, tooth.flank]
+    rising = [tooth.root_curve, tooth.flank, *([tooth.tip_edge] if tooth.tip_edge else [])]
+    return toothed(rising, tooth.corner_side / tooth.pitch_radius, tooth.teeth)
+
+
+def toothed(rising: list[AbstractCurve], half_land: float, teeth: int) -> AbstractCurve:
+    """The ring of `teeth` teeth of which `rising` is the right-hand side of the one on +y, root to tip.
+
+    half_land: half the angle of the bottom land, rad.
+    """
     falling = [Reversed(Mirrored(curve)) for curve in reversed(rising)]
-    pieces = [*rising, _arc(rising[-1], falling[0]), *falling]
-    if tooth.corner_side > 0:
-        last = pieces[-1].point(pieces[-1].breaks[-1])
-        sweep = 2 * tooth.corner_side / tooth.pitch_radius
-        pieces.append(Arc(0j, complex(last), sweep))
-    if abs(complex(rising[-1].point(rising[-1].breaks[-1])).real) < 1e-12 * tooth.tip_radius:
-        pieces.pop(2)  # a pointed tooth has no tip land
-    return Ring(Path(tuple(pieces)), tooth.teeth)
-
-
-def _arc(before: AbstractCurve, after: AbstractCurve) -> Arc:
-    """Arc about the origin from the end of one curve to the start of the next."""
-    start, end = complex(before.point(before.breaks[-1])), complex(after.point(after.breaks[0]))
-    return Arc(0j, start, float(np.angle(end / start)))
+    tip, root = complex(rising[-1].point(rising[-1].breaks[-1])), complex(falling[-1].point(falling[-1].breaks[-1]))
+    # A pointed tooth has no tip land, a full-round rack leaves no bottom land.
+    top = [Arc(0j, tip, 2 * float(np.arctan2(tip.real, tip.imag)))] if tip.real > NARROW * abs(tip) else []
+    bottom = [Arc(0j, root, 2 * half_land)] if half_land > NARROW else []
+    return Ring(Path((*rising, *top, *falling, *bottom)), teeth)
 
 
 def _root(f, a: float, b: float) -> float:

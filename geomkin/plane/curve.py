@@ -66,7 +66,8 @@ class AbstractCurve(ABC):
 
 def just_before(t: Array, breaks: Array) -> Array:
     """Parameters, with those at a break moved before it: by more than the rounding that finds a piece again."""
-    return np.where(np.isin(t, breaks), t - 64 * np.spacing(np.abs(breaks).max()), t)
+    at = t == breaks[0] if len(breaks) == 1 else np.isin(t, breaks)
+    return np.where(at, t - 64 * np.spacing(np.abs(breaks).max()), t) if at.any() else t
 
 
 def reach(curve: AbstractCurve) -> float:

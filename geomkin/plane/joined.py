@@ -69,18 +69,29 @@ class Path(AbstractCurve):
 
     def _each(self, t: ArrayLike, value, dtype) -> Array:
         t = np.asarray(t, dtype=float)
-        which = np.clip(np.floor(t), 0, len(self.pieces) - 1).astype(int)
         out = np.empty(t.shape, dtype)
-        for k in np.unique(which):
-            piece, mask = self.pieces[k], which == k
-            first, last = piece.breaks[0], piece.breaks[-1]
+        if not t.size:
+            return out
+        which = np.minimum(np.maximum(np.floor(t), 0), len(self.pieces) - 1).astype(int)
+        least, most = int(which.min()), int(which.max())
+        for k in range(least, most + 1):
+            # Most calls ask for one piece only.
+            mask = which == k if most > least else ...
             s = t[mask] - k
+            if not s.size:
+                continue
+            piece, (breaks, first, last) = self.pieces[k], self._domains[k]
             out[mask] = value(
                 piece,
-                _at_breaks(first * (1 - s) + last * s, piece.breaks, (last - first) * np.spacing(k + 1.0)),
+                _at_breaks(first * (1 - s) + last * s, breaks, (last - first) * np.spacing(k + 1.0)),
                 last - first,
             )
         return out
+
+    @cached_property
+    def _domains(self) -> list[tuple[Array, float, float]]:
+        """Breaks of each piece, the first and the last: asked for at every point."""
+        return [(b, b[0], b[-1]) for b in (p.breaks for p in self.pieces)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +149,7 @@ class Ring(AbstractCurve):
 def _at_breaks(t: Array, breaks: Array, rounding: float) -> Array:
     """Parameters that rounding has moved off an inner break put back on it, so that the right piece answers."""
     if len(breaks) == 2:
-        return np.clip(t, breaks[0], breaks[-1])
+        return np.minimum(np.maximum(t, breaks[0]), breaks[1])
     near = np.clip(np.searchsorted(breaks, t), 1, len(breaks) - 1)
     near = near - (t - breaks[near - 1] < breaks[near] - t)
     return np.where(np.abs(t - breaks[near]) <= 8 * rounding, breaks[near], t)

@@ -27,6 +27,12 @@ KINDS = {
     "shaking-force": "shaking_force",
     "disk-cam": "disk_cam",
     "spur-gear": "spur_gear",
+    "gear-pair": "gear_pair",
+    "rack-and-pinion": "gear_pair",
+    "planetary": "planetary",
+    "straight-sided-gears": "conjugate_gears",
+    "point-tooth-gears": "conjugate_gears",
+    "lantern-gears": "conjugate_gears",
 }
 
 

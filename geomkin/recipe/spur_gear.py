@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 
 from ..check import Check
+from ..errors import DesignError
+from ..gear.measures import base_pitch, chord, over_pins, span
+from ..gear.ring import RingGear
+from ..gear.shifts import undercut_free_shift
 from ..gear.spur import SpurGear
 from ..part import Part
 from ..plane.flatten import flatten
@@ -24,15 +29,28 @@ class SpurGearRecipe:
 
     kind: Literal["spur-gear"]
     gear: SpurGear
+    shift: Literal["given", "avoid-undercut"] = entry(
+        "the gear's profile_shift as given, or the least that avoids undercut", default="given"
+    )
     stock: GearStock = entry("what the gear is cut from", default=GearStock())
     files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def cut_gear(self) -> SpurGear:
+        """The gear with the shift that was asked for."""
+        if self.shift == "given":
+            return self.gear
+        return replace(self.gear, profile_shift=undercut_free_shift(self.gear.teeth, self.gear.rack))
 
 
 def _table(recipe: SpurGearRecipe) -> Table:
     """One side of a tooth from root to tip, as finely as the tolerance asks."""
-    curves = {"root": recipe.gear.root_curve, "involute": recipe.gear.flank}
+    gear = recipe.cut_gear
+    curves = {"root": gear.root_curve, "involute": gear.flank}
+    if gear.tip_edge:
+        curves["tip"] = gear.tip_edge
     sides = [flatten(curve, recipe.files.tolerance) for curve in curves.values()]
-    sides[1] = sides[1][1:]  # the two curves share a point
+    sides[1:] = [side[1:] for side in sides[1:]]  # neighbouring curves share a point
     z = np.concatenate(sides)
     region = np.repeat(list(curves), [len(side) for side in sides])
     return Table(
@@ -50,21 +68,66 @@ def _table(recipe: SpurGearRecipe) -> Table:
     )
 
 
-def _checks(recipe: SpurGearRecipe) -> list[Check]:
-    """Tip, undercut and what holds the teeth."""
-    gear = recipe.gear
+def gear_checks(gear: SpurGear, stock: GearStock, name: str = "") -> list[Check]:
+    """Tip, undercut and what holds the teeth of one gear, called by its `name`."""
     lost = max(0.0, gear.form_radius - gear.base_radius) / gear.module if gear.is_undercut else 0.0
-    rim = gear.root_radius - recipe.stock.bore / 2
+    rim = gear.root_radius - stock.hole_reach if stock.web is None else stock.web.rim
+    tip = gear.tip_thickness / gear.module
+    before = f"{name} " if name else ""
     return [
-        Check("tip thickness", gear.tip_thickness / gear.module, "at least", 0.2, "modules", "give less profile_shift"),
-        Check("involute lost to undercut", lost, "at most", 0, "modules", "give more teeth or profile_shift"),
-        Check("rim under the teeth", rim / gear.module, "at least", 1, "modules", "give a smaller bore"),
+        Check(f"{before}tip thickness", tip, "at least", 0.2, "modules", "give less profile_shift"),
+        Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", "give more teeth or profile_shift"),
+        Check(f"{before}rim under the teeth", rim / gear.module, "at least", 1, "modules", "give a smaller bore"),
     ]
+
+
+def shown(value: float) -> float:
+    """A number with the digits that a summary carries."""
+    return float(f"{value:.9g}")
+
+
+def gear_notes(gear: SpurGear | RingGear) -> dict[str, Any]:
+    """Radii and measures for the shop, mm; a measure that a gear does not have is left out."""
+    notes: dict[str, Any] = {
+        "profile_shift": shown(gear.profile_shift),
+        "tip_radius": shown(gear.tip_radius),
+        "form_radius": shown(gear.form_radius),
+        "pitch_radius": shown(gear.pitch_radius),
+        "base_radius": shown(gear.base_radius),
+        "root_radius": shown(gear.root_radius),
+        "base_pitch": shown(base_pitch(gear)),
+    }
+    try:
+        pins = over_pins(gear)
+        word = "between_pins" if isinstance(gear, RingGear) else "over_pins"
+        notes[word] = {"pin_diameter": shown(pins.pin), "measure": shown(pins.diameter)}
+    except DesignError:
+        pass
+    if isinstance(gear, RingGear):
+        return notes
+    if gear.is_undercut:
+        notes["share_of_involute_lost"] = shown(gear.involute_lost)
+    try:
+        over = span(gear)
+        notes["span"] = {"teeth": over.teeth, "measure": shown(over.length)}
+        tooth = chord(gear)
+        notes["chordal_thickness"] = {"thickness": shown(tooth.chord), "height": shown(tooth.height)}
+    except DesignError:
+        pass
+    return notes
+
+
+def _checks(recipe: SpurGearRecipe) -> list[Check]:
+    return gear_checks(recipe.cut_gear, recipe.stock)
 
 
 def _parts(recipe: SpurGearRecipe) -> list[Part]:
     """The gear."""
-    return gear_parts(recipe.gear, recipe.stock)
+    return gear_parts(recipe.cut_gear, recipe.stock)
 
 
-KINDS = {"spur-gear": Kind(SpurGearRecipe, _table, _checks, _parts)}
+def _notes(recipe: SpurGearRecipe) -> dict[str, Any]:
+    return {"measures_mm": gear_notes(recipe.cut_gear)}
+
+
+KINDS = {"spur-gear": Kind(SpurGearRecipe, _table, _checks, _parts, _notes)}

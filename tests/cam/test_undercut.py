@@ -109,6 +109,18 @@ def test_undercut_is_found_from_the_first_and_grows_with_the_square():
     assert all(lost[e] < 2e-12 for e in lost if e < 1e-6)
 
 
+def test_no_size_of_loop_slips_between_two_chords():
+    program = programme(20, ends=(60, 150, 170, 280))
+    least, _ = tightest_convex(gk.Cam(TranslatingRoller(0, 5), program, 60))
+    lost = []
+    for e in np.geomspace(1e-8, 1e-2, 49):
+        cut = undercut(gk.Cam(TranslatingRoller(least * (1 + e), 5), program, 60 - least * (1 + e)))
+        assert len(cut.spans) == 1
+        lost.append(cut.worst[0] / e**2)
+    # Of less than 1e-12 mm rounding leaves few digits.
+    assert np.abs(np.diff(np.log(lost[20:]))).max() < 0.1 and max(lost[20:]) < 1.5 * min(lost[20:])
+
+
 def test_a_flat_face_cuts_from_its_least_base_radius_on():
     from geomkin.cam.base_circle import flat_face_base_radius
 

@@ -29,7 +29,7 @@ def clearance(gear, z, rolled):
     m, rack = gear.module, gear.rack
     a, rho = rack.pressure_angle, rack.tip_radius * m
     deep = rack.dedendum * m - rho
-    side = np.pi * m / 4 - deep * np.tan(a) - rho / np.cos(a)
+    side = np.pi * m / 4 - deep * np.tan(a) - rho / np.cos(a) + gear.thinning / 2
     seen = z * np.exp(1j * rolled) + gear.pitch_radius * rolled
     # Distance from the middle of the nearest rack tooth; the gear's tooth on +y stands in a space of the rack.
     pitch = np.pi * m
@@ -41,21 +41,105 @@ def clearance(gear, z, rolled):
     return np.where(at_corner, np.hypot(u - side, v + deep), np.maximum(below, beside)) - rho
 
 
-@pytest.mark.parametrize("gear", GEARS_MADE)
-def test_the_rolling_rack_never_enters_the_tooth_and_touches_it_everywhere(gear):
+def rolled_distance(gear):
+    """Points along a tooth and its space, and the least distance of each from the rack as it rolls."""
     tooth = gear.outline.piece
     t = np.concatenate([np.linspace(b0, b1, 25)[1:-1] for b0, b1 in zip(tooth.breaks, tooth.breaks[1:])])
     z = tooth.point(t)[:, None]
-    middle, reach = np.zeros_like(z, dtype=float), 12 / gear.teeth
+    a = gear.rack.pressure_angle
+    # As far as contact at the tips may be from the middle, along the line of action.
+    middle, reach = np.zeros_like(z, dtype=float), (4 + 6 / np.sin(a)) / gear.teeth
     for _ in range(6):
         rolled = middle + reach * np.linspace(-1, 1, 2001)
         near = clearance(gear, z, rolled)
         middle = np.take_along_axis(rolled, near.argmin(axis=1)[:, None], 1)
         reach /= 500
-    least = near.min(axis=1)
-    tip = np.abs(z[:, 0]) > gear.tip_radius * (1 - 1e-9)  # the tip is the blank's, not the rack's
+    return z[:, 0], near.min(axis=1)
+
+
+def is_cut(gear, z):
+    """Which points are the rack's work: not those of the tip circle or of a broken edge."""
+    return np.abs(z) < np.abs(gear.flank.point(gear.flank.breaks[-1])) * (1 - 1e-9)
+
+
+@pytest.mark.parametrize("gear", GEARS_MADE)
+def test_the_rolling_rack_never_enters_the_tooth_and_touches_it_everywhere(gear):
+    z, least = rolled_distance(gear)
     assert least.min() > -1e-10 * gear.module
-    assert np.abs(least[~tip]).max() < 1e-10 * gear.module
+    assert np.abs(least[is_cut(gear, z)]).max() < 1e-10 * gear.module
+
+
+FEATURES = {
+    "thinned": gk.SpurGear(20, 2, thinning=0.2),
+    "thinned, undercut": gk.SpurGear(9, 2, thinning=0.1),
+    "rounded": gk.SpurGear(20, 2, tip_rounding=0.25),
+    "chamfered": gk.SpurGear(20, 2, 0.3, tip_chamfer=0.2),
+    "full round tip": gk.SpurGear(20, 2, tip_rounding=0.4596),
+    "cut at the point": gk.SpurGear(10, 2, 0.9, pointed="cut"),
+    "short": gk.SpurGear(20, 2, addendum=0.6),
+    "inches": gk.SpurGear(20, diametral_pitch=12),
+    "14.5 deg": gk.SpurGear(14, 2, rack=gk.Rack(14.5, 1, 1.157, 0.209)),
+    "10 deg": gk.SpurGear(30, 2, -0.4, gk.Rack(10)),
+    "35 deg": gk.SpurGear(7, 2, -0.2, gk.Rack(35, 0.7, 0.9, 0.1)),
+}
+FEATURED = [pytest.param(gear, id=name) for name, gear in FEATURES.items()]
+
+
+@pytest.mark.parametrize("gear", FEATURED)
+def test_the_rack_also_fits_teeth_that_are_thinned_broken_or_cut_otherwise(gear):
+    z, least = rolled_distance(gear)
+    assert least.min() > -1e-10 * gear.module
+    assert np.abs(least[is_cut(gear, z)]).max() < 1e-10 * gear.module
+    polygon = gk.flatten(gear.outline, 1e-4)
+    assert region.is_simple(polygon)
+    assert np.abs(polygon).max() == pytest.approx(gear.tip_radius, rel=1e-9)
+
+
+def test_a_rounded_tip_touches_flank_and_tip_circle_along_their_tangents():
+    gear = gk.SpurGear(20, 2, 0.2, tip_rounding=0.3)
+    edge, flank = gear.tip_edge, gear.flank
+    assert abs(edge.curvature(0.5)) == pytest.approx(1 / 0.6)
+    assert abs(np.angle(edge.velocity(0) / flank.velocity(flank.breaks[-1]))) < 1e-12
+    assert abs(np.angle(edge.velocity(1) / (1j * edge.point(1)))) < 1e-12
+    assert abs(edge.point(1)) == pytest.approx(gear.tip_radius, rel=1e-14)
+    assert gear.tip_land == pytest.approx(2 * gear.tip_radius * np.angle(1j / edge.point(1)), rel=1e-12)
+
+
+def test_a_chamfer_takes_its_size_off_the_radius_and_off_the_tip():
+    sharp, gear = gk.SpurGear(20, 2), gk.SpurGear(20, 2, tip_chamfer=0.2)
+    edge = gear.tip_edge
+    assert abs(edge.point(0)) == pytest.approx(sharp.tip_radius - 0.4)
+    assert gear.tip_land == pytest.approx(sharp.tip_thickness - 0.8)
+    assert gk.nearest(sharp.flank, edge.point(0))[1] < 1e-12
+
+
+def test_thinning_takes_its_amount_off_the_pitch_circle():
+    for thinning in (0.0, 0.3):
+        polygon = gk.flatten(gk.SpurGear(30, 2, thinning=thinning).outline, 1e-5)
+        near = polygon[(np.abs(np.angle(polygon / 1j)) < np.pi / 30) & (polygon.real > 0)]
+        order = np.argsort(np.abs(near))
+        angle = np.interp(30, np.abs(near)[order], np.angle(1j / near)[order])
+        assert 2 * angle * 30 == pytest.approx(np.pi - thinning, abs=1e-4)
+
+
+def test_pointed_teeth_are_cut_where_their_flanks_meet():
+    gear = gk.SpurGear(10, 2, 0.9, pointed="cut")
+    z = gear.flank.point(gear.flank.breaks[-1])
+    assert abs(z.real) < 1e-12 and z.imag == pytest.approx(gear.tip_radius, rel=1e-14)
+    assert gear.tip_radius < 10 + 2 * 1.9
+    # Where nothing is pointed, nothing is cut.
+    assert gk.SpurGear(20, 2, pointed="cut").tip_radius == gk.SpurGear(20, 2).tip_radius
+
+
+def test_diametral_pitch_is_teeth_per_inch():
+    assert 2 * gk.SpurGear(24, diametral_pitch=12).pitch_radius == pytest.approx(2 * 25.4)
+
+
+def test_the_share_of_the_involute_lost_is_that_of_its_length():
+    gear = gk.SpurGear(8, 2)
+    whole = gk.length(gk.Involute(gear.base_radius, 0, gear.flank.breaks[-1]))
+    assert gear.involute_lost == pytest.approx(1 - gk.length(gear.flank) / whole, rel=1e-9)
+    assert gear.involute_lost > 0.01 and gk.SpurGear(24, 2).involute_lost == 0
 
 
 @pytest.mark.parametrize("gear", GEARS_MADE)
@@ -143,6 +227,13 @@ def test_sharp_and_full_round_racks_work():
         (lambda: gk.SpurGear(24, np.inf), "module"),
         (lambda: gk.SpurGear(8, 2, 1.2), "profile_shift"),
         (lambda: gk.SpurGear(8, 2, -3), "profile_shift"),
+        (lambda: gk.SpurGear(5, 2, -0.6, gk.Rack(20, 1, 1.2, 0.2)), "profile_shift"),
+        (lambda: gk.SpurGear(24), "module"),
+        (lambda: gk.SpurGear(24, 2, diametral_pitch=10), "module"),
+        (lambda: gk.SpurGear(24, 2, tip_rounding=0.8), "tip_rounding"),
+        (lambda: gk.SpurGear(24, 2, tip_chamfer=0.8), "tip_chamfer"),
+        (lambda: gk.SpurGear(24, 2, tip_chamfer=0.1, tip_rounding=0.1), "tip_chamfer"),
+        (lambda: gk.SpurGear(24, 2, thinning=9), "thinning"),
         (lambda: gk.Rack(tip_radius=1), "tip_radius"),
         (lambda: gk.Rack(dedendum=3), "dedendum"),
     ],
@@ -158,3 +249,15 @@ def test_the_largest_shift_named_in_the_refusal_works():
         gk.SpurGear(12, 2, 1.2)
     largest = float(caught.value.remedy.split("at most ")[1].split(",")[0])
     assert 0 <= gk.SpurGear(12, 2, largest).tip_thickness < 0.01 * 2
+
+
+@pytest.mark.parametrize(("teeth", "angle", "shift"), [(4, 20, -0.6), (5, 10, -0.6), (6, 25, -1.0)])
+def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leaves_a_neck(teeth, angle, shift):
+    rack = gk.Rack(angle, 1, 1.2, 0.2)
+    with pytest.raises(gk.DesignError, match="cut the teeth off") as caught:
+        gk.SpurGear(teeth, 2, shift, rack)
+    least = float(caught.value.remedy.split("at least ")[1].split(",")[0])
+    gear = gk.SpurGear(teeth, 2, least, rack)
+    assert region.is_simple(gk.flatten(gear.outline, 1e-4))
+    neck = np.abs(gk.flatten(gear.root_curve, 1e-5).real).min()
+    assert 0 < neck < 0.01 * gear.module

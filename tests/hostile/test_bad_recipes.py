@@ -149,7 +149,7 @@ def test_an_unprintable_or_endless_key_cannot_spoil_the_terminal(run, refused, r
 
 @pytest.mark.parametrize(
     ("kind", "key"),
-    [("four-bar", "linkage.rocker"), ("spur-gear", "gear.module"), ("disk-cam", "cam.follower")],
+    [("four-bar", "linkage.rocker"), ("spur-gear", "gear.teeth"), ("disk-cam", "cam.follower")],
 )
 def test_a_missing_key_is_told_with_its_meaning(run, refused, recipe, kind, key):
     refused(run(recipe(kind, {key: None})), key, "missing")

@@ -1,0 +1,81 @@
+"""The pinion cutter: the gear-shaped tool that cuts internal gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import DesignError
+from ..sizes import check_sizes, quantity
+from .involute import Corner, inverse_involute, involute_function, largest_rounding, tip_corner
+
+
+@dataclass(frozen=True)
+class PinionCutter:
+    """An involute gear with cutting edges, lengths in modules.
+
+    `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
+    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one.
+    """
+
+    teeth: int = quantity("number of the cutter's teeth", whole=True, default=24, at_least=4, at_most=1000)
+    pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
+    addendum: float = quantity(
+        "height of the cutter's teeth above its reference circle", "modules", default=1.25, above=0, at_most=5
+    )
+    tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
+    profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
+            raise DesignError(
+                "addendum",
+                f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
+                f"give at most {self._largest_addendum:.4g} modules, or other teeth or profile_shift",
+            )
+        largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
+        if self.tip_radius > largest:
+            raise DesignError(
+                "tip_radius",
+                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
+                f"give at most {np.floor(largest * 1000) / 1000:g}, or a smaller addendum",
+            )
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the flanks at the reference circle, rad."""
+        return float(np.radians(self.pressure_angle_deg))
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the circle from which its flanks unwind, modules."""
+        return self.teeth / 2 * float(np.cos(self.pressure_angle))
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of its tips, modules."""
+        return self.teeth / 2 + self.addendum + self.profile_shift
+
+    @property
+    def half_angle_at_base(self) -> float:
+        """Half the angle that a tooth takes on the base circle, rad."""
+        a = np.tan(self.pressure_angle)
+        return float((np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a))
+
+    @cached_property
+    def corner(self) -> Corner:
+        """The rounding of its tips, modules and rad."""
+        return tip_corner(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
+
+    def _half_angle(self, radius: float) -> float:
+        return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
+
+    @property
+    def _largest_addendum(self) -> float:
+        if self.half_angle_at_base <= 0:
+            return 0.0
+        point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
+        return float(np.floor((point - self.teeth / 2 - self.profile_shift) * 1000) / 1000)

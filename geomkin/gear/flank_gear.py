@@ -1,0 +1,97 @@
+"""A gear of any tooth form, given by one flank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from ..errors import DesignError
+from ..plane.curve import AbstractCurve
+from ..plane.flatten import flatten
+from ..plane.joined import Ring
+from ..plane.primitives import Segment
+from ..plane.spread import direction
+from .tooth import toothed
+
+
+@dataclass(frozen=True, eq=False)
+class FlankGear:
+    """A gear about the origin, its tooth on +y symmetric, with lands about the axis at tips and bottoms.
+
+    flank: its right-hand side from the bottom land out to the tip, in the half plane x >= 0 and within half a
+    pitch of +y. pitch_radius, mm: of the circle that rolls on the mate's.
+    """
+
+    flank: AbstractCurve
+    teeth: int
+    pitch_radius: float
+
+    def __post_init__(self) -> None:
+        if isinstance(self.teeth, bool) or self.teeth != int(self.teeth) or not 2 <= self.teeth <= 10_000:
+            raise DesignError("teeth", f"found {self.teeth}", "give a whole number from 2 to 10000")
+        z = flatten(self.flank, 1e-4 * self.pitch_radius)
+        angle = np.angle(1j / z)
+        if not self.root_radius < self.pitch_radius < self.tip_radius:
+            raise DesignError(
+                "flank",
+                f"it runs from {self.root_radius:.5g} to {self.tip_radius:.5g} mm from the axis, "
+                f"past no pitch circle of {self.pitch_radius:.5g} mm",
+                "give it from the bottom land out to the tip, across the pitch circle",
+            )
+        # A flank may end in the tooth's middle, up to rounding.
+        if angle.min() < -1e-9:
+            raise DesignError(
+                "flank", "it crosses the middle of its tooth", "give the side with x >= 0 and +y in the middle"
+            )
+        if angle.max() > np.pi / self.teeth * (1 + 1e-9):
+            raise DesignError(
+                "flank",
+                f"it lies up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch",
+                f"keep it within {180 / self.teeth:.4g} deg of +y: thinner teeth or fewer",
+            )
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the bottom lands, mm."""
+        return float(abs(self.flank.point(self.flank.breaks[0])))
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tip lands, mm."""
+        return float(abs(self.flank.point(self.flank.breaks[-1])))
+
+    @cached_property
+    def outline(self) -> Ring:
+        """The whole gear as one closed counterclockwise curve of exact pieces; the flank is piece 0 of its tooth."""
+        return self._toothed([self.flank])
+
+    def cutter(self, clearance: float) -> AbstractCurve:
+        """The tooth with its flanks drawn out straight at the tip by `clearance`, mm along the radius.
+
+        What cuts a mate with that much room at its roots; the flank is its piece 0 all the same.
+        """
+        if clearance == 0:
+            return self.outline.piece
+        end = complex(self.flank.point(self.flank.breaks[-1]))
+        along = complex(direction(self.flank, self.flank.breaks[-1:], after=False)[0])
+        # Up the tangent to the wider circle: |end + s along| = tip + clearance.
+        rise = (np.conj(along) * end).real
+        grown = clearance * (2 * self.tip_radius + clearance)
+        squared = rise**2 + grown
+        s = float(grown / (rise + np.sqrt(squared))) if rise > 0 else np.inf
+        if end.real + s * along.real < 0 or not np.isfinite(s):
+            room = abs(end - along * end.real / along.real) - self.tip_radius if along.real < 0 else 0.0
+            raise DesignError(
+                "clearance",
+                f"found {clearance:.5g} mm, but the flanks drawn on beyond the tip meet after {room:.5g}",
+                f"give at most {room * (1 - 1e-5):.6g}",
+            )
+        return self._toothed([self.flank, Segment(end, end + s * along)]).piece
+
+    def _toothed(self, side: list[AbstractCurve]) -> Ring:
+        """All teeth from the right-hand side of one."""
+        land = max(0.0, np.pi / self.teeth - float(np.angle(1j / self.flank.point(self.flank.breaks[0]))))
+        return cast(Ring, toothed(side, land, self.teeth))

@@ -1,0 +1,66 @@
+"""The involute function, its inverse, and the rounding that fits between an involute and a tip circle."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+def involute_function(roll: float) -> float:
+    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the polar angle of the involute at a roll angle."""
+    return float(roll - np.arctan(roll))
+
+
+def inverse_involute(angle: float) -> float:
+    """Roll angle, the tangent of the pressure angle, whose involute function is `angle` >= 0; rad."""
+    # The function is convex: from a start above the root, Newton's steps only fall towards it.
+    t = float(np.cbrt(3 * angle)) + angle
+    for _ in range(60):
+        step = (t - np.arctan(t) - angle) * (1 + t**2) / t**2 if t > 0 else 0.0
+        t = float(t - step)
+        if abs(step) <= 1e-16 * t:
+            break
+    return t
+
+
+def roll_at(radius: float, base_radius: float) -> float:
+    """Roll angle of the involute where it reaches a radius; 0 inside the base circle."""
+    ratio = radius / base_radius
+    return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
+
+
+class Corner(NamedTuple):
+    """The rounding of a tooth's tip. radius: of its centre, mm; angle: of it from the tooth's middle, rad;
+
+    roll: angle of the flank's involute where the rounding begins.
+    """
+
+    radius: float
+    angle: float
+    roll: float
+
+
+def tip_corner(base_radius: float, half_angle_at_base: float, tip_radius: float, rounding: float) -> Corner:
+    """The arc of radius `rounding`, mm, that touches the flank and the tip circle from inside the tooth.
+
+    Its centre lies on the parallel curve of the flank, which is the same involute turned by
+    rounding / base_radius. The angle is negative where the two roundings of a tooth would overlap.
+    Asks for rounding <= tip_radius - base_radius.
+    """
+    radius = tip_radius - rounding
+    roll = roll_at(radius, base_radius)
+    angle = half_angle_at_base - involute_function(roll) - rounding / base_radius
+    return Corner(radius, angle, roll + rounding / base_radius)
+
+
+def largest_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float) -> float:
+    """The largest rounding, mm, of a tooth's tip: where its two roundings, or its base circle, meet."""
+    low, high = 0.0, tip_radius - base_radius
+    if tip_corner(base_radius, half_angle_at_base, tip_radius, high).angle >= 0:
+        return high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        fits = tip_corner(base_radius, half_angle_at_base, tip_radius, middle).angle >= 0
+        low, high = (middle, high) if fits else (low, middle)
+    return low

@@ -1,0 +1,118 @@
+"""What a workshop measures on a gear: span, over pins, chord of a tooth, base pitch."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import DesignError
+from .involute import inverse_involute, roll_at
+from .ring import RingGear
+from .spur import SpurGear
+
+
+class Span(NamedTuple):
+    """length: mm, between flat jaws over `teeth` teeth; radius: of the circle on which they touch, mm."""
+
+    teeth: int
+    length: float
+    radius: float
+
+
+class OverPins(NamedTuple):
+    """diameter: over two pins in opposite spaces, mm, between them for a ring; pin: their diameter, mm;
+
+    radius: of the circle through the pins' centres, mm; contact: of the circle on which they touch the flanks, mm.
+    """
+
+    diameter: float
+    pin: float
+    radius: float
+    contact: float
+
+
+class Chord(NamedTuple):
+    """Of a tooth at a circle: thickness along the arc and the chord, mm, half its angle, rad, height of the tip, mm."""
+
+    arc: float
+    chord: float
+    half_angle: float
+    height: float
+
+
+def base_pitch(gear: SpurGear | RingGear) -> float:
+    """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
+    return 2 * np.pi * gear.base_radius / gear.teeth
+
+
+def span(gear: SpurGear, teeth: int | None = None) -> Span:
+    """The span over a number of teeth: base pitches between, and one tooth on the base circle.
+
+    teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
+    DesignError where the jaws would touch beside the involute.
+    """
+    start, end = gear.flank_lengths
+
+    def length(k: float) -> float:
+        return (k - 1) * base_pitch(gear) + gear.thickness(gear.base_radius)
+
+    # The jaws' line touches the base circle in its middle: half the span is the tangent length at the contacts.
+    fitting = [k for k in range(1, gear.teeth) if start <= length(k) / 2 <= end]
+    if not fitting:
+        raise DesignError("teeth", "no number of teeth can be spanned", "measure over pins")
+    if teeth is None:
+        teeth = min(fitting, key=lambda k: abs(length(k) - start - end))
+    if teeth not in fitting:
+        near = min(fitting, key=lambda k: abs(k - teeth))
+        raise DesignError("teeth", f"found {teeth}, over which the jaws touch beside the involute", f"give {near}")
+    return Span(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
+
+
+def over_pins(gear: SpurGear | RingGear, pin: float | None = None) -> OverPins:
+    """The measure over two pins, or between them in a ring, in spaces as opposite as an odd count allows.
+
+    pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
+    Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
+    """
+    sign = -1 if isinstance(gear, RingGear) else 1
+    base = gear.base_radius
+    half_space = np.pi / gear.teeth - gear.thickness(base) / (2 * base)
+    best = _pin(gear, sign, half_space)
+    pin = best if pin is None else pin
+    angle = sign * (pin / (2 * base) - half_space)
+    roll = inverse_involute(angle) if angle > 0 else 0.0
+    radius, touching = base * float(np.hypot(1, roll)), base * roll - sign * pin / 2
+    start, end = gear.flank_lengths
+    slack = 1e-9 * gear.module
+    if not (start - slack <= touching <= end + slack and sign * (radius - gear.tip_radius) + pin / 2 > 0):
+        remedy = "measure the span instead" if pin == best else f"give about {best:.4g} mm"
+        raise DesignError(
+            "pin", f"found {pin:g} mm, which does not stand out of the spaces or misses the flanks", remedy
+        )
+    across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
+    return OverPins(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
+
+
+def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
+    """Diameter of the pin that touches the flanks where the shifted reference line crosses them, mm.
+
+    Along the flank's normal there the pin's centre lies in the space's middle: with roll angles m of the contact
+    and c of the centre, inv(c) = |c - m| -+ the half space, so that arctan(c) = m +- the half space.
+    """
+    base = gear.base_radius
+    low, high = (length / base for length in gear.flank_lengths)
+    m = min(max(roll_at(gear.pitch_radius + gear.profile_shift * gear.module, base), low), high)
+    lean = m + sign * half_space
+    return 2 * base * sign * (float(np.tan(lean)) - m) if lean < np.pi / 2 else float("inf")
+
+
+def chord(gear: SpurGear, radius: float | None = None) -> Chord:
+    """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
+    r = gear.pitch_radius if radius is None else radius
+    low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
+    if not low <= r <= high:
+        raise DesignError("radius", f"found {r:g} mm, beside the involute", f"give {low:.5g} to {high:.5g} mm")
+    arc = gear.thickness(r)
+    half = arc / (2 * r)
+    return Chord(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))

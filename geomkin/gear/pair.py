@@ -1,0 +1,285 @@
+"""Two gears in mesh: distance, contact, sliding, backlash and what keeps clear of what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import DesignError
+from ..plane.pose import Pose
+from ..plane.vec import Array
+from ..sizes import check_sizes, entry, quantity
+from .internal import trimming_gap, trochoid_gap
+from .involute import inverse_involute, involute_function
+from .ring import RingGear
+from .spur import SpurGear
+from .tips import tip_margin
+
+# Overlap of tip and tooth, modules, that counts: below it is the rounding of the sampled paths.
+SEEN = 1e-5
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """A spur gear, and a spur gear or a ring gear that it drives.
+
+    centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning. Lengths along
+    the line of action are measured from the first gear's base circle.
+    """
+
+    first: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
+    second: SpurGear | RingGear = entry("the driven gear", example=SpurGear(40, 2))
+    centre_distance: float = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        first, second = self.first, self.second
+        if abs(first.module - second.module) > 1e-9 * first.module:
+            raise DesignError(
+                "second.module", f"found {second.module:g} mm beside {first.module:g} mm", f"give {first.module:.10g}"
+            )
+        if abs(first.pressure_angle - second.pressure_angle) > 1e-9:
+            angles = np.degrees([first.pressure_angle, second.pressure_angle])
+            raise DesignError(
+                "second.pressure_angle",
+                f"found {angles[1]:g} deg beside {angles[0]:g} deg",
+                "give both gears tools of one pressure angle",
+            )
+        if self.is_internal and second.teeth <= first.teeth:
+            raise DesignError(
+                "second.teeth",
+                f"found a ring of {second.teeth} teeth around {first.teeth}",
+                f"give at least {first.teeth + 1}",
+            )
+        if self.centre_distance is None:
+            object.__setattr__(self, "centre_distance", self.tight_distance)
+        else:
+            self._check_distance()
+        start, end = self.contact_lengths
+        if end <= start:
+            raise DesignError("centre_distance", *self._too_far())
+
+    @property
+    def is_internal(self) -> bool:
+        """Whether the second gear is a ring around the first."""
+        return isinstance(self.second, RingGear)
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the first for one of the second; negative where they turn against each other."""
+        return self.second.teeth / self.first.teeth * (1 if self.is_internal else -1)
+
+    @property
+    def tight_distance(self) -> float:
+        """Centre distance, mm, at which teeth that are not thinned have no backlash."""
+        slope = np.tan(self.first.pressure_angle)
+        x1, x2 = self.first.profile_shift, self.second.profile_shift
+        shift = x2 - x1 if self.is_internal else x1 + x2
+        angle = involute_function(slope) + 2 * slope * shift / self._teeth
+        if angle < 0:
+            least = -involute_function(slope) * self._teeth / (2 * slope)
+            raise DesignError(
+                "second.profile_shift",
+                f"found {x2:g} with {x1:g}: no distance brings the teeth together",
+                f"give at least {np.ceil((least + x2 - shift) * 1000) / 1000:g}",
+            )
+        return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
+
+    @property
+    def working_pressure_angle(self) -> float:
+        """Angle of the line of action, rad."""
+        return float(np.arctan2(self._between, self._base_distance))
+
+    @property
+    def working_radii(self) -> tuple[float, float]:
+        """Radii of the circles that roll on each other, mm."""
+        one = self.centre_distance / self._teeth
+        return one * self.first.teeth, one * self.second.teeth
+
+    @property
+    def base_pitch(self) -> float:
+        """Distance of neighbouring flanks along the line of action, mm."""
+        return 2 * np.pi * self.first.base_radius / self.first.teeth
+
+    @cached_property
+    def contact_lengths(self) -> tuple[float, float]:
+        """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
+        start, end = self.first.flank_lengths
+        low, high = (self._along(s) for s in self.second.flank_lengths)
+        return max(start, min(low, high)), min(end, max(low, high))
+
+    @property
+    def contact_ratio(self) -> float:
+        """Mean number of tooth pairs in contact; below 1 the drive is passed on in jerks."""
+        start, end = self.contact_lengths
+        return (end - start) / self.base_pitch
+
+    def sliding(self, along: ArrayLike) -> tuple[Array, Array]:
+        """Specific sliding of the first and of the second gear at places on the line of action, mm, any shape.
+
+        Sliding speed over the speed of a gear's own contact point along its flank; 0 where the pitch circles
+        touch, negative where a gear's flank is slower than its mate's; -inf at its own base circle.
+        """
+        s1 = np.asarray(along, dtype=float)
+        # Speeds along the flanks over the first gear's speed.
+        v1, v2 = s1, self._across(s1) * self.first.teeth / self.second.teeth
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (v1 - v2) / v1, (v2 - v1) / v2
+
+    @property
+    def backlash(self) -> float:
+        """Play between the teeth along the working pitch circles, mm."""
+        r1, r2 = self.working_radii
+        return 2 * np.pi * r1 / self.first.teeth - self.first.thickness(r1) - self.second.thickness(r2)
+
+    @property
+    def clearances(self) -> tuple[float, float]:
+        """From the tips of the second to the root of the first, and of the first to the second's, mm."""
+        a, one, two = self.centre_distance, self.first, self.second
+        if self.is_internal:
+            return two.tip_radius - a - one.root_radius, two.root_radius - a - one.tip_radius
+        return a - two.tip_radius - one.root_radius, a - one.tip_radius - two.root_radius
+
+    @cached_property
+    def tip_margins(self) -> tuple[float, float]:
+        """How near the tips of the second come to the teeth of the first, and the first's to the second's, mm.
+
+        Along circles, over the whole way of a tip through the space; 0 where a tip touches a flank as it should,
+        negative where it digs into a root or a tooth. Seen to a hundred-thousandth of a module.
+        """
+        return tip_margin(self, of_second=True), tip_margin(self, of_second=False)
+
+    @property
+    def involute_margin(self) -> float:
+        """How far outside the end of the first's involute the second's tips meet the line of action, mm.
+
+        Negative: involute interference, where the first's roots are not cut deep enough.
+        """
+        tip = self.second.flank_lengths[0 if self.is_internal else 1]
+        return self._along(tip)
+
+    @property
+    def trochoid_margin(self) -> float:
+        """Angle, rad on the first, by which the tips of an internal pair pass each other outside the contact."""
+        return trochoid_gap(*self._internal_sizes) if self.is_internal else float("inf")
+
+    @property
+    def trimming_margin(self) -> float:
+        """Angle, rad on the first, by which it clears the ring's tips when put in along a radius."""
+        return trimming_gap(*self._internal_sizes) if self.is_internal else float("inf")
+
+    @property
+    def interferences(self) -> tuple[str, ...]:
+        """What hits: `first root`, `second root` (or tooth), `involute`, `trochoid`, `trimming`; empty where nothing.
+
+        Trimming keeps a pinion from being put in along a radius; it does not hinder the motion.
+        """
+        limit = -SEEN * self.first.module
+        found = {
+            "first root": self.tip_margins[0] < limit or self.clearances[0] < 0,
+            "second root": self.tip_margins[1] < limit or self.clearances[1] < 0,
+            # Undercut has taken away what such a tip would hit.
+            "involute": self.involute_margin < limit and not self.first.is_undercut,
+            "trochoid": self.trochoid_margin < 0,
+            "trimming": self.trimming_margin < 0,
+        }
+        return tuple(name for name, hit in found.items() if hit)
+
+    def poses(self, turn: ArrayLike) -> tuple[Pose, Pose]:
+        """Where the gears stand when the first, about the origin, has turned by `turn`, rad, any shape.
+
+        The contact lies on +y of the first: a spur gear stands above it, a ring's axis below. The teeth
+        of each stand in the middle of the other's spaces, so backlash is shared by both sides.
+        """
+        t = np.asarray(turn, dtype=float)
+        turned, half = t / self.ratio, np.pi / self.second.teeth
+        where = -1j if self.is_internal else 1j
+        second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))
+        return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
+            np.full(t.shape, where * self.centre_distance), second
+        )
+
+    @property
+    def _teeth(self) -> int:
+        """Sum of the teeth, or their difference for a ring."""
+        return self.second.teeth - self.first.teeth if self.is_internal else self.second.teeth + self.first.teeth
+
+    @property
+    def _base_distance(self) -> float:
+        """Centre distance at which the line of action would touch both base circles at one place, mm."""
+        return self._teeth * self.first.base_radius / self.first.teeth
+
+    @property
+    def _between(self) -> float:
+        """Distance of the line of action's two base points, mm."""
+        return float(np.sqrt(max(self.centre_distance**2 - self._base_distance**2, 0.0)))
+
+    def _across(self, along: Array) -> Array:
+        """Lengths from the second gear's base point for lengths from the first's, mm."""
+        return along + self._between if self.is_internal else self._between - along
+
+    def _along(self, across: float) -> float:
+        """Length from the first gear's base point for one from the second's, mm."""
+        return across - self._between if self.is_internal else self._between - across
+
+    @property
+    def _internal_sizes(self) -> tuple[float, ...]:
+        one, two = self.first, self.second
+        return (
+            one.teeth,
+            two.teeth,
+            self.centre_distance,
+            one.tip_radius,
+            two.tip_radius,
+            one.base_radius,
+            two.base_radius,
+        )
+
+    def _check_distance(self) -> None:
+        """The teeth must not jam."""
+        tight = self._distance_of_backlash()
+        jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
+        if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
+            most = f"from {self._base_distance:.7g} to {np.floor(tight * 1e4) / 1e4:.7g} mm"
+            least = f"at least {np.ceil(tight * 1e4) / 1e4:.7g} mm"
+            raise DesignError(
+                "centre_distance",
+                f"found {self.centre_distance:g} mm, at which the teeth jam",
+                f"give {most if self.is_internal else least}",
+            )
+
+    def _distance_of_backlash(self) -> float:
+        """Centre distance at which the teeth, thinned as they are, have no backlash, mm."""
+        thinning = self.first.thinning + getattr(self.second, "thinning", 0.0)
+        if thinning == 0:
+            return self.tight_distance
+        sign = 1 if self.is_internal else -1
+        slope = np.tan(self.first.pressure_angle)
+        x1, x2 = self.first.profile_shift, self.second.profile_shift
+        shift = x2 - x1 if self.is_internal else x1 + x2
+        angle = involute_function(slope) + (2 * slope * shift + sign * thinning / self.first.module) / self._teeth
+        return self._base_distance * float(np.hypot(1, inverse_involute(max(angle, 0.0))))
+
+    def _too_far(self) -> tuple[str, str]:
+        """What is wrong with a distance at which no flanks meet, and the nearest one with a contact ratio of 1."""
+        problem = f"found {self.centre_distance:.7g} mm, at which no flanks meet"
+        good, bad = self.tight_distance, self.centre_distance
+        try:
+            fine = abs(good - bad) > 1e-9 * good and replace(self, centre_distance=good).contact_ratio > 1
+        except DesignError:
+            fine = False
+        if not fine:
+            return problem, "give gears with taller teeth or other profile shifts"
+        for _ in range(40):
+            middle = 0.5 * (good + bad)
+            try:
+                meets = replace(self, centre_distance=middle).contact_ratio >= 1
+            except DesignError:
+                meets = False
+            good, bad = (middle, bad) if meets else (good, middle)
+        way = "at least" if bad < good else "at most"
+        rounded = (np.ceil if bad < good else np.floor)(good * 1000) / 1000
+        return problem, f"give {way} {rounded:.7g} mm, where the contact ratio is 1"

@@ -1,0 +1,56 @@
+"""Gears whose teeth are given by points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+
+from ..errors import DesignError
+from ..plane.curve import AbstractCurve
+from ..plane.spline import Spline
+from ..sizes import PointXY, check_sizes, entry, quantity
+from .flank_gear import FlankGear
+
+# A flank that runs out a little, stays steep and rounds over towards the tip.
+EXAMPLE = (3.4 + 33.2j, 2.9 + 34.4j, 2.35 + 36j, 1.75 + 37.6j, 1.0 + 39j)
+
+
+@dataclass(frozen=True)
+class PointToothGear:
+    """A gear about the origin whose tooth on +y has a flank through given points and its mirror image."""
+
+    teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=24)
+    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=3)
+    points: tuple[Annotated[complex, PointXY()], ...] = entry(
+        "right-hand flank of the tooth on +y as [x, y] in mm, from the bottom land out to the tip", example=EXAMPLE
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.gear  # refuses points that make no tooth
+
+    @property
+    def pitch_radius(self) -> float:
+        """Radius of the pitch circle, mm."""
+        return self.module * self.teeth / 2
+
+    @cached_property
+    def flank(self) -> AbstractCurve:
+        """The spline through the points."""
+        return Spline(np.array(self.points, dtype=complex))
+
+    @cached_property
+    def gear(self) -> FlankGear:
+        """The same as a gear given by its flank."""
+        try:
+            return FlankGear(self.flank, self.teeth, self.pitch_radius)
+        except DesignError as error:
+            raise DesignError("points", error.problem, error.remedy) from None
+
+    @property
+    def outline(self) -> AbstractCurve:
+        """The whole gear as one closed counterclockwise curve."""
+        return self.gear.outline

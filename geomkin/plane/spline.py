@@ -1,0 +1,108 @@
+"""A smooth curve through given points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import DesignError
+from .curve import AbstractCurve
+from .vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Spline(AbstractCurve):
+    """The cubic spline through `points` (n,) complex, mm, two or more: open, with continuous curvature.
+
+    t is the length along the chords from the first point, mm, so that points may lie unevenly. At both ends
+    the first two pieces are one cubic ("not a knot"), which assumes nothing of the ends: three points give
+    a parabola, two a straight line. Between points of a smooth curve it errs by the fourth power of their
+    distance.
+    """
+
+    points: Array
+
+    def __post_init__(self) -> None:
+        z = np.asarray(self.points)
+        if z.ndim != 1 or len(z) < 2 or not np.isfinite(z).all():
+            raise DesignError("points", "found fewer than two finite points", "give a list of at least two")
+        steps = np.abs(np.diff(z))
+        if steps.min() <= 1e-12 * np.abs(z).max():
+            k = int(steps.argmin())
+            raise DesignError("points", f"points {k + 1} and {k + 2} are at one place", "leave one of them out")
+
+    @cached_property
+    def breaks(self) -> Array:
+        return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.points)))])
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+    def point(self, t: ArrayLike) -> Array:
+        u, (a, b, c, d) = self._local(t)
+        return a + u * (b + u * (c + u * d))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        u, (_, b, c, d) = self._local(t)
+        return b + u * (2 * c + u * 3 * d)
+
+    def acceleration(self, t: ArrayLike) -> Array:
+        """d2P/dt2 (...,) complex, 1/mm; continuous."""
+        u, (_, _, c, d) = self._local(t)
+        return 2 * c + 6 * u * d
+
+    def curvature(self, t: ArrayLike) -> Array:
+        v = self.velocity(t)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.imag(np.conj(v) * self.acceleration(t)) / np.abs(v) ** 3
+
+    def _local(self, t: ArrayLike) -> tuple[Array, Array]:
+        t = np.asarray(t, dtype=float)
+        k = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
+        return t - self.breaks[k], self._coefficients[:, k]
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        """Coefficients (4, n - 1) of the powers of t - knot."""
+        z, h = np.asarray(self.points, dtype=complex), np.diff(self.breaks)
+        slope = np.diff(z) / h
+        v = _slopes(h, slope)
+        c = (3 * slope - 2 * v[:-1] - v[1:]) / h
+        return np.array([z[:-1], v[:-1], c, (v[:-1] + v[1:] - 2 * slope) / h**2])
+
+
+def _slopes(h: Array, slope: Array) -> Array:
+    """Velocities (n,) at the knots from the widths and mean velocities (n - 1,) between them.
+
+    Each inner row says that the acceleration is continuous, the two end rows that the third derivative is so
+    at the knots next to the ends; solved by elimination along the three diagonals.
+    """
+    n = len(h) + 1
+    if n == 2:
+        return np.array([slope[0], slope[0]])
+    if n == 3:
+        bend = (slope[1] - slope[0]) / (h[0] + h[1])
+        return np.array([slope[0] - h[0] * bend, slope[0] + h[0] * bend, slope[1] + h[1] * bend])
+    below, here, above = np.zeros(n), np.zeros(n), np.zeros(n)
+    right = np.zeros(n, dtype=complex)
+    below[1:-1], here[1:-1], above[1:-1] = h[1:], 2 * (h[:-1] + h[1:]), h[:-1]
+    right[1:-1] = 3 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
+    here[0], above[0], right[0] = _end_row(h[0], h[1], slope[0], slope[1])
+    here[-1], below[-1], right[-1] = _end_row(h[-1], h[-2], slope[-1], slope[-2])
+    for k in range(1, n):
+        factor = below[k] / here[k - 1]
+        here[k] -= factor * above[k - 1]
+        right[k] -= factor * right[k - 1]
+    v = right / here
+    for k in range(n - 2, -1, -1):
+        v[k] = (right[k] - above[k] * v[k + 1]) / here[k]
+    return v
+
+
+def _end_row(h0: float, h1: float, s0: complex, s1: complex) -> tuple[float, float, complex]:
+    """The end knot's row with the one beyond the next knot eliminated."""
+    return h1, h0 + h1, ((h0 + 2 * (h0 + h1)) * h1 * s0 + h0**2 * s1) / (h0 + h1)

@@ -1,0 +1,194 @@
+"""Recipes of gears with teeth of any form and the mates they shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..gear.conjugate import Conjugate, conjugate
+from ..gear.lantern import LanternPinion
+from ..gear.point_tooth import PointToothGear
+from ..gear.straight_sided import StraightSidedGear
+from ..gear.untouched import BEYOND
+from ..part import Part
+from ..shop.conjugates import LanternStock, PairStock, lantern_parts, pair_parts
+from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..table import Column, Table, xy_columns
+from .kind import Kind
+from .settings import Files
+
+# Rows of the table: half a percent of a flank apart.
+ROWS = 201
+
+
+@dataclass(frozen=True)
+class Mate:
+    """The gear that is to run with the one given."""
+
+    teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
+    addendum: float = quantity(
+        "height of the mate's teeth beyond its pitch circle", "mm", above=0, at_most=FARTHEST, example=2
+    )
+    internal: bool = entry("the mate is a ring round the gear", default=False)
+    clearance: float = quantity(
+        "room between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+# What `conjugate` calls them, and the keys that give them here.
+KEYS = {"mate_teeth": "mate.teeth", "addendum": "mate.addendum", "clearance": "mate.clearance"}
+
+
+def _mate(gear: Any, teeth: int, wanted: Mate) -> Conjugate:
+    if wanted.internal and wanted.teeth <= teeth:
+        raise DesignError("mate.teeth", f"found {wanted.teeth} for a ring", f"give more than the gear's {teeth}")
+    try:
+        return conjugate(
+            gear.cutter(wanted.clearance), teeth, gear.pitch_radius, wanted.teeth, wanted.addendum, wanted.internal
+        )
+    except DesignError as error:
+        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
+
+
+@dataclass(frozen=True)
+class StraightSidedRecipe:
+    """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["straight-sided-gears"]
+    gear: StraightSidedGear
+    mate: Mate
+    stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def shaped(self) -> Conjugate:
+        """The mate's teeth."""
+        return _mate(self.gear.gear, self.gear.teeth, self.mate)
+
+
+@dataclass(frozen=True)
+class PointToothRecipe:
+    """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["point-tooth-gears"]
+    gear: PointToothGear
+    mate: Mate
+    stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def shaped(self) -> Conjugate:
+        """The mate's teeth."""
+        return _mate(self.gear.gear, self.gear.teeth, self.mate)
+
+
+@dataclass(frozen=True)
+class LanternRecipe:
+    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins shape."""
+
+    kind: Literal["lantern-gears"]
+    pinion: LanternPinion
+    mate: Mate
+    stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
+    files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def shaped(self) -> Conjugate:
+        """The wheel's teeth."""
+        return _mate(self.pinion, self.pinion.pins, self.mate)
+
+
+def _pair_table(recipe: StraightSidedRecipe | PointToothRecipe) -> Table:
+    share = np.linspace(0, 1, ROWS)
+    where = Column("flank_share", "", "place on the right-hand flank, 0 at the bottom land, 1 at the tip", share)
+    return _table(where, recipe.shaped, share)
+
+
+def _lantern_table(recipe: LanternRecipe) -> Table:
+    """The right-hand side of the pin that faces the wheel least: there it drives."""
+    angle = np.linspace(-90, 0, ROWS)
+    return _table(
+        Column("pin_angle", "deg", "place on the pin, -90 its innermost", angle), recipe.shaped, 1 + angle / 180
+    )
+
+
+def _table(where: Column, mate: Conjugate, t: np.ndarray) -> Table:
+    contact = mate.contact(t)
+    # Outside each other two gears turn against each other.
+    ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
+    return Table(
+        (
+            where,
+            *xy_columns("tooth", "mm", "that place on the gear's tooth centred on +y", mate.tooth.point(t)),
+            Column(
+                "gear_angle", "deg", "gear's turn when it touches, 0 with the tooth on +y", np.degrees(contact.angle)
+            ),
+            Column("mate_angle", "deg", "mate's turn then", np.degrees(contact.angle) * ratio),
+            *xy_columns("contact", "mm", "path of contact, gear's axis at 0, pitch point on +y", contact.place),
+            *xy_columns("mate_tooth", "mm", "the same place in the mate's own frame", contact.mate),
+            Column("sliding", "mm/rad", "of the gear along the mate's flank, per turn of the gear", contact.sliding),
+            Column("pressure_angle", "deg", "of the common normal", np.degrees(contact.pressure_angle)),
+        )
+    )
+
+
+def _common_checks(mate: Conjugate, module: float, start: float, end: float) -> list[Check]:
+    thickness = mate.tip_thickness / module
+    return [
+        Check("contact ratio", mate.contact_ratio(start, end), "at least", 1, "", "give longer teeth, or more of them"),
+        Check("mate's tip thickness", thickness, "at least", 0.2, "modules", "give a smaller mate.addendum"),
+    ]
+
+
+def _pair_checks(recipe: StraightSidedRecipe | PointToothRecipe) -> list[Check]:
+    lost = sum(u.outer_radius - u.inner_radius for u in recipe.shaped.untouched if u.start < 1 and u.why != BEYOND)
+    advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
+    return [
+        Check("flank that cannot touch", lost / recipe.gear.module, "at most", 0, "modules", advice),
+        *_common_checks(recipe.shaped, recipe.gear.module, 0.0, 1.0),
+    ]
+
+
+def _pair_parts(recipe: StraightSidedRecipe | PointToothRecipe) -> list[Part]:
+    return pair_parts(recipe.gear.gear, recipe.shaped, recipe.stock)
+
+
+def _lantern_checks(recipe: LanternRecipe) -> list[Check]:
+    return _common_checks(recipe.shaped, recipe.pinion.module, 0.5, 1.0)
+
+
+def _lantern_parts(recipe: LanternRecipe) -> list[Part]:
+    return lantern_parts(recipe.pinion, recipe.shaped, recipe.stock)
+
+
+def _notes(recipe: StraightSidedRecipe | PointToothRecipe | LanternRecipe) -> dict[str, Any]:
+    """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
+    mate = recipe.shaped
+    return {
+        "centre_distance_mm": float(f"{mate.distance:.10g}"),
+        "never_touching": [
+            {
+                "inner_radius_mm": float(f"{u.inner_radius:.7g}"),
+                "outer_radius_mm": float(f"{u.outer_radius:.7g}"),
+                "why": u.why,
+            }
+            for u in mate.untouched
+            # The other side of the tooth is alike.
+            if u.start < 1
+        ],
+    }
+
+
+KINDS = {
+    "straight-sided-gears": Kind(StraightSidedRecipe, _pair_table, _pair_checks, _pair_parts, _notes),
+    "point-tooth-gears": Kind(PointToothRecipe, _pair_table, _pair_checks, _pair_parts, _notes),
+    "lantern-gears": Kind(LanternRecipe, _lantern_table, _lantern_checks, _lantern_parts, _notes),
+}

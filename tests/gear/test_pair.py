@@ -1,0 +1,165 @@
+"""Gear pairs by second roads: finished outlines laid over each other, published pairs, motion by differences."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.plane import region
+from tests.tables import gears as tables
+
+TOLERANCE = 1e-4
+
+
+def common(pair, turn, extra=0.0):
+    """Area, mm2, that the two bodies share when the first has turned by `turn` and the second by `extra` more."""
+    shapes = [gk.flatten(g.outline, TOLERANCE) for g in (pair.first, pair.second)]
+    poses = pair.poses(turn)
+    one = poses[0].place(shapes[0])
+    two = gk.Pose(poses[1].origin, poses[1].direction * np.exp(1j * extra)).place(shapes[1])
+    if not pair.is_internal:
+        return region.overlap([one], [two])
+    # What of the pinion lies outside the ring's hole.
+    z = one - one[0]
+    area = 0.5 * np.imag(np.conj(z) * np.roll(z, -1)).sum()
+    return area - region.overlap([one], [two])
+
+
+PAIRS = {
+    "standard": gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2)),
+    "shifted": gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
+    "undercut": gk.GearPair(gk.SpurGear(11, 2), gk.SpurGear(24, 2)),
+    "far": gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2), 64.3),
+    "thinned": gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
+    "rounded": gk.GearPair(gk.SpurGear(20, 2, tip_rounding=0.2), gk.SpurGear(30, 2, tip_chamfer=0.1)),
+    "ring": gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)),
+    "ring, shifted": gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
+    "ring, near": gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
+    "ring, one apart": gk.GearPair(
+        gk.SpurGear(49, 1, addendum=0.7), gk.RingGear(50, 1, 1.0, gk.PinionCutter(24), addendum=0.7)
+    ),
+}
+EVERY = [pytest.param(pair, id=name) for name, pair in PAIRS.items()]
+
+
+@pytest.mark.parametrize("pair", EVERY)
+def test_meshed_outlines_share_nothing_through_a_pitch_and_do_when_turned_beyond_the_backlash(pair):
+    assert not set(pair.interferences) - {"trimming"}
+    r2 = pair.working_radii[1]
+    # Flanks that touch may share slivers of the tolerance's depth along each contact.
+    sliver = 10 * TOLERANCE * pair.first.module
+    for turn in np.linspace(0, 2 * np.pi / pair.first.teeth, 5):
+        assert common(pair, turn) < sliver
+        for side in (1, -1):
+            assert common(pair, turn, side * 0.98 * max(pair.backlash, 0) / 2 / r2) < sliver
+            beyond = (pair.backlash / 2 + 0.01 * pair.first.module) / r2
+            assert common(pair, turn, side * beyond) > 2 * sliver
+
+
+@pytest.mark.parametrize(
+    ("pair", "names"),
+    [
+        # A ring's full teeth reach below the flank that the rack leaves on the pinion.
+        (gk.GearPair(gk.SpurGear(24, 2), gk.RingGear(60, 2)), {"first root"}),
+        (gk.GearPair(gk.SpurGear(54, 2), gk.RingGear(60, 2, addendum=0.8)), {"second root", "trochoid", "trimming"}),
+        (gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
+    ],
+)
+def test_what_interferes_is_named_and_overlaps(pair, names):
+    assert set(pair.interferences) & {"first root", "second root", "trochoid"} >= names - {"trimming", "second root"}
+    turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 7)
+    assert max(common(pair, turn) for turn in turns) > 1e-3 * pair.first.module
+
+
+@pytest.mark.parametrize(("teeth", "ratio"), tables.CONTACT_RATIO.items())
+def test_contact_ratio_of_standard_pairs_is_the_published_one(teeth, ratio):
+    pair = gk.GearPair(gk.SpurGear(teeth[0], 2), gk.SpurGear(teeth[1], 2))
+    assert pair.contact_ratio == pytest.approx(ratio, abs=6e-5)
+
+
+def test_undercut_costs_contact():
+    """The formula that knows only tip circles says 1.5111 for 12 and 24 teeth."""
+    pair = gk.GearPair(gk.SpurGear(12, 2), gk.SpurGear(24, 2))
+    start = np.sqrt(pair.first.form_radius**2 - pair.first.base_radius**2)
+    end = np.sqrt(pair.first.tip_radius**2 - pair.first.base_radius**2)
+    assert pair.contact_ratio == pytest.approx((end - start) / (np.pi * 2 * np.cos(np.radians(20))), rel=1e-12)
+    assert pair.contact_ratio < 1.3
+
+
+def test_the_published_shifted_pair():
+    t = tables.SHIFTED_PAIR
+    gears = [
+        gk.SpurGear(z, t["module"], x, addendum=tip / 2 / t["module"] - z / 2 - x)
+        for z, x, tip in zip(t["teeth"], t["profile_shift"], t["tip_diameter"])
+    ]
+    pair = gk.GearPair(*gears)
+    assert np.degrees(pair.working_pressure_angle) == pytest.approx(t["working_pressure_angle_deg"], abs=5.1e-5)
+    assert pair.centre_distance == pytest.approx(t["centre_distance"], abs=5.1e-5)
+    assert pair.contact_ratio == pytest.approx(t["contact_ratio"], abs=1e-3)
+    assert [2 * g.root_radius for g in gears] == pytest.approx(t["root_diameter"], abs=1e-9)
+    assert [2 * g.base_radius for g in gears] == pytest.approx(t["base_diameter"], abs=5.1e-5)
+
+
+@pytest.mark.parametrize(("z1", "x2", "angle", "distance"), tables.INTERNAL_PAIRS)
+def test_published_internal_pairs(z1, x2, angle, distance):
+    pair = gk.GearPair(gk.SpurGear(z1, 3), gk.RingGear(50, 3, x2))
+    assert np.degrees(pair.working_pressure_angle) == pytest.approx(angle, abs=1e-4)
+    assert pair.centre_distance / 3 == pytest.approx(distance, abs=6e-4)
+
+
+@pytest.mark.parametrize("pair", EVERY)
+def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
+    """The two flanks' points that meet, followed by differences: their speeds along the common tangent."""
+    start, end = pair.contact_lengths
+    along = np.linspace(start, end, 7)[1:-1]
+    rb1, rb2 = pair.first.base_radius, pair.second.base_radius
+    h = 1e-5
+    # A flank's point at a tangent length s moves along the flank by s ds / rb while its gear turns by ds / rb.
+    way1 = np.array([gk.length(gk.Involute(rb1, (s - h) / rb1, (s + h) / rb1)) for s in along])
+    r1, r2 = pair.working_radii
+    across = np.sqrt(r2**2 - rb2**2) + (along - np.sqrt(r1**2 - rb1**2)) * (1 if pair.is_internal else -1)
+    way2 = np.array([gk.length(gk.Involute(rb2, (s - h) / rb2, (s + h) / rb2)) for s in across])
+    first, second = pair.sliding(along)
+    assert first == pytest.approx((way1 - way2) / way1, rel=1e-6, abs=1e-6)
+    assert second == pytest.approx((way2 - way1) / way2, rel=1e-6, abs=1e-6)
+    pitch_point = np.sqrt(r1**2 - rb1**2)
+    assert np.abs(pair.sliding(pitch_point)).max() < 1e-9
+
+
+def test_standard_internal_pairs_need_ten_teeth_between_them():
+    """Trochoid interference by the textbook rule, z2 - z1 > 9, for full teeth of 20 deg."""
+    ring = gk.RingGear(80, 2)
+    margins = [gk.GearPair(gk.SpurGear(80 - d, 2), ring).trochoid_margin for d in (6, 7, 10, 12)]
+    assert margins[0] < 0 < margins[2] < margins[3]
+
+
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 3)), "second.module"),
+        (
+            lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2, rack=gk.Rack(25, tip_radius=0.2))),
+            "second.pressure_angle",
+        ),
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 39), "centre_distance"),
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 60), "centre_distance"),
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2), 40.5), "centre_distance"),
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2), 30), "centre_distance"),
+        (lambda: gk.GearPair(gk.SpurGear(60, 2), gk.RingGear(60, 2)), "second.teeth"),
+        (lambda: gk.GearPair(gk.SpurGear(40, 2, -0.9), gk.SpurGear(40, 2, -0.9)), "second.profile_shift"),
+        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), np.nan), "centre_distance"),
+    ],
+)
+def test_pairs_that_cannot_mesh_are_refused_by_name(make, field):
+    with pytest.raises(gk.DesignError) as caught:
+        make()
+    assert caught.value.field == field and caught.value.remedy
+
+
+@pytest.mark.parametrize("wrong", [39.0, 60.0])
+def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
+    one = gk.SpurGear(20, 2)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.GearPair(one, one, wrong)
+    named = float(caught.value.remedy.replace(",", "").split(" mm")[0].split()[-1])
+    pair = gk.GearPair(one, one, named)
+    assert pair.contact_ratio >= 1 and pair.backlash > -1e-9

@@ -1,0 +1,76 @@
+"""Planetary sets: outlines of all their gears laid over each other, ratios from rolling without slip."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.plane import region
+
+SUN, PLANET, RING = gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8)
+
+
+def shifted():
+    sun, planet = gk.SpurGear(13, 2, 0.4), gk.SpurGear(19, 2, 0.2)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.PlanetarySet(sun, planet, gk.RingGear(53, 2, addendum=0.7))
+    shift = float(caught.value.remedy.removeprefix("give "))
+    return gk.PlanetarySet(sun, planet, gk.RingGear(53, 2, shift, addendum=0.7))
+
+
+SETS = [
+    pytest.param(gk.PlanetarySet(SUN, PLANET, RING, 4), id="four"),
+    pytest.param(gk.PlanetarySet(SUN, PLANET, RING, 3), id="three"),
+    pytest.param(
+        gk.PlanetarySet(gk.SpurGear(25, 2), gk.SpurGear(20, 2), gk.RingGear(65, 2, addendum=0.8), 3), id="odd"
+    ),
+    pytest.param(shifted(), id="shifted"),
+]
+
+
+@pytest.mark.parametrize("gears", SETS)
+def test_all_teeth_mesh_without_overlap_while_the_sun_turns_and_the_ring_stands(gears):
+    sun, planet, ring = (gk.flatten(g.outline, 1e-4) for g in (gears.sun, gears.planet, gears.ring))
+    first = None
+    for turn in (0.0, 0.05, 1.0, 4.4):
+        place, planets, around = gears.poses(turn)
+        first = around.direction if first is None else first
+        # The ring stands still, but for whole teeth.
+        assert (around.direction / first) ** gears.ring.teeth == pytest.approx(1, abs=1e-9)
+        for pose in planets:
+            z = pose.place(planet)
+            assert region.overlap([place.place(sun)], [z]) < 2e-3
+            about = z - z[0]
+            area = 0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum()
+            assert area - region.overlap([around.place(ring)], [z]) < 2e-3
+        one, two = planets[0].place(planet), planets[1].place(planet)
+        assert region.overlap([one], [two]) == 0
+        assert abs(planets[0].origin) == pytest.approx(gears.inner.centre_distance)
+
+
+@pytest.mark.parametrize("gears", SETS[:1])
+def test_ratios_follow_from_rolling_without_slip(gears):
+    """Speeds of the pitch points, with each member held in turn."""
+    r_s, r_p, r_r = 24.0, 18.0, 60.0
+    for held in ("sun", "ring", "carrier"):
+        for driver in {"sun", "ring", "carrier"} - {held}:
+            speeds = gears.speeds(**{held: 0.0, driver: 1.0})
+            centre = speeds["carrier"] * (r_s + r_p)
+            assert centre - speeds["planet"] * r_p == pytest.approx(speeds["sun"] * r_s)
+            assert centre + speeds["planet"] * r_p == pytest.approx(speeds["ring"] * r_r)
+            (driven,) = {"sun", "ring", "carrier"} - {held, driver}
+            assert gears.ratios[f"{driver} to {driven}"] == pytest.approx(1 / speeds[driven])
+
+
+@pytest.mark.parametrize(
+    ("make", "field", "remedy"),
+    [
+        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 5), "planets", "give 4"),
+        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 14), "planets", "give at most"),
+        (lambda: gk.PlanetarySet(SUN, gk.SpurGear(16, 2), RING, 3), "ring.profile_shift", "give the ring 56 teeth"),
+        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 0), "planets", "at least 1"),
+    ],
+)
+def test_sets_that_cannot_be_put_together_are_refused_by_name(make, field, remedy):
+    with pytest.raises(gk.DesignError) as caught:
+        make()
+    assert caught.value.field == field and remedy in caught.value.remedy

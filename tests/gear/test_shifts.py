@@ -1,0 +1,35 @@
+"""Profile shifts chosen for a purpose, judged by the gears that they make."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+
+@pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(25, tip_radius=0.2)])
+@pytest.mark.parametrize("teeth", [5, 8, 12, 16, 24])
+def test_the_shift_just_avoids_undercut(teeth, rack):
+    shift = gk.undercut_free_shift(teeth, rack)
+    assert not gk.SpurGear(teeth, 2, shift, rack, pointed="cut").is_undercut
+    if shift:
+        assert gk.SpurGear(teeth, 2, shift - 1e-6, rack, pointed="cut").is_undercut
+    else:
+        assert not gk.SpurGear(teeth, 2, 0, rack).is_undercut
+
+
+@pytest.mark.parametrize(("first", "second", "total"), [(15, 40, 0.0), (20, 20, 0.0), (12, 24, 0.96), (18, 90, 0.3)])
+def test_balanced_gears_slide_equally_at_both_ends_of_contact(first, second, total):
+    one, two = gk.balanced_shifts(first, second, total=total)
+    assert one + two == pytest.approx(total)
+    pair = gk.GearPair(gk.SpurGear(first, 2, one), gk.SpurGear(second, 2, two))
+    start, end = pair.contact_lengths
+    assert float(pair.sliding(start)[0]) == pytest.approx(float(pair.sliding(end)[1]), rel=1e-9)
+    if first != second:
+        plain = gk.GearPair(gk.SpurGear(first, 2, total / 2), gk.SpurGear(second, 2, total / 2))
+        worst = [min(np.min(p.sliding(np.array(p.contact_lengths))) for _ in (0,)) for p in (pair, plain)]
+        assert worst[0] > worst[1]
+
+
+def test_what_cannot_be_balanced_is_refused():
+    with pytest.raises(gk.DesignError):
+        gk.balanced_shifts(4, 5)
