@@ -13,6 +13,10 @@ from ..sizes import check_sizes, entry, quantity
 from .rack import Rack
 
 
+# Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
+CORNER = 0.5
+
+
 @dataclass(frozen=True)
 class GearRack:
     """A straight bar with teeth on top; its reference line is the x axis, a tooth is centred on +y.
@@ -98,10 +102,13 @@ class GearRack:
         first = -((self.teeth - 1) // 2)
         places = np.pi * (first + np.arange(self.teeth))
         top = (places[:, None] + tooth).ravel()
-        ends = np.array([places[-1] + np.pi / 2 + deep, places[-1] + np.pi / 2 - 1j * self.height])
-        ends = np.append(ends, [places[0] - np.pi / 2 - 1j * self.height, places[0] - np.pi / 2 + deep])
+        right, left, back = places[-1] + np.pi / 2, places[0] - np.pi / 2, -1j * self.height
+        corner = min(CORNER, 0.4 * (self.height - rack.dedendum))
+        ends = np.array([right + deep, right + back + 1j * corner, right + back - corner])
+        ends = np.append(ends, [left + back + corner, left + back + 1j * corner, left + deep])
+        quarter = -np.tan(np.pi / 8)
         # Left to right along the teeth is clockwise: the other way round, with arcs bent the other way.
-        vertices, bulges = np.append(top, ends), np.append(np.tile(bends, self.teeth), np.zeros(4))
+        vertices, bulges = np.append(top, ends), np.append(np.tile(bends, self.teeth), [0, quarter, 0, quarter, 0, 0])
         keep = np.abs(np.roll(vertices, -1) - vertices) > 1e-12 * self.height
         vertices, bulges = vertices[keep], bulges[keep]
         return Polyline(m * vertices[::-1], -np.roll(bulges[::-1], -1))
