@@ -84,7 +84,19 @@ def loaded_by(code):
     return set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
 
 
-HEAVY = {"highspy", "shapely", "trimesh", "ezdxf", "pydantic", "click", "scipy", "matplotlib", "numba", "pandas", "networkx"}
+HEAVY = {
+    "highspy",
+    "shapely",
+    "trimesh",
+    "ezdxf",
+    "pydantic",
+    "click",
+    "scipy",
+    "matplotlib",
+    "numba",
+    "pandas",
+    "networkx",
+}
 
 
 def test_importing_geomkin_loads_nothing_heavier_than_numpy():

@@ -12,7 +12,6 @@ from ..plane.primitives import Polyline
 from ..sizes import check_sizes, entry, quantity
 from .rack import Rack
 
-
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
 CORNER = 0.5
 
