@@ -26,6 +26,9 @@ POINT = 3e-10
 # So is what a backward jump smaller than this share costs: the branches beside it meet too flat to be solved for.
 JUMP = 1e-6
 
+# Share by which two losses of lift may differ and still count as equal: far above what rounding makes of equals.
+TIED = 1e-9
+
 Span = tuple[float, float]
 
 
@@ -74,7 +77,9 @@ class Undercut:
             largest(np.array([start, *joints[(joints > start) & (joints < end)], end]), self.lost_lift)
             for start, end in self.spans.tolist()
         ]
-        lost, angle = max(tops)
+        # Of equals, as a symmetric cam has them, the first: rounding must not choose.
+        most = max(lost for lost, _ in tops)
+        lost, angle = next(top for top in tops if top[0] >= (1 - TIED) * most)
         return lost, angle % (2 * np.pi)
 
 
