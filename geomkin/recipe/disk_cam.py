@@ -163,7 +163,7 @@ def _notes(recipe: DiskCamRecipe) -> dict[str, Any]:
         (unit, size), (lost, at) = recipe.unit, recipe.cut.worst
         notes["undercut"] = {
             f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
-            "worst_at_deg": float(f"{np.degrees(at):.9g}"),
+            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
             "spans_deg": [[float(f"{np.degrees(a):.9g}") for a in span] for span in recipe.cut.spans],
         }
     return notes
