@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..plane.curve import AbstractCurve, just_before
+from ..plane.derived import Stretch
 from ..plane.joined import Path
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Array
@@ -22,35 +22,6 @@ APART = 5e-10
 # Chords over one turn in the search for crossings, and at least in each segment. Loops of the profile are looked
 # at more closely; of two flanks that cross without one, these miss what lies within 3e-7 of the radius of curvature.
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch(AbstractCurve):
-    """The part of a curve over `run`, rising parameters, between which it is smooth; it may jump at the last."""
-
-    curve: AbstractCurve
-    run: Array
-
-    def point(self, t: ArrayLike) -> Array:
-        return self.curve.point(self._inside(t))
-
-    def velocity(self, t: ArrayLike) -> Array:
-        return self.curve.velocity(self._inside(t))
-
-    def curvature(self, t: ArrayLike) -> Array:
-        return self.curve.curvature(self._inside(t))
-
-    def _inside(self, t: ArrayLike) -> Array:
-        """At its end the curve would answer for the piece beyond."""
-        return just_before(np.asarray(t, dtype=float), self.run[-1:])
-
-    @property
-    def breaks(self) -> Array:
-        return self.run
-
-    @property
-    def closed(self) -> bool:
-        return False
 
 
 @dataclass(frozen=True, eq=False)

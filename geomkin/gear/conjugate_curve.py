@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..plane.curve import AbstractCurve
-from ..plane.parallel import Stretch
+from ..plane.derived import Stretch
 from ..plane.vec import Array, unit
 
 # Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots

@@ -1,4 +1,4 @@
-"""Curves made from one curve: moved, reversed, mirrored, parallel."""
+"""Curves made from one curve: moved, reversed, mirrored, cut to a stretch, parallel."""
 
 from __future__ import annotations
 
@@ -84,6 +84,35 @@ class Mirrored(AbstractCurve):
     @property
     def closed(self) -> bool:
         return self.curve.closed
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch(AbstractCurve):
+    """The part of a curve over `run`, rising parameters of it; the curve may jump at the last."""
+
+    curve: AbstractCurve
+    run: Array
+
+    def point(self, t: ArrayLike) -> Array:
+        return self.curve.point(self._inside(t))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.curve.velocity(self._inside(t))
+
+    def curvature(self, t: ArrayLike) -> Array:
+        return self.curve.curvature(self._inside(t))
+
+    def _inside(self, t: ArrayLike) -> Array:
+        """At its end the curve would answer for the piece beyond."""
+        return just_before(np.asarray(t, dtype=float), self.run[-1:])
+
+    @property
+    def breaks(self) -> Array:
+        return self.run
+
+    @property
+    def closed(self) -> bool:
+        return False
 
 
 @dataclass(frozen=True, eq=False)

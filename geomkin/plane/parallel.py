@@ -2,47 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import ArrayLike
 
-from .curve import AbstractCurve, just_before
-from .derived import Offset
+from .curve import AbstractCurve
+from .derived import Offset, Stretch
 from .flatten import CORNER, smooth_runs
 from .joined import Path, Ring
 from .primitives import Arc
 from .spread import direction
-from .vec import Array
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch(AbstractCurve):
-    """The part of a curve over `run`, two or more of its neighbouring breaks."""
-
-    curve: AbstractCurve
-    run: Array
-
-    def point(self, t: ArrayLike) -> Array:
-        return self.curve.point(t)
-
-    def velocity(self, t: ArrayLike) -> Array:
-        return self.curve.velocity(self._inside(t))
-
-    def curvature(self, t: ArrayLike) -> Array:
-        return self.curve.curvature(self._inside(t))
-
-    def _inside(self, t: ArrayLike) -> Array:
-        """At its end the curve would answer for the piece beyond."""
-        return just_before(np.asarray(t, dtype=float), self.run[-1:])
-
-    @property
-    def breaks(self) -> Array:
-        return self.run
-
-    @property
-    def closed(self) -> bool:
-        return False
 
 
 def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:

@@ -9,9 +9,8 @@ import numpy as np
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import AbstractCurve
-from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.parallel import Stretch
 from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.roulettes import Involute, Trochoid

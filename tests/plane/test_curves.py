@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from geomkin.plane.curve import AbstractCurve
-from geomkin.plane.derived import Reversed
+from geomkin.plane.derived import Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.parallel import Stretch
 from geomkin.plane.primitives import Circle, Polyline
 
 from .curves import cam_profile, derivative, examples, flank, inside, size
