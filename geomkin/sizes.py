@@ -67,6 +67,9 @@ def check_sizes(thing: Any) -> None:
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
 
 
+_TESTS = {"gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal}
+
+
 def _fits(value: Any, about: Any) -> bool:
     try:
         number = np.asarray(value)
@@ -74,12 +77,7 @@ def _fits(value: Any, about: Any) -> bool:
             return False
     except (TypeError, ValueError, OverflowError):
         return False
-    return bool(
-        np.all(number > about.get("gt", -np.inf))
-        and np.all(number >= about.get("ge", -np.inf))
-        and np.all(number < about.get("lt", np.inf))
-        and np.all(number <= about.get("le", np.inf))
-    )
+    return all(test(number, about[key]).all() for key, test in _TESTS.items() if key in about)
 
 
 # A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
@@ -94,4 +93,4 @@ class FlankGear:
     def _toothed(self, side: list[AbstractCurve]) -> Ring:
         """All teeth from the right-hand side of one."""
         land = max(0.0, np.pi / self.teeth - float(np.angle(1j / self.flank.point(self.flank.breaks[0]))))
-        return cast(Ring, toothed(side, land, self.teeth))
+        return toothed(side, self.teeth, land)

@@ -17,7 +17,7 @@ from .cutter import PinionCutter
 from .internal import trochoid_gap
 from .involute import inverse_involute, involute_function, roll_at
 from .ring_root import RingTrochoid
-from .tooth import toothed
+from .tooth import toothed, with_land
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class RingGear:
     @property
     def outline(self) -> AbstractCurve:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
-        return toothed([self.root_curve, self.flank], self._land, self.teeth)
+        return toothed([with_land([self.root_curve, self.flank], self._land)], self.teeth)
 
     @cached_property
     def root_curve(self) -> AbstractCurve:

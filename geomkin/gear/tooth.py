@@ -163,23 +163,31 @@ class Tooth:
         return lean, roll_at(abs(complex(curve.point(lean))), self.base_radius)
 
 
-def outline(tooth: Tooth) -> AbstractCurve:
-    """All teeth: root curve, flank, tip, flank, root curve and bottom land, as often as there are teeth."""
-    rising = [tooth.root_curve, tooth.flank, *([tooth.tip_edge] if tooth.tip_edge else [])]
-    return toothed(rising, tooth.corner_side / tooth.pitch_radius, tooth.teeth)
+def outline(tooth: Tooth) -> Ring:
+    """All teeth: half a bottom land, root curve, flank and tip, and the same back, as often as there are teeth."""
+    side = [tooth.root_curve, tooth.flank, *([tooth.tip_edge] if tooth.tip_edge else [])]
+    return toothed([with_land(side, tooth.corner_side / tooth.pitch_radius)], tooth.teeth)
 
 
-def toothed(rising: list[AbstractCurve], half_land: float, teeth: int) -> AbstractCurve:
-    """The ring of `teeth` teeth of which `rising` is the right-hand side of the one on +y, root to tip.
+def with_land(side: list[AbstractCurve], half_land: float) -> Path:
+    """A tooth's right-hand side from the middle of the bottom land, of which it has half the angle, rad."""
+    root = complex(side[0].point(side[0].breaks[0]))
+    # A full-round rack leaves no bottom land.
+    land = [Arc(0j, root * np.exp(-1j * half_land), half_land)] if half_land > NARROW else []
+    return Path((*land, *side))
 
-    half_land: half the angle of the bottom land, rad.
+
+def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> Ring:
+    """The ring of `teeth` teeth of which `side` is the right-hand side of the one on +y, root to tip.
+
+    half_land: half the angle, rad, of a bottom land from tooth to tooth that `side` does not begin with.
     """
-    falling = [Reversed(Mirrored(curve)) for curve in reversed(rising)]
-    tip, root = complex(rising[-1].point(rising[-1].breaks[-1])), complex(falling[-1].point(falling[-1].breaks[-1]))
-    # A pointed tooth has no tip land, a full-round rack leaves no bottom land.
+    other = [Reversed(Mirrored(curve)) for curve in reversed(side)]
+    root, tip = complex(side[0].point(side[0].breaks[0])), complex(side[-1].point(side[-1].breaks[-1]))
+    # A pointed tooth has no tip land.
     top = [Arc(0j, tip, 2 * float(np.arctan2(tip.real, tip.imag)))] if tip.real > NARROW * abs(tip) else []
-    bottom = [Arc(0j, root, 2 * half_land)] if half_land > NARROW else []
-    return Ring(Path((*rising, *top, *falling, *bottom)), teeth)
+    bottom = [Arc(0j, -root.conjugate(), 2 * half_land)] if half_land > NARROW else []
+    return Ring(Path((*side, *top, *other, *bottom)), teeth)
 
 
 def _root(f, a: float, b: float) -> float:

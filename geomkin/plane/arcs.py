@@ -6,7 +6,8 @@ import numpy as np
 
 from ..errors import DesignError
 from .curve import AbstractCurve
-from .joined import Ring
+from .derived import Mirrored, Moved, Reversed
+from .joined import Path, Ring
 from .primitives import Circle, Polyline
 from .spread import Judge, direction, probes, spread, tops, turns
 from .vec import Array, unit
@@ -15,6 +16,8 @@ SHARES = np.linspace(0, 1, 26)[1:-1]
 # Neighbouring arcs whose curvatures differ by less than this turn over their length, rad, are one arc.
 # Larger would break the tangent by that much; smaller leaves a true circle in pieces.
 SAME = 1e-8
+# Vertices, first and last included, and the bulges between them.
+Chain = tuple[Array, Array]
 
 
 def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
@@ -27,36 +30,59 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
-    if isinstance(curve, Ring):
-        one = to_arcs(curve.piece, tolerance)
-        vertices = np.asarray(one.vertices)
-        bulge = np.zeros(len(one.breaks) - 1) if one.bulges is None else one.bulges
-        vertices = vertices if one.closed else vertices[:-1]
-        return Polyline((curve.turns[:, None] * vertices).ravel(), np.tile(bulge, curve.count))
-    if isinstance(curve, Circle):
-        return Polyline(curve.centre + curve.radius * np.array([1, -1]), np.ones(2))
-    if isinstance(curve, Polyline):
-        return _no_large_arcs(curve)
-    starts, bulges = [], []
-    for run in zip(curve.breaks, curve.breaks[1:]):
-        edges = spread(_biarc_judge(curve), np.array(run), tolerance, order=3)
-        z, bulge = _merge(*_chain(*_biarcs(curve, edges)))
-        starts.append(z[:-1])
-        bulges.append(bulge)
-    if not curve.closed:
-        starts.append(z[-1:])
-    return Polyline(np.concatenate(starts), np.concatenate(bulges), curve.closed)
+    vertices, bulges = _chain(curve, tolerance, {})
+    return Polyline(vertices[:-1] if curve.closed else vertices, bulges, curve.closed)
 
 
-def _no_large_arcs(curve: Polyline) -> Polyline:
-    """The same polyline with arcs of more than half a turn cut in two."""
-    if curve.bulges is None or np.abs(curve.bulges).max() <= 1:
-        return curve
-    edges, bulges = len(curve.breaks) - 1, np.asarray(curve.bulges)
+def _chain(
+    curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, tuple[Array, Array]]
+) -> tuple[Array, Array]:
+    """What `to_arcs` gives. Congruent pieces are worked out once.
+
+    known: the chains of curves met before.
+    """
+    if curve in known:
+        return known[curve]
+    match curve:
+        case Ring():
+            z, bulges = _chain(curve.piece, tolerance, known)
+            around = (curve.turns[:, None] * z[:-1]).ravel()
+            return np.append(around, around[0]), np.tile(bulges, curve.count)
+        case Moved():
+            z, bulges = _chain(curve.curve, tolerance, known)
+            return curve.pose.place(z), bulges
+        case Mirrored():
+            z, bulges = _chain(curve.curve, tolerance, known)
+            return -np.conj(z), -bulges
+        case Reversed():
+            z, bulges = _chain(curve.curve, tolerance, known)
+            return z[::-1], -bulges[::-1]
+        case Polyline():
+            return _no_large_arcs(curve)
+        case Circle():
+            return curve.centre + curve.radius * np.array([1, -1, 1]), np.ones(2)
+        case Path():
+            links = [_chain(piece, tolerance, known) for piece in curve.pieces]
+        case _:
+            judge = _biarc_judge(curve)
+            runs = [spread(judge, curve.breaks[k : k + 2], tolerance, order=3) for k in range(len(curve.breaks) - 1)]
+            links = [_merge(*_alternating(*_biarcs(curve, edges))) for edges in runs]
+    ends = [z[:-1] for z, _ in links] + [links[-1][0][-1:]]
+    known[curve] = np.concatenate(ends), np.concatenate([bulges for _, bulges in links])
+    return known[curve]
+
+
+def _no_large_arcs(curve: Polyline) -> Chain:
+    """The same chain with arcs of more than half a turn cut in two."""
+    edges = len(curve.breaks) - 1
+    bulges = np.zeros(edges) if curve.bulges is None else np.asarray(curve.bulges)
+    if np.abs(bulges).max() <= 1:
+        z = np.asarray(curve.vertices, dtype=complex)
+        return np.append(z, z[0]) if curve.closed else z, bulges
     halves = 1 + (np.abs(bulges) > 1)
     starts = np.repeat(np.arange(edges), halves) + np.concatenate([np.arange(n) / n for n in halves.tolist()])
-    vertices = curve.point(starts if curve.closed else np.append(starts, edges))
-    return Polyline(vertices, np.tan(np.repeat(np.arctan(bulges) / halves, halves)), curve.closed)
+    vertices = np.append(curve.point(starts), np.asarray(curve.vertices)[0 if curve.closed else -1])
+    return vertices, np.tan(np.repeat(np.arctan(bulges) / halves, halves))
 
 
 def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
@@ -84,7 +110,7 @@ def _bulge(chord: Array, tangent: Array) -> Array:
     return w.imag / (np.abs(w) + w.real)
 
 
-def _chain(p0: Array, p1: Array, joint: Array, t0: Array, t1: Array) -> tuple[Array, Array]:
+def _alternating(p0: Array, p1: Array, joint: Array, t0: Array, t1: Array) -> tuple[Array, Array]:
     """Vertices and bulges of the biarcs, one after the other."""
     z = np.append(np.stack([p0, joint], axis=1).ravel(), p1[-1])
     first, second = _bulge(joint - p0, t0), -_bulge(joint - p1, -t1)

@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from .curve import AbstractCurve
-from .joined import Ring
-from .primitives import Circle, Polyline
+from .derived import Mirrored, Moved, Reversed
+from .joined import Path, Ring
+from .primitives import Arc, Circle, Polyline
 from .spread import Judge, cells_of, direction, probes, spread, tops, turns
 from .vec import Array
 
@@ -30,41 +31,85 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Array:
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
-    if isinstance(curve, Ring):
-        one = flatten(curve.piece, tolerance)
-        one = one if curve.piece.closed else one[:-1]
-        if len(one) * curve.count > 2:
-            return (curve.turns[:, None] * one).ravel()
-    if isinstance(curve, Polyline):
-        return _flatten_polyline(curve, tolerance)
-    if isinstance(curve, Circle):
-        chords = max(3, int(_chords_of_arc(curve.radius, 2 * np.pi, tolerance)))
-        return curve.point(np.linspace(0, 2 * np.pi, chords + 1)[:-1])
-    runs = [spread(_chord_judge(curve), run, tolerance, order=2) for run in smooth_runs(curve)]
-    if curve.closed and sum(len(r) - 1 for r in runs) < 3:
+    return _points(curve, tolerance, {})
+
+
+def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Array]) -> Array:
+    """What `flatten` gives. Congruent pieces are worked out once, and arcs by their own rule.
+
+    known: the points of curves met before.
+    """
+    if curve in known:
+        return known[curve]
+    match curve:
+        case Ring():
+            one = _end_to_end(curve.piece, tolerance, known)[:-1]
+            # Two straight copies would leave no area.
+            if len(one) * curve.count > 2:
+                return (curve.turns[:, None] * one).ravel()
+        case Moved():
+            return curve.pose.place(_points(curve.curve, tolerance, known))
+        case Mirrored():
+            return -np.conj(_points(curve.curve, tolerance, known))
+        case Reversed():
+            points = _points(curve.curve, tolerance, known)[::-1]
+            return np.roll(points, 1) if curve.closed else points
+        case Polyline():
+            return _flatten_polyline(curve, tolerance)
+        case Circle():
+            chords = max(3, int(_chords_of_arc(curve.radius, 2 * np.pi, tolerance)))
+            return curve.point(np.linspace(0, 2 * np.pi, chords + 1)[:-1])
+        case Arc():
+            chords = int(_chords_of_arc(abs(curve.start - curve.centre), abs(curve.sweep), tolerance))
+            return curve.point(np.linspace(0, 1, chords + 1))
+    runs = smooth_runs(curve)
+    if len(groups := _between_corners(curve, runs)) > 1:
+        parts = [_end_to_end(group, tolerance, known) for group in groups]
+    else:
+        parts = [curve.point(spread(_chord_judge(curve), run, tolerance, order=2)) for run in runs]
+    if curve.closed and sum(len(part) - 1 for part in parts) < 3:
         # A tolerance as large as the curve would leave no area: keep a triangle.
-        runs = [np.linspace(r[0], r[-1], 4) for r in runs]
-    t = np.concatenate([r[:-1] for r in runs] + ([] if curve.closed else [runs[-1][-1:]]))
-    return curve.point(t)
+        parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in runs]
+    known[curve] = np.concatenate([part[:-1] for part in parts] + ([] if curve.closed else [parts[-1][-1:]]))
+    return known[curve]
+
+
+def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Array]) -> Array:
+    """The same with the end, where that is the start too."""
+    points = _points(curve, tolerance, known)
+    return np.append(points, points[0]) if curve.closed else points
+
+
+def _between_corners(curve: AbstractCurve, runs: list[Array]) -> list[AbstractCurve]:
+    """A path cut where its pieces meet in corners, so that what is known of a piece's form can be used."""
+    if not isinstance(curve, Path):
+        return [curve]
+    cuts = [0, *(int(run[-1]) for run in runs if run[-1] == int(run[-1]))]
+    groups = [curve.pieces[i:j] for i, j in zip(cuts, cuts[1:])]
+    return [group[0] if len(group) == 1 else Path(group) for group in groups]
 
 
 def smooth_runs(curve: AbstractCurve) -> list[Array]:
     """The breaks, cut into stretches without a corner; a chord may well span a jump of curvature."""
     b = curve.breaks
-    jump = np.abs(direction(curve, b[1:-1], after=True) - direction(curve, b[1:-1], after=False))
-    corners = np.flatnonzero(~(jump <= CORNER)) + 1
-    return [b[i : j + 1] for i, j in zip([0, *corners], [*corners, len(b) - 1])]
+    if not (inner := len(b) - 2):
+        return [b]
+    after, before = direction(curve, np.tile(b[1:-1], 2), np.repeat([True, False], inner)).reshape(2, inner)
+    corners = (np.flatnonzero(~(np.abs(after - before) <= CORNER)) + 1).tolist()
+    return [b[i : j + 1] for i, j in zip([0, *corners], [*corners, inner + 1])]
 
 
 def _chord_judge(curve: AbstractCurve) -> Judge:
     def judge(edges: Array) -> tuple[Array, Array]:
-        ends = curve.point(edges)
         # A chord across a break is looked at on both sides of it: each side is smooth.
         cells, owner = cells_of(edges, curve.breaks)
-        off = _distance(ends[owner, None], ends[owner + 1, None], curve.point(probes(cells, SHARES)))
-        first = np.searchsorted(owner, np.arange(len(edges) - 1))
-        turn = turns(curve.velocity(probes(cells, SHARES[1:-1])))
-        return np.maximum.reduceat(tops(off), first), np.add.reduceat(turn, first)
+        inside = curve.point(probes(cells, SHARES))
+        first = owner.searchsorted(np.arange(len(edges)))
+        start, end = inside[first[:-1], 0], inside[first[1:] - 1, -1]
+        off = _distance(start[owner, None], end[owner, None], inside)
+        return np.maximum.reduceat(tops(off), first[:-1]), np.add.reduceat(
+            turns(inside[:, 1:] - inside[:, :-1]), first[:-1]
+        )
 
     return judge
 

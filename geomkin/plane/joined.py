@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import DesignError
-from .curve import AbstractCurve, reach
+from .curve import AbstractCurve
 from .vec import Array
 
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
 # a visible gap pass as closed, smaller refuses pieces that differ by rounding.
 GAP = 1e-9
+_SHARES = np.array([0.0, 0.5, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +25,8 @@ class Path(AbstractCurve):
     pieces: tuple[AbstractCurve, ...]
 
     def __post_init__(self) -> None:
-        starts, ends = self._ends
-        gaps = np.abs(starts[1:] - ends[:-1])
-        if len(gaps) and gaps.max() > self._gap:
+        gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
+        if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())
             raise DesignError(
                 "pieces",
@@ -35,15 +35,14 @@ class Path(AbstractCurve):
             )
 
     @cached_property
-    def _ends(self) -> tuple[Array, Array]:
-        starts = np.array([p.point(p.breaks[0]) for p in self.pieces])
-        return starts, np.array([p.point(p.breaks[-1]) for p in self.pieces])
+    def _samples(self) -> Array:
+        """Start, middle and end of each piece, (n, 3)."""
+        return np.array([p.point(p.breaks[0] * (1 - _SHARES) + p.breaks[-1] * _SHARES) for p in self.pieces])
 
-    @cached_property
-    def _gap(self) -> float:
+    @property
+    def _rounding(self) -> float:
         """Largest distance between ends, mm, that rounding explains."""
-        starts, ends = self._ends
-        return GAP * max(np.abs(starts).max(), np.abs(ends).max(), *(reach(p) for p in self.pieces))
+        return float(GAP * np.abs(self._samples).max())
 
     @cached_property
     def breaks(self) -> Array:
@@ -55,8 +54,7 @@ class Path(AbstractCurve):
 
     @cached_property
     def closed(self) -> bool:
-        starts, ends = self._ends
-        return bool(abs(ends[-1] - starts[0]) <= self._gap)
+        return bool(abs(self._samples[-1, 2] - self._samples[0, 0]) <= self._rounding)
 
     def point(self, t: ArrayLike) -> Array:
         return self._each(t, lambda piece, s, span: piece.point(s), complex)
@@ -106,7 +104,7 @@ class Ring(AbstractCurve):
     count: int
 
     def __post_init__(self) -> None:
-        start, end = (complex(self.piece.point(t)) for t in (self.piece.breaks[0], self.piece.breaks[-1]))
+        start, end = self.piece.point(self.piece.breaks[[0, -1]]).tolist()
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):
             raise DesignError("piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap")

@@ -5,6 +5,7 @@ Both ways of simplifying a curve, chords and arcs, are this one task with anothe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -17,6 +18,7 @@ from .vec import Array, unit
 AIM = 0.998
 # Cells per smooth piece in the first look. Fewer miss wiggles inside a piece; more cost time.
 CELLS = 32
+_FIRST = np.arange(CELLS) / CELLS
 # Most that one interval may turn, rad. A chord or a pair of arcs that turns by more is no longer
 # described by the laws of small intervals, and a closed curve might come back as a single one.
 MOST_TURN = 2.2
@@ -37,33 +39,43 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
     falls with the `order`-th power of their length. The error is measured, never predicted, so the
     result keeps the tolerance wherever the judge looks.
     """
-    grid = np.concatenate([b0 + (b1 - b0) * np.arange(CELLS) / CELLS for b0, b1 in zip(breaks, breaks[1:])])
-    best, settled = _settle(judge, np.append(grid, breaks[-1]), breaks, tolerance, order)
+    best, settled = _settle(judge, breaks, tolerance, order)
     if not settled and len(breaks) > 2:
         # Jumps of curvature keep the chords across them from settling: each smooth piece by itself does.
-        pairs = np.stack([breaks[:-1], breaks[1:]], axis=1)
-        pieces = [_settle(judge, np.linspace(p[0], p[1], CELLS + 1), p, tolerance, order)[0] for p in pairs]
+        pieces = [_settle(judge, breaks[k : k + 2], tolerance, order)[0] for k in range(len(breaks) - 1)]
         apart = np.concatenate([p[:-1] for p in pieces] + [breaks[-1:]])
         best = apart if len(apart) < len(best) else best
     return best
 
 
-def _settle(judge: Judge, edges: Array, breaks: Array, tolerance: float, order: int) -> tuple[Array, bool]:
+def _settle(judge: Judge, breaks: Array, tolerance: float, order: int) -> tuple[Array, bool]:
     """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
+    edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
     best, fewest, settled = edges, np.inf, False
     for k in range(ROUNDS):
-        share = _share(*judge(edges), tolerance, order)
+        error, turn = judge(edges)
+        share = _share(error, turn, tolerance, order)
         over = share > 1
+        if k == 0:
+            spoilt = _spoilt(error, turn, tolerance)
         # An interval across a jump of curvature may never settle: split in two, it costs one more.
         if share.max() < 1.9 and len(share) + over.sum() < fewest:
             best, fewest = edges, len(share) + over.sum()
-        used = np.concatenate([[0.0], np.cumsum(np.where(over & (k > 1), PUSH, 1) * share)])
-        count = max(1, int(np.ceil(used[-1] - 1e-9)))
+            spoilt = _spoilt(error, turn, tolerance)
+        used = np.concatenate([[0.0], (np.where(over & (k > 1), PUSH, 1) * share).cumsum()])
+        count = max(1, math.ceil(used[-1] - 1e-9))
         settled = fewest <= max(ENOUGH * count, count + 1)
         if fewest <= count or (k >= ROUNDS // 2 and settled):
             break
-        edges = _divide(edges, used, count)
-    return _halve(judge, best, breaks, tolerance), settled
+        wanted = _divide(edges, used, count)
+        # Where errors do not follow the law, as across jumps of curvature, full steps go to and fro for ever.
+        edges = edges + 2 / (k + 2) * (wanted - edges) if len(wanted) == len(edges) else wanted
+    return _halve(judge, best, spoilt, breaks, tolerance), settled
+
+
+def _spoilt(error: Array, turn: Array, tolerance: float) -> Array:
+    """Which intervals are over the tolerance."""
+    return (error > tolerance) | (turn > 1.5 * MOST_TURN)
 
 
 def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:
@@ -79,11 +91,12 @@ def _divide(edges: Array, used: Array, count: int) -> Array:
     leave steps of some percent that never settle.
     """
     # Straight stretches use nothing: a trace of use keeps them in order.
-    used = used + np.linspace(0, 1e-9 * used[-1] + 1e-300, len(used))
-    width, secant = np.diff(used), np.diff(edges) / np.diff(used)
+    used = used + (1e-9 * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
+    width = used[1:] - used[:-1]
+    secant = (edges[1:] - edges[:-1]) / width
     slope = np.concatenate([secant[:1], 2 / (1 / secant[1:] + 1 / secant[:-1]), secant[-1:]])
-    wanted = np.linspace(0, used[-1], count + 1)
-    i = np.clip(np.searchsorted(used, wanted, side="right") - 1, 0, len(width) - 1)
+    wanted = used[-1] * np.arange(count + 1) / count
+    i = np.minimum(used[1:-1].searchsorted(wanted, side="right"), len(width) - 1)
     x = (wanted - used[i]) / width[i]
     out = edges[i] + width[i] * (
         secant[i] * x**2 * (3 - 2 * x) + slope[i] * x * (1 - x) ** 2 - slope[i + 1] * x**2 * (1 - x)
@@ -92,47 +105,53 @@ def _divide(edges: Array, used: Array, count: int) -> Array:
     return out
 
 
-def _halve(judge: Judge, edges: Array, breaks: Array, tolerance: float) -> Array:
+def _halve(judge: Judge, edges: Array, over: Array, breaks: Array, tolerance: float) -> Array:
     """Split what is over the tolerance, at a break inside it or in half, until nothing is or digits end."""
     for _ in range(60):
-        error, turn = judge(edges)
-        over = (error > tolerance) | (turn > 1.5 * MOST_TURN)
+        if not over.any():
+            break
         low, high = edges[:-1][over], edges[1:][over]
         inside = np.searchsorted(breaks, low, side="right")
         at = breaks[np.minimum(inside, len(breaks) - 1)]
         merged = np.union1d(edges, np.where(at < high, at, 0.5 * (low + high)))
         if len(merged) == len(edges):
-            return edges
+            break
         edges = merged
+        over = _spoilt(*judge(edges), tolerance)
     return edges
 
 
 def cells_of(edges: Array, breaks: Array) -> tuple[Array, Array]:
     """The intervals between `edges` cut at breaks: the edges of the cells, and each cell's interval."""
-    cells = np.union1d(edges, breaks[(breaks > edges[0]) & (breaks < edges[-1])])
-    return cells, np.searchsorted(edges, cells[:-1], side="right") - 1
+    inner = breaks[(breaks > edges[0]) & (breaks < edges[-1])]
+    inner = inner[edges[edges.searchsorted(inner)] != inner]
+    if not len(inner):
+        return edges, np.arange(len(edges) - 1)
+    cells = np.concatenate([edges, inner])
+    cells.sort()
+    return cells, edges.searchsorted(cells[:-1], side="right") - 1
 
 
 def probes(edges: Array, shares: Array) -> Array:
     """Parameters (intervals, probes) at the given shares of each interval."""
-    return edges[:-1, None] + np.diff(edges)[:, None] * shares
+    return edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * shares
 
 
 def tops(off: Array) -> Array:
     """Largest value along each row of probes, by the parabola through the largest one and its neighbours."""
     rows, peak = np.arange(len(off)), off.argmax(axis=1)
-    i = np.clip(peak, 1, off.shape[1] - 2)
+    i = np.minimum(np.maximum(peak, 1), off.shape[1] - 2)
     left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]
     bend = 2 * mid - left - right
     rise = np.where(bend > 0, (right - left) ** 2 / (8 * np.where(bend > 0, bend, 1)), 0)
     return np.where(peak == i, mid + rise, off.max(axis=1))
 
 
-def direction(curve: AbstractCurve, t: Array, after: bool) -> Array:
+def direction(curve: AbstractCurve, t: Array, after: bool | Array) -> Array:
     """Unit tangent just after, or just before, each parameter: one-sided at breaks, defined at cusps."""
     b = curve.breaks
-    i = np.searchsorted(b, t, side="right" if after else "left")
-    near = b[np.clip(i if after else i - 1, 0, len(b) - 1)]
+    i = np.where(after, b.searchsorted(t, side="right"), b.searchsorted(t, side="left") - 1)
+    near = b[np.minimum(np.maximum(i, 0), len(b) - 1)]
     # Far enough into the piece to be on the right side of rounding, and not so far as to turn.
     inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 64 * np.spacing(np.abs(t)))
     return unit(curve.velocity(t + inward))

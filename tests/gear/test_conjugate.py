@@ -60,7 +60,7 @@ def test_the_mate_of_an_involute_is_the_involute_at_any_centre_distance(working_
 def test_the_mate_of_a_standard_gear_lies_on_the_standard_gear():
     mate = conjugate(gk.SpurGear(24, 2).outline.piece, 24, 24.0, 40, 2.0)
     standard = gk.SpurGear(40, 2)
-    z = mate.contact(np.linspace(*mate.tooth.breaks[[0, -1]], 400)).mate
+    z = mate.contact(np.linspace(*mate.tooth.breaks[[0, -1]], 600)).mate
     z = z[np.isfinite(z) & (np.abs(z) > standard.form_radius + 0.3) & (np.abs(z) < 42)]
     assert len(z) > 50 and gk.nearest(standard.outline, z)[1].max() < 1e-12 * 42
     assert mate.tip_thickness == pytest.approx(standard.thickness(42.0), rel=1e-12)
@@ -69,7 +69,7 @@ def test_the_mate_of_a_standard_gear_lies_on_the_standard_gear():
 def test_the_pinion_that_a_ring_shapes_is_the_involute_pinion():
     ring, pinion = gk.RingGear(60, 2), gk.SpurGear(24, 2)
     mate = conjugate(ring.outline.piece, 60, 60.0, 24, 2.0, internal=True)
-    z = mate.contact(np.linspace(*mate.tooth.breaks[[0, -1]], 400)).mate
+    z = mate.contact(np.linspace(*mate.tooth.breaks[[0, -1]], 600)).mate
     z = z[np.isfinite(z) & (np.abs(z) > 23.6)]
     assert len(z) > 50 and gk.nearest(pinion.outline, z)[1].max() < 1e-12 * 26
     assert not mate.is_ring and mate.distance == pytest.approx(36)

@@ -171,6 +171,31 @@ def test_ring_of_copies_has_copies_of_points():
     assert deviation(one, np.append(z[0], z[1, 0])) <= 1e-3 * (1 + 1e-3)
 
 
+def test_both_sides_of_a_tooth_are_alike():
+    z = flatten(SpurGear(24, 2).outline, 1e-2).reshape(24, -1)[0]
+    tooth = np.append(z, z[0] * np.exp(2j * np.pi / 24))
+    assert np.allclose(-tooth[::-1].conj(), tooth, rtol=0, atol=1e-13)
+
+
+def bumps(count):
+    """A closed path of `count` straights, each with a tangent arc of another size at its end, that meet in corners."""
+    pieces, at = [], 0j
+    for k in range(count):
+        ahead = np.exp(2j * np.pi * k / count)
+        line = Segment(at, at + (3 + k) * ahead)
+        bend = Arc(line.end - (1 + k) * 1j * ahead, line.end, -1.0)
+        at = complex(bend.point(1.0))
+        pieces += [line, bend]
+    return Path((*pieces, Segment(at, 0j)))
+
+
+@pytest.mark.parametrize("count", [3, 4, 7])
+def test_every_stretch_of_a_path_is_its_own(count):
+    curve = bumps(count)
+    for tolerance in (1e-1, 1e-3, 1e-5):
+        assert deviation(curve, flatten(curve, tolerance)) <= tolerance * (1 + 1e-3)
+
+
 def test_polygon_comes_back_as_it_is():
     z = np.array([0, 4, 4 + 3j, 2 + 1j])
     assert np.array_equal(flatten(Polyline(z), 1e-3), z)
