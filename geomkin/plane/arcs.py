@@ -45,7 +45,7 @@ def _chain(
         return known[curve]
     match curve:
         case Ring():
-            z, bulges = _chain(curve.piece, tolerance, known)
+            z, bulges = _over_seam(*_chain(curve.piece, tolerance, known), complex(curve.turns[1 % curve.count]))
             around = (curve.turns[:, None] * z[:-1]).ravel()
             return np.append(around, around[0]), np.tile(bulges, curve.count)
         case Moved():
@@ -70,6 +70,18 @@ def _chain(
     ends = [z[:-1] for z, _ in links] + [links[-1][0][-1:]]
     known[curve] = np.concatenate(ends), np.concatenate([bulges for _, bulges in links])
     return known[curve]
+
+
+def _over_seam(z: Array, bulges: Array, turn: complex) -> Chain:
+    """The chain from its second vertex on, where its last edge and the first of its turned copy are one arc."""
+    if len(bulges) < 3:
+        return z, bulges
+    joint, both = np.array([z[-2], z[-1], turn * z[1]]), bulges[[-1, 0]]
+    half = unit(np.diff(joint)) * np.exp(2j * np.array([1, -1]) * np.arctan(both))
+    one, bulge = _merge(joint, both)
+    if len(bulge) > 1 or abs(half[1] - half[0]) > SAME:
+        return z, bulges
+    return np.append(z[1:-1], one[-1]), np.append(bulges[1:-1], bulge)
 
 
 def _no_large_arcs(curve: Polyline) -> Chain:

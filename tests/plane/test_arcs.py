@@ -158,14 +158,22 @@ def test_polyline_comes_back_as_it_is_but_for_arcs_over_half_a_turn():
 def test_ring_of_copies_has_copies_of_arcs():
     gear = SpurGear(13, 2).outline
     line, one = to_arcs(gear, 1e-3), to_arcs(gear.piece, 1e-3)
-    assert line.closed and len(line.vertices) == 13 * len(one.bulges)
+    # The two halves of a bottom land, at both ends of a piece, are one arc of the whole.
+    assert line.closed and len(line.vertices) == 13 * (len(one.bulges) - 1)
     z = np.asarray(line.vertices).reshape(13, -1)
     assert np.allclose(z[1:], z[:-1] * np.exp(2j * np.pi / 13), rtol=0, atol=1e-12)
     assert np.isclose(measure.area(line), measure.area(gear), atol=1e-3 * measure.length(gear))
     assert deviation(gear.piece, one) <= 1e-3 * (1 + 1e-3)
-    # Where one copy ends and the next starts the bottom land goes on smoothly.
+    # From copy to copy the bottom land goes on smoothly.
     turn, _ = kinks(line)
     assert np.abs(turn.reshape(13, -1)[:, 0]).max() < 1e-6
+
+
+def test_arcs_that_meet_in_a_corner_from_copy_to_copy_stay_two():
+    """Of the same radius: only the corner tells them apart."""
+    piece = Polyline(np.array([3, 2.5 + 1j, 1 + 2.5j, 3j]), np.array([0.2, 0.0, 0.2]), False)
+    line = to_arcs(Ring(piece, 4), 1e-3)
+    assert len(line.vertices) == 12 and np.isclose(measure.area(line), measure.area(Ring(piece, 4)))
 
 
 def test_ring_of_straight_pieces_has_straight_edges():

@@ -113,6 +113,34 @@ def geometry():
     print(f"  cam profile at 720 points:       {best_ms(lambda: cam.profile.point(angles)):.2f}")
 
 
+def gears():
+    from geomkin.plane.derived import Moved, Stretch
+    from geomkin.plane.flatten import smooth_runs
+    from geomkin.plane.joined import Path as Joined
+    from geomkin.plane.pose import Pose
+
+    print("gears, module 2, warm: ms to make the gear and its outline as chords, and as arcs, at 0.01 mm")
+    for teeth in (8, 24, 100):
+        chords = best_ms(lambda teeth=teeth: gk.flatten(gk.SpurGear(teeth, 2).outline, 0.01), 50)
+        arcs = best_ms(lambda teeth=teeth: gk.to_arcs(gk.SpurGear(teeth, 2).outline, 0.01), 20)
+        print(f"  {teeth:4d} teeth {chords:6.2f} {arcs:6.2f}")
+    print("vertices a tooth: chords, least possible (greedy from corner to corner), arcs")
+    for teeth in (8, 24):
+        outline = gk.SpurGear(teeth, 2).outline
+        side, top, other = outline.piece.pieces
+        space = Joined((other, Moved(side, Pose(0j, complex(outline.turns[1])))))
+        for tolerance in (0.1, 0.01, 0.001, 0.0001):
+            ours = len(gk.flatten(outline, tolerance)) // teeth
+            least = sum(least_chords(Stretch(space, run), tolerance) for run in smooth_runs(space))
+            least += len(gk.flatten(top, tolerance)) - 1
+            arcs = len(gk.to_arcs(outline, tolerance).vertices) // teeth
+            print(f"  {teeth:4d} teeth {tolerance:8g} mm {ours:5d} {least:5d} {arcs:5d}")
+    print("mates by the law of gearing, warm, ms")
+    for name in ("straight-sided-external", "straight-sided-ring", "point-tooth", "lantern"):
+        if (path := ROOT / "recipes" / f"{name}.toml").exists():
+            print(f"  {name:<26}{best_ms(lambda path=path: gk.load(path).shaped, 3):6.0f}")
+
+
 def cams():
     from geomkin.cam.optimise import optimal_polynomial, optimal_spline
 
@@ -207,6 +235,7 @@ if __name__ == "__main__":
     vertices()
     files()
     geometry()
+    gears()
     cams()
     linkages()
     digits()
