@@ -149,21 +149,18 @@ class Swept:
             keep = (here >= low) & (here <= high)
             here, there = here[keep], there[keep]
             leads_out = along * cross(mine.velocity(here) * self.sense[at], other.velocity(there) * self.sense[k]) < 0
-            for v, w in zip(here[leads_out].tolist(), there[leads_out].tolist()):
-                if not self._is_joint(at, k, v):
-                    out.append((v, k, w))
+            keep = leads_out & ~self._are_joints(at, k, mine.point(here))
+            out.extend((v, k, w) for v, w in zip(here[keep].tolist(), there[keep].tolist()))
         return out
 
     @cached_property
     def _boxes(self) -> list[Array]:
         return [_boxes(t, curve) for t, curve in zip(self.grids, self.curves)]
 
-    def _is_joint(self, at: int, other: int, here: float) -> bool:
-        """Whether two curves merely meet end to end."""
-        a, b = self.curves[at], self.curves[other]
-        z = complex(a.point(here))
-        ends = [min(abs(complex(c.point(e)) - z) for e in (c.start, c.end)) for c in (a, b)]
-        return max(ends) < MEET * self.size
+    def _are_joints(self, one: int, other: int, places: Array) -> Array:
+        """Whether two curves merely meet end to end at places."""
+        away = [np.abs(self.points[k][[0, -1], None] - places).min(axis=0) for k in (one, other)]
+        return np.maximum(*away) < MEET * self.size
 
 
 def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius: float, turn: complex) -> Swept:
