@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 
@@ -59,37 +59,9 @@ class SpurGear:
     def __post_init__(self) -> None:
         check_sizes(self)
         self._settle_module()
-        if self.tip_radius <= self.root_radius or self.root_radius <= 0:
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}, which puts the root circle at {self.root_radius:.4g} mm",
-                "give a larger profile_shift or more teeth",
-            )
-        if self.tip_radius <= self.base_radius:
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}, which leaves no tooth outside the base circle",
-                "give a larger profile_shift or more teeth",
-            )
-        if self._half_angle(self.base_radius) <= 0:
-            most = self.thinning + 2 * self.pitch_radius * self._half_angle(self.base_radius)
-            raise DesignError(
-                "thinning", f"found {self.thinning:g} mm, which leaves no tooth", f"give less than {most:.4g} mm"
-            )
-        if self.pointed == "refuse" and self.tip_thickness < 0:
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}, with which the flanks meet below the tip circle: the teeth are pointed",
-                self._less_pointed(),
-            )
+        if not self._leaves_teeth():
+            self._refuse()
         self._check_tip_edge()
-        if not self._tooth.stands:
-            least = self.profile_shift + self._tooth.least_shift() / self.module
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}: with {self.teeth} teeth the rack's tips cut the teeth off",
-                f"give at least {np.ceil(least * 1000) / 1000:g}, or more teeth",
-            )
 
     def _settle_module(self) -> None:
         if self.diametral_pitch is None:
@@ -105,6 +77,53 @@ class SpurGear:
             )
         object.__setattr__(self, "module", module)
 
+    def _leaves_teeth(self, **changes: float) -> bool:
+        """Whether a rack leaves whole teeth on this gear, with other sizes; tips are taken as sharp."""
+        gear = object.__new__(SpurGear)  # not checked
+        sizes = {field.name: getattr(self, field.name) for field in fields(self)}
+        gear.__dict__.update(sizes | {"tip_rounding": 0.0, "tip_chamfer": 0.0} | changes)
+        return gear._tooth.stands and (self.pointed == "cut" or gear.tip_thickness >= 0)
+
+    def _refuse(self) -> NoReturn:
+        """Say why there are no teeth, and the nearest size that leaves some."""
+        if self.thinning and self._leaves_teeth(thinning=0.0):
+            most = self._limit("thinning", 0.0, min(self.thinning, np.pi * self.module))
+            raise DesignError(
+                "thinning",
+                f"found {self.thinning:g} mm, which leaves no tooth",
+                f"give at most {most * (1 - 1e-5):.6g}",
+            )
+        tooth, found = replace(self._tooth, tip_rounding=0.0, tip_chamfer=0.0), f"found {self.profile_shift:g}"
+        remedy = "more teeth or a smaller addendum"
+        if tooth.half_angle_at_base <= 0 or tooth.tip_radius <= max(tooth.base_radius, tooth.root_radius):
+            problem = f"{found}, which leaves no tooth outside its base and root circles"
+        elif tooth.stands:
+            problem = f"{found}, with which the flanks meet below the tip circle: the teeth are pointed"
+            remedy = "a smaller addendum or pointed = cut"
+        else:
+            problem = f"{found}: with {self.teeth} teeth the rack's tips cut the teeth off"
+        raise DesignError("profile_shift", problem, f"give {self._nearest_shift()}{remedy}")
+
+    def _nearest_shift(self) -> str:
+        """The profile shift nearest to the one found that leaves teeth, in words; none if none is near."""
+        found = self.profile_shift
+        # Gears whose shifts leave teeth over less than a fiftieth of a module are not found.
+        for step in np.arange(0.02, 20, 0.02).tolist():
+            if self._leaves_teeth(profile_shift=found - step):
+                least = self._limit("profile_shift", found - step, found)
+                return f"at most {np.floor(least * 1000) / 1000:g}, or "
+            if self._leaves_teeth(profile_shift=found + step):
+                most = self._limit("profile_shift", found + step, found)
+                return f"at least {np.ceil(most * 1000) / 1000:g}, or "
+        return ""
+
+    def _limit(self, name: str, good: float, bad: float) -> float:
+        """The size nearest to a bad one that still leaves teeth, from one that does."""
+        for _ in range(60):
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if self._leaves_teeth(**{name: middle}) else (good, middle)
+        return good
+
     def _check_tip_edge(self) -> None:
         """The two edges of a tip must leave each other, and the flanks, their room."""
         if self.tip_rounding and self.tip_chamfer:
@@ -116,7 +135,17 @@ class SpurGear:
             name, value = "tip_chamfer", self.tip_chamfer
             most = min(max(0.0, self.tip_thickness / 2), self.tip_radius - self.base_radius)
         # Twelve digits: a full round asked for as exactly as a number can be written is one.
-        if value * self.module > most * (1 + 1e-12):
+        fits = value * self.module <= most * (1 + 1e-12)
+        if fits and not self._tooth.stands:
+            # Undercut has left less of the flanks.
+            low, most, fits = 0.0, value * self.module, False
+            for _ in range(40):
+                middle = 0.5 * (low + most)
+                changed: dict[str, Any] = {name: middle}
+                stands = replace(self._tooth, **changed).stands
+                low, most = (middle, most) if stands else (low, middle)
+            most = low
+        if not fits:
             raise DesignError(
                 name,
                 f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
@@ -234,15 +263,3 @@ class SpurGear:
         slope = np.tan(self.rack.pressure_angle)
         at_pitch = (np.pi / 2 + 2 * shift * slope - self.thinning / self.module) / self.teeth
         return float(at_pitch + involute_function(slope) - involute_function(roll))
-
-    def _less_pointed(self) -> str:
-        """What leaves a tip: the largest shift, by bisection, a little on the safe side, if any does."""
-        addendum = self.rack.addendum if self.addendum is None else self.addendum
-        low, high = -addendum, self.profile_shift
-        for _ in range(60):
-            x = 0.5 * (low + high)
-            half = self._half_angle_of(x, roll_at(self.pitch_radius + self.module * (addendum + x), self.base_radius))
-            low, high = (x, high) if half > 0 else (low, x)
-        if low == -addendum:
-            return "give a smaller addendum"
-        return f"give at most {np.floor(low * 1000) / 1000:.4g}, a smaller addendum, or pointed = cut"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -40,31 +40,14 @@ class Tooth:
 
     @cached_property
     def stands(self) -> bool:
-        """Whether the rack leaves something of the involute, and a neck under it."""
-        if self.flank_start >= self.flank_end:
+        """Whether there is a tooth: outside root and base circle something of the involute, and a neck under it."""
+        if self.root_radius <= 0 or self.tip_radius <= max(self.root_radius, self.base_radius):
+            return False
+        if self.half_angle_at_base <= 0 or self.flank_start >= self.flank_end:
             return False
         root = self.root_curve
         # Only undercut makes a neck; a sample sees it to a thousandth of what would hold.
         return not self.is_undercut or root.point(np.linspace(root.breaks[0], root.breaks[-1], 65)).real.min() > 0
-
-    def shifted(self, by: float) -> Tooth:
-        """The same tooth cut with the rack farther out, mm."""
-        return replace(
-            self,
-            tip_radius=self.tip_radius + by,
-            root_radius=self.root_radius + by,
-            half_angle_at_base=self.half_angle_at_base + by * float(np.tan(self.pressure_angle)) / self.pitch_radius,
-            corner_depth=self.corner_depth - by,
-            flank_depth=self.flank_depth - by,
-        )
-
-    def least_shift(self) -> float:
-        """How far out the rack must go until the tooth stands, mm; beyond the end of undercut it always does."""
-        low, high = 0.0, self.flank_depth - self.pitch_radius * float(np.sin(self.pressure_angle)) ** 2
-        for _ in range(40):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.shifted(middle).stands else (middle, high)
-        return high
 
     @cached_property
     def _rack_start(self) -> float:

@@ -251,6 +251,15 @@ def test_the_largest_shift_named_in_the_refusal_works():
     assert 0 <= gk.SpurGear(12, 2, largest).tip_thickness < 0.01 * 2
 
 
+@pytest.mark.parametrize("thinning", [2.0, 3.6, 9.0, 1e300])
+def test_the_most_thinning_named_in_a_refusal_leaves_pointed_teeth(thinning):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.SpurGear(24, 2, thinning=thinning)
+    assert caught.value.field == "thinning"
+    gear = gk.SpurGear(24, 2, thinning=float(caught.value.remedy.split("at most ")[1]))
+    assert 0 <= gear.tip_thickness < 1e-3
+
+
 @pytest.mark.parametrize(("teeth", "angle", "shift"), [(4, 20, -0.6), (5, 10, -0.6), (6, 25, -1.0)])
 def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leaves_a_neck(teeth, angle, shift):
     rack = gk.Rack(angle, 1, 1.2, 0.2)
@@ -261,3 +270,33 @@ def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leav
     assert region.is_simple(gk.flatten(gear.outline, 1e-4))
     neck = np.abs(gk.flatten(gear.root_curve, 1e-5).real).min()
     assert 0 < neck < 0.01 * gear.module
+
+
+@pytest.mark.parametrize("pointed", ["refuse", "cut"])
+@pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(35, 0.8, 0.9, 0.1)])
+def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
+    refused = 0
+    for teeth in (4, 8, 24, 200):
+        for shift in (-9.0, -2.0, -0.7, 1.5, 9.0):
+            try:
+                gk.SpurGear(teeth, 2, shift, rack, pointed=pointed)
+                continue
+            except gk.DesignError as error:
+                assert error.field == "profile_shift"
+                way, found = error.remedy.split("give at ")[1].split(",")[0].split()
+            refused += 1
+            gk.SpurGear(teeth, 2, float(found), rack, pointed=pointed)
+            with pytest.raises(gk.DesignError):
+                gk.SpurGear(teeth, 2, float(found) + (-0.01 if way == "least" else 0.01), rack, pointed=pointed)
+    assert refused > 4
+
+
+@pytest.mark.parametrize("name", ["tip_rounding", "tip_chamfer"])
+def test_a_tip_edge_that_reaches_an_undercut_is_refused_with_one_that_does_not(name):
+    rack = gk.Rack(20, 0.7)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.SpurGear(5, 2, -0.4, rack, **{name: 0.44})
+    assert caught.value.field == name
+    largest = float(caught.value.remedy.split("at most ")[1])
+    gear = gk.SpurGear(5, 2, -0.4, rack, **{name: largest})
+    assert gear.form_radius < abs(gear.flank.point(gear.flank.breaks[-1])) < gear.form_radius + 0.01
