@@ -92,8 +92,7 @@ class RingGear:
         """The tips, where the teeth are thinnest, must have some thickness left."""
         if self.tip_thickness >= 0:
             return
-        # Thinning takes as much more or less than its amount as the circle is wider or narrower.
-        most = self.thinning + self.tip_thickness * self.pitch_radius / self.tip_radius
+        most = 2 * self.pitch_radius * (np.pi / self.teeth - self._half_cut(self._flank_rolls[0]))
         if most > 0:
             raise DesignError(
                 "thinning",
@@ -182,9 +181,12 @@ class RingGear:
 
     def _half_space(self, roll: float) -> float:
         """Half the angle that a space takes where the flank has a roll angle, rad."""
+        return self._half_cut(roll) + self._turn
+
+    def _half_cut(self, roll: float) -> float:
+        """The same before the teeth are thinned, rad."""
         a = self._slope
-        at_pitch = (np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + self._turn
-        return at_pitch + involute_function(a) - involute_function(roll)
+        return (np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a) - involute_function(roll)
 
     @property
     def _turn(self) -> float:
