@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -58,36 +59,19 @@ def _mate(gear: Any, teeth: int, wanted: Mate) -> Conjugate:
         raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
 
 
-@dataclass(frozen=True)
-class StraightSidedRecipe:
-    """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
-
-    kind: Literal["straight-sided-gears"]
-    gear: StraightSidedGear
-    mate: Mate
-    stock: PairStock = entry("what the gears are cut from", default=PairStock())
-    files: Files = entry("what is written", default=Files())
-
-    @cached_property
-    def shaped(self) -> Conjugate:
-        """The mate's teeth."""
-        return _mate(self.gear.gear, self.gear.teeth, self.mate)
-
-
-@dataclass(frozen=True)
-class PointToothRecipe:
-    """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
-
-    kind: Literal["point-tooth-gears"]
-    gear: PointToothGear
-    mate: Mate
-    stock: PairStock = entry("what the gears are cut from", default=PairStock())
-    files: Files = entry("what is written", default=Files())
-
-    @cached_property
-    def shaped(self) -> Conjugate:
-        """The mate's teeth."""
-        return _mate(self.gear.gear, self.gear.teeth, self.mate)
+def _kind(name: str, gear: type, about: str) -> Kind:
+    """A kind of gear by its sizes; all of them shape their mates, are judged and cut alike."""
+    fields: list[tuple[str, Any, Any]] = [
+        ("kind", Literal[name], dataclasses.field()),  # type: ignore[valid-type]
+        ("gear", gear, dataclasses.field()),
+        ("mate", Mate, dataclasses.field()),
+        ("stock", PairStock, entry("what the gears are cut from", default=PairStock())),
+        ("files", Files, entry("what is written", default=Files())),
+    ]
+    shaped = cached_property(lambda recipe: _mate(recipe.gear.gear, recipe.gear.teeth, recipe.mate))
+    namespace = {"__doc__": about, "shaped": shaped}
+    recipe = dataclasses.make_dataclass(f"{gear.__name__}Recipe", fields, frozen=True, namespace=namespace)
+    return Kind(recipe, _pair_table, _pair_checks, _pair_parts, _notes)
 
 
 @dataclass(frozen=True)
@@ -106,7 +90,7 @@ class LanternRecipe:
         return _mate(self.pinion, self.pinion.pins, self.mate)
 
 
-def _pair_table(recipe: StraightSidedRecipe | PointToothRecipe) -> Table:
+def _pair_table(recipe: Any) -> Table:
     share = np.linspace(0, 1, ROWS)
     where = Column("flank_share", "", "place on the right-hand flank, 0 at the bottom land, 1 at the tip", share)
     return _table(where, recipe.shaped, share)
@@ -148,7 +132,7 @@ def _common_checks(mate: Conjugate, module: float, start: float, end: float) -> 
     ]
 
 
-def _pair_checks(recipe: StraightSidedRecipe | PointToothRecipe) -> list[Check]:
+def _pair_checks(recipe: Any) -> list[Check]:
     lost = sum(u.outer_radius - u.inner_radius for u in recipe.shaped.untouched if u.start < 1 and u.why != BEYOND)
     advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
     return [
@@ -157,7 +141,7 @@ def _pair_checks(recipe: StraightSidedRecipe | PointToothRecipe) -> list[Check]:
     ]
 
 
-def _pair_parts(recipe: StraightSidedRecipe | PointToothRecipe) -> list[Part]:
+def _pair_parts(recipe: Any) -> list[Part]:
     return pair_parts(recipe.gear.gear, recipe.shaped, recipe.stock)
 
 
@@ -169,7 +153,7 @@ def _lantern_parts(recipe: LanternRecipe) -> list[Part]:
     return lantern_parts(recipe.pinion, recipe.shaped, recipe.stock)
 
 
-def _notes(recipe: StraightSidedRecipe | PointToothRecipe | LanternRecipe) -> dict[str, Any]:
+def _notes(recipe: Any) -> dict[str, Any]:
     """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
     mate = recipe.shaped
     return {
@@ -188,7 +172,9 @@ def _notes(recipe: StraightSidedRecipe | PointToothRecipe | LanternRecipe) -> di
 
 
 KINDS = {
-    "straight-sided-gears": Kind(StraightSidedRecipe, _pair_table, _pair_checks, _pair_parts, _notes),
-    "point-tooth-gears": Kind(PointToothRecipe, _pair_table, _pair_checks, _pair_parts, _notes),
-    "lantern-gears": Kind(LanternRecipe, _lantern_table, _lantern_checks, _lantern_parts, _notes),
-}
+    name: _kind(name, gear, f"A gear with {teeth} and the mate that they shape, outside it or as a ring around it.")
+    for name, gear, teeth in (
+        ("straight-sided-gears", StraightSidedGear, "straight-sided teeth"),
+        ("point-tooth-gears", PointToothGear, "teeth through given points"),
+    )
+} | {"lantern-gears": Kind(LanternRecipe, _lantern_table, _lantern_checks, _lantern_parts, _notes)}
