@@ -17,9 +17,9 @@ from ..sizes import check_sizes, quantity
 class LanternPinion:
     """Round pins on a circle about the origin, one of them on +y, held between two discs."""
 
-    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=10)
+    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
     module: float = quantity("pin circle's diameter per pin", "mm", above=0, at_most=1e5, example=4)
-    pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=6)
+    pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -80,7 +80,8 @@ class LanternRecipe:
 
     kind: Literal["lantern-gears"]
     pinion: LanternPinion
-    mate: Mate
+    # Pins stay in contact for a pitch only on long teeth.
+    mate: Mate = entry("the wheel", example=Mate(48, 7.5))
     stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
     files: Files = entry("what is written", default=Files())
 
