@@ -133,6 +133,19 @@ def test_the_crank_rocker_table_agrees_with_the_library():
     assert np.abs(np.gradient(x, times)[1:-1] - speed[1:-1]).max() < 2e-3 * np.abs(speed).max()
 
 
+def test_the_ring_gear_s_table_is_the_side_of_the_tooth_in_its_drawing(tmp_path):
+    gk.make(RECIPES[0].parent / "ring-gear.toml", tmp_path, ["csv", "dxf"])
+    rows = list(csv.DictReader((tmp_path / "ring-gear" / "ring-gear.csv").read_text().splitlines()))
+    z = np.array([complex(float(r["tooth_x_mm"]), float(r["tooth_y_mm"])) for r in rows])
+    found = rings(tmp_path / "ring-gear", "ring-gear")
+    plate, hole = found["CUT"][0], found["HOLE"][0]
+    middle = complex(plate.centroid.x, plate.centroid.y)
+    assert max(hole.exterior.distance(shapely.Point(p.real, p.imag)) for p in z + middle) < 0.006
+    assert [r["region"] for r in rows] == sorted(r["region"] for r in rows)  # involute, then root
+    half = np.interp(48.0, np.abs(z), [float(r["half_thickness_angle_deg"]) for r in rows])
+    assert 2 * 48 * np.radians(half) == pytest.approx(np.pi - 0.1, abs=0.01)
+
+
 def test_every_linkage_of_the_gallery_closes_its_loops_over_its_whole_way(made):
     recipe = gk.load(made[0])
     motions = [getattr(recipe, name) for name in ("motion", "figure") if hasattr(recipe, name)]

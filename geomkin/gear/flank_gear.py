@@ -9,8 +9,10 @@ import numpy as np
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
+from ..plane.derived import Moved
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
+from ..plane.pose import Pose
 from ..plane.primitives import Segment
 from ..plane.spread import direction
 from .tooth import toothed
@@ -67,15 +69,33 @@ class FlankGear:
         """The whole gear as one closed counterclockwise curve of exact pieces; the flank is piece 0 of its tooth."""
         return self._toothed([self.flank])
 
-    def cutter(self, clearance: float) -> AbstractCurve:
-        """The tooth with its flanks drawn out straight at the tip by `clearance`, mm along the radius.
+    @property
+    def most_backlash(self) -> float:
+        """Backlash, mm, for which neighbouring teeth of the mate's cutter meet: it takes up the whole bottom lands."""
+        return 2 * self.pitch_radius * self._half_land(self.flank)
 
-        What cuts a mate with that much room at its roots; the flank is its piece 0 all the same.
+    def cutter(self, clearance: float, backlash: float = 0.0) -> AbstractCurve:
+        """What cuts a mate: the tooth drawn out and made thicker; its right-hand flank is piece 0 all the same.
+
+        clearance: room at the mate's roots, mm along the radius, for which the flanks are drawn out straight at the
+        tip. backlash: play of the pair, mm along the pitch circle, for which each flank is turned about the axis,
+        away from the tooth's middle, by backlash / (2 pitch_radius). The mate's flanks are as much turned, so that
+        either runs at the same constant ratio. The gear's own flank touches where the cutter's does, when the gear
+        has turned less by that angle, counterclockwise, for the right-hand flank, and more for the left.
         """
-        if clearance == 0:
+        if clearance == 0 and backlash == 0:
             return self.outline.piece
-        end = complex(self.flank.point(self.flank.breaks[-1]))
-        along = complex(direction(self.flank, self.flank.breaks[-1:], after=False)[0])
+        if backlash > self.most_backlash:
+            raise DesignError(
+                "backlash",
+                f"found {backlash:.5g} mm, for which neighbouring teeth of the mate's cutter run into each other",
+                f"give at most {self.most_backlash * (1 - 1e-5):.6g}",
+            )
+        flank = Moved(self.flank, Pose(0j, np.exp(-0.5j * backlash / self.pitch_radius)))
+        if clearance == 0:
+            return self._toothed([flank]).piece
+        end = complex(flank.point(flank.breaks[-1]))
+        along = complex(direction(flank, flank.breaks[-1:], after=False)[0])
         # Up the tangent to the wider circle: |end + s along| = tip + clearance.
         rise = (np.conj(along) * end).real
         grown = clearance * (2 * self.tip_radius + clearance)
@@ -88,9 +108,12 @@ class FlankGear:
                 f"found {clearance:.5g} mm, but the flanks drawn on beyond the tip meet after {room:.5g}",
                 f"give at most {room * (1 - 1e-5):.6g}",
             )
-        return self._toothed([self.flank, Segment(end, end + s * along)]).piece
+        return self._toothed([flank, Segment(end, end + s * along)]).piece
+
+    def _half_land(self, flank: AbstractCurve) -> float:
+        """Half the angle of the bottom land that a flank leaves, rad."""
+        return max(0.0, np.pi / self.teeth - float(np.angle(1j / flank.point(flank.breaks[0]))))
 
     def _toothed(self, side: list[AbstractCurve]) -> Ring:
         """All teeth from the right-hand side of one."""
-        land = max(0.0, np.pi / self.teeth - float(np.angle(1j / self.flank.point(self.flank.breaks[0]))))
-        return toothed(side, self.teeth, land)
+        return toothed(side, self.teeth, self._half_land(side[0]))

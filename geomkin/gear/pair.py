@@ -253,7 +253,7 @@ class GearPair:
 
     def _distance_of_backlash(self) -> float:
         """Centre distance at which the teeth, thinned as they are, have no backlash, mm."""
-        thinning = self.first.thinning + getattr(self.second, "thinning", 0.0)
+        thinning = self.first.thinning + self.second.thinning
         if thinning == 0:
             return self.tight_distance
         sign = 1 if self.is_internal else -1

@@ -26,7 +26,9 @@ class RingGear:
 
     profile_shift: how far the teeth stand outwards of their normal place, in modules; a pinion of the same
     shift then meshes at the distance of a pair without shift. More makes the teeth thinner at their root
-    circle and the spaces wider.
+    circle and the spaces wider. thinning: the cutter widens the spaces by going round turned to both sides by
+    all angles up to thinning / (2 pitch_radius), so that each side of a tooth turns as a whole, root curve and
+    flank, and the bottom lands grow.
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=10_000, example=60)
@@ -35,6 +37,9 @@ class RingGear:
     cutter: PinionCutter = entry("the gear-shaped tool that cuts the teeth", default=PinionCutter())
     addendum: float = quantity(
         "how far the teeth reach inwards of their reference circle", "modules", default=1.0, above=0, at_most=5
+    )
+    thinning: float = quantity(
+        "how much thinner each tooth is along the reference circle, for backlash", "mm", default=0.0, at_least=0
     )
 
     def __post_init__(self) -> None:
@@ -60,12 +65,7 @@ class RingGear:
                 "the cutter does not reach the tips of the teeth",
                 "give a larger addendum, or a larger one to the cutter",
             )
-        if self.tip_thickness < 0:
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}, with which the flanks meet outside the tip circle",
-                "give a smaller profile_shift or addendum",
-            )
+        self._check_thickness()
         if trochoid_gap(*self._cutting) < 0:
             raise DesignError(
                 "cutter.teeth",
@@ -86,6 +86,24 @@ class RingGear:
             f"found {self.addendum:g}, so the tips stand at {self.tip_radius:.5g} mm, but a cutter of "
             f"{self.cutter.teeth} teeth makes involutes from {least:.5g} mm outwards",
             f"{remedy}{joint} or cutter teeth",
+        )
+
+    def _check_thickness(self) -> None:
+        """The tips, where the teeth are thinnest, must have some thickness left."""
+        if self.tip_thickness >= 0:
+            return
+        most = 2 * self.pitch_radius * (np.pi / self.teeth - self._half_cut(self._flank_rolls[0]))
+        if most > 0:
+            raise DesignError(
+                "thinning",
+                f"found {self.thinning:g} mm, with which the flanks meet outside the tip circle",
+                # A little less, so that the number still works when rounded.
+                f"give at most {most * (1 - 1e-5):.6g}",
+            )
+        raise DesignError(
+            "profile_shift",
+            f"found {self.profile_shift:g}, with which the flanks meet outside the tip circle",
+            "give a smaller profile_shift or addendum",
         )
 
     @property
@@ -163,8 +181,17 @@ class RingGear:
 
     def _half_space(self, roll: float) -> float:
         """Half the angle that a space takes where the flank has a roll angle, rad."""
+        return self._half_cut(roll) + self._turn
+
+    def _half_cut(self, roll: float) -> float:
+        """The same before the teeth are thinned, rad."""
         a = self._slope
         return (np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a) - involute_function(roll)
+
+    @property
+    def _turn(self) -> float:
+        """Angle by which thinning turns each side of a tooth towards its middle, rad."""
+        return self.thinning / (2 * self.pitch_radius)
 
     @property
     def _slope(self) -> float:
@@ -193,7 +220,7 @@ class RingGear:
     @property
     def _land(self) -> float:
         """Half the angle of the bottom land, rad."""
-        return max(0.0, self.cutter.corner.angle) * self.cutter.teeth / self.teeth
+        return max(0.0, self.cutter.corner.angle) * self.cutter.teeth / self.teeth + self._turn
 
     @cached_property
     def _flank_rolls(self) -> tuple[float, float]:

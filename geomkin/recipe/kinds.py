@@ -27,6 +27,7 @@ KINDS = {
     "shaking-force": "shaking_force",
     "disk-cam": "disk_cam",
     "spur-gear": "spur_gear",
+    "ring-gear": "ring_gear",
     "gear-pair": "gear_pair",
     "rack-and-pinion": "gear_pair",
     "planetary": "planetary",

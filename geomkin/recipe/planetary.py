@@ -15,6 +15,7 @@ from ..sizes import entry
 from ..table import Column, Table
 from .gear_pair import mesh_checks, mesh_notes
 from .kind import Kind
+from .ring_gear import ring_checks
 from .settings import Drive, Files
 from .spur_gear import gear_checks, gear_notes, shown
 
@@ -61,9 +62,7 @@ def _checks(recipe: PlanetaryRecipe) -> list[Check]:
         Check("room between planets", min(room, 1e6), "at least", 0.5, "modules", "give fewer planets"),
         *gear_checks(gears.sun, recipe.sun_stock, "sun"),
         *gear_checks(gears.planet, recipe.planet_stock, "planet"),
-        Check(
-            "rim of the ring", recipe.ring_stock.rim / gears.sun.module, "at least", 1, "modules", "give a thicker rim"
-        ),
+        *ring_checks(gears.ring, recipe.ring_stock, "ring"),
     ]
 
 

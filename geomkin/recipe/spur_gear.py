@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from ..gear.ring import RingGear
 from ..gear.shifts import undercut_free_shift
 from ..gear.spur import SpurGear
 from ..part import Part
+from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..shop.gears import GearStock, gear_parts
 from ..sizes import entry
@@ -44,12 +46,17 @@ class SpurGearRecipe:
 
 
 def _table(recipe: SpurGearRecipe) -> Table:
-    """One side of a tooth from root to tip, as finely as the tolerance asks."""
+    """One side of a tooth from root to tip."""
     gear = recipe.cut_gear
     curves = {"root": gear.root_curve, "involute": gear.flank}
     if gear.tip_edge:
         curves["tip"] = gear.tip_edge
-    sides = [flatten(curve, recipe.files.tolerance) for curve in curves.values()]
+    return tooth_table(curves, recipe.files.tolerance)
+
+
+def tooth_table(curves: Mapping[str, AbstractCurve], tolerance: float) -> Table:
+    """The right-hand side of the tooth on +y, outwards, as finely as the tolerance asks. curves: its own, by name."""
+    sides = [flatten(curve, tolerance) for curve in curves.values()]
     sides[1:] = [side[1:] for side in sides[1:]]  # neighbouring curves share a point
     z = np.concatenate(sides)
     region = np.repeat(list(curves), [len(side) for side in sides])
@@ -68,14 +75,19 @@ def _table(recipe: SpurGearRecipe) -> Table:
     )
 
 
+def tip_check(gear: SpurGear | RingGear, before: str = "") -> Check:
+    """Whether the tips are thick enough not to break; before: what the check's name begins with."""
+    remedy = "give less profile_shift, addendum or thinning"
+    return Check(f"{before}tip thickness", gear.tip_thickness / gear.module, "at least", 0.2, "modules", remedy)
+
+
 def gear_checks(gear: SpurGear, stock: GearStock, name: str = "") -> list[Check]:
     """Tip, undercut and what holds the teeth of one gear, called by its `name`."""
     lost = max(0.0, gear.form_radius - gear.base_radius) / gear.module if gear.is_undercut else 0.0
     rim = gear.root_radius - stock.hole_reach if stock.web is None else stock.web.rim
-    tip = gear.tip_thickness / gear.module
     before = f"{name} " if name else ""
     return [
-        Check(f"{before}tip thickness", tip, "at least", 0.2, "modules", "give less profile_shift"),
+        tip_check(gear, before),
         Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", "give more teeth or profile_shift"),
         Check(f"{before}rim under the teeth", rim / gear.module, "at least", 1, "modules", "give a smaller bore"),
     ]

@@ -29,7 +29,7 @@ def wheel(pins, teeth, diameter, addendum, clearance, internal):
 @pytest.mark.parametrize(("pins", "teeth", "diameter", "addendum", "clearance", "internal"), CASES[:4])
 def test_flanks_are_parallel_to_the_epicycloid_of_the_pin_centres(pins, teeth, diameter, addendum, clearance, internal):
     pinion, mate = wheel(pins, teeth, diameter, addendum, clearance, internal)
-    z = mate.contact(np.linspace(0.501, 0.999, 500)).mate
+    z = mate.contact(np.linspace(0.001, 0.999, 500)).mate
     z = z[np.isfinite(z)]
     # The pin on +y faces the wheel from its own space: half a pitch from the tooth on the wheel's +y.
     space = -1j * np.conj(mate.pose.direction)

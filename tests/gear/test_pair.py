@@ -32,6 +32,7 @@ PAIRS = {
     "thinned": gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
     "rounded": gk.GearPair(gk.SpurGear(20, 2, tip_rounding=0.2), gk.SpurGear(30, 2, tip_chamfer=0.1)),
     "ring": gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)),
+    "ring, thinned": gk.GearPair(gk.SpurGear(20, 2, thinning=0.05), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)),
     "ring, shifted": gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
     "ring, near": gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
     "ring, one apart": gk.GearPair(
@@ -53,6 +54,25 @@ def test_meshed_outlines_share_nothing_through_a_pitch_and_do_when_turned_beyond
             assert common(pair, turn, side * 0.98 * max(pair.backlash, 0) / 2 / r2) < sliver
             beyond = (pair.backlash / 2 + 0.01 * pair.first.module) / r2
             assert common(pair, turn, side * beyond) > 2 * sliver
+
+
+def play(pair, side):
+    """Angle, rad, by which the second body turns to one side until it digs into the first, by bisection."""
+    free, stuck = 0.0, side * np.pi / pair.second.teeth
+    for _ in range(20):
+        middle = 0.5 * (free + stuck)
+        # Above rounding of the areas; a flank has then gone in by less than a thousandth of a millimetre.
+        free, stuck = (free, middle) if common(pair, 0.1, middle) > 1e-6 else (middle, stuck)
+    return abs(free)
+
+
+@pytest.mark.parametrize("name", ["thinned", "ring, thinned", "ring, near"])
+def test_the_backlash_is_the_play_of_the_finished_outlines(name):
+    pair = PAIRS[name]
+    measured = (play(pair, 1) + play(pair, -1)) * pair.working_radii[1]
+    assert measured == pytest.approx(pair.backlash, abs=1e-3 * pair.first.module)
+    if pair.centre_distance == pair.tight_distance:
+        assert measured == pytest.approx(pair.first.thinning + pair.second.thinning, abs=1e-3 * pair.first.module)
 
 
 @pytest.mark.parametrize(
@@ -163,3 +183,11 @@ def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
     named = float(caught.value.remedy.replace(",", "").split(" mm")[0].split()[-1])
     pair = gk.GearPair(one, one, named)
     assert pair.contact_ratio >= 1 and pair.backlash > -1e-9
+
+
+def test_a_thinned_ring_lets_its_pinion_farther_out_up_to_the_distance_named():
+    pinion, ring = gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.GearPair(pinion, ring, 30.5)
+    named = float(caught.value.remedy.split("to ")[1].split(" mm")[0])
+    assert 30 < named and gk.GearPair(pinion, ring, named).backlash == pytest.approx(0, abs=1e-4)

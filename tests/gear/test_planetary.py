@@ -24,6 +24,7 @@ SETS = [
         gk.PlanetarySet(gk.SpurGear(25, 2), gk.SpurGear(20, 2), gk.RingGear(65, 2, addendum=0.8), 3), id="odd"
     ),
     pytest.param(shifted(), id="shifted"),
+    pytest.param(gk.PlanetarySet(SUN, PLANET, gk.RingGear(60, 2, addendum=0.8, thinning=0.1)), id="thinned"),
 ]
 
 

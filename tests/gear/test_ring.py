@@ -21,7 +21,14 @@ CASES = [
     (12, 0.6, gk.PinionCutter(6, 30, 0.8, 0.05), 0.4),
     (30, 1.5, gk.PinionCutter(27, 20, 1.25, 0.1), 0.6),
 ]
+# The last is thinned by more than the cutter's tips are wide.
+THINNED = [
+    gk.RingGear(60, 2, thinning=0.1),
+    gk.RingGear(50, 2, 0.2, gk.PinionCutter(26, tip_radius=0), thinning=0.3),
+    gk.RingGear(40, 2, thinning=0.6),
+]
 RINGS = [pytest.param(gk.RingGear(z, 2, x, c, ha), id=f"{z},{x},{c.teeth}") for z, x, c, ha in CASES]
+RINGS += [pytest.param(ring, id=f"{ring.teeth}, thinned by {ring.thinning}") for ring in THINNED]
 
 
 def off_cutter(cutter, module, z):
@@ -68,7 +75,13 @@ def cutting(ring):
 
 
 def least_distance(ring, z):
-    """Least distance of points of the ring from its cutter, over all the cutter's places."""
+    """Least distance of points of the ring from its cutter, over all the cutter's places and its turns for thinning."""
+    turn = ring.thinning / (2 * ring.pitch_radius)
+    turns = [-turn, 0, turn] if turn else [0]
+    return np.min([_least_distance(ring, z * np.exp(1j * t)) for t in turns], axis=0)
+
+
+def _least_distance(ring, z):
     distance, cutter = cutting(ring), ring.cutter
     z = z[:, None]
     middle, reach = np.zeros(z.shape), 0.75 * np.pi / cutter.teeth + 14 / ring.teeth
@@ -133,9 +146,25 @@ def test_the_space_has_the_width_of_an_external_tooth_of_the_same_shift():
         assert ring.thickness(radius) + gear.thickness(radius) == pytest.approx(2 * np.pi * radius / 60, rel=1e-13)
 
 
+def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
+    for thinning in (0.0, 0.3):
+        ring = gk.RingGear(60, 2, thinning=thinning)
+        polygon = gk.flatten(ring.outline, 1e-5)
+        assert np.abs(polygon).max() == pytest.approx(gk.RingGear(60, 2).root_radius, rel=1e-12)
+        sides = polygon[: len(polygon) // 60]
+        flank = sides[np.abs(np.abs(sides) - 60) < 1.5]
+        right = flank[flank.real > 0]
+        right = right[np.argsort(np.abs(right))]
+        half = np.interp(60.0, np.abs(right), np.arctan2(right.real, right.imag))
+        assert 2 * 60 * half == pytest.approx(np.pi - thinning, abs=1e-4)
+        assert ring.thickness(60.0) == pytest.approx(np.pi - thinning, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("make", "field"),
     [
+        (lambda: gk.RingGear(60, 2, thinning=2), "thinning"),
+        (lambda: gk.RingGear(60, 2, thinning=-0.1), "thinning"),
         (lambda: gk.RingGear(20, 2), "teeth"),
         (lambda: gk.RingGear(24, 2), "teeth"),
         (lambda: gk.RingGear(60.5, 2), "teeth"),
@@ -160,6 +189,8 @@ def test_the_nearest_values_named_in_refusals_work():
             make()
         return float(caught.value.remedy.split(before)[1].split(" ")[0].rstrip(","))
 
+    most = named(lambda: gk.RingGear(60, 2, thinning=2), "at most ")
+    assert 0 <= gk.RingGear(60, 2, thinning=most).tip_thickness < 1e-4
     cutter = gk.PinionCutter(20)
     assert gk.RingGear(60, 2, 0, cutter, named(lambda: gk.RingGear(60, 2, 0, cutter), "at most "))
     wide = gk.PinionCutter(55)

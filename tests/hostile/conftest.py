@@ -38,6 +38,7 @@ GOOD = {
         "drive.step_deg": "5",
     },
     "spur-gear": {"gear.teeth": "24", "gear.module": "2", "stock.bore": "8"},
+    "ring-gear": {"gear.teeth": "60", "gear.module": "2"},
 }
 # Runs before every command in a process of its own, and keeps a greedy failure off the machine.
 LIMIT = """

@@ -170,3 +170,31 @@ def test_a_bore_beyond_all_measure_is_refused_before_it_is_drawn(command, here, 
 )
 def test_a_gear_that_cannot_be(run, refused, recipe, changes, key, word):
     refused(run(recipe("spur-gear", changes)), key, word)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "word"),
+    [
+        ({"gear.teeth": "24"}, "gear.teeth", "at least 25"),
+        ({"gear.teeth": "60.0"}, "gear.teeth", "whole number"),
+        ({"gear.module": "1e300"}, "gear.module", "at most"),
+        ({"gear.module": "1e-300"}, "", ""),
+        ({"gear.module": "1e5"}, "", "100000"),
+        ({"gear.profile_shift": "-3"}, "gear.profile_shift", "at least"),
+        ({"gear.profile_shift": "9"}, "gear", ""),
+        ({"gear.addendum": "2"}, "gear.addendum", "at most"),
+        ({"gear.thinning": "2"}, "gear.thinning", "at most 1.89"),
+        ({"gear.thinning": "1e300"}, "gear.thinning", "at most"),
+        ({"gear.thinning": "-0.1"}, "gear.thinning", "at least 0"),
+        ({"gear.cutter.teeth": "55"}, "gear.cutter.teeth", "51"),
+        ({"gear.cutter.tip_radius": "1"}, "gear.cutter.tip_radius", "at most"),
+        ({"gear.cutter.pressure_angle_deg": "90"}, "gear.cutter.pressure_angle_deg", "at most"),
+        ({"stock.rim": "0"}, "stock.rim", "at least 0.1"),
+        ({"stock.rim": "1e9"}, "", ""),
+        ({"stock.bore": "8"}, "stock.bore", "known here: thickness, rim"),
+        ({"files.kerf": "9"}, "files.kerf", ""),
+    ],
+    ids=str,
+)
+def test_a_ring_that_cannot_be(run, refused, recipe, changes, key, word):
+    refused(run(recipe("ring-gear", changes)), key, word)

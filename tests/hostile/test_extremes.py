@@ -55,6 +55,13 @@ WAVES = [
         ("spur-gear", {"files.kerf": "1e-7"}),
         ("spur-gear", {"files.tolerance": "4"}),
         ("spur-gear", {"stock.bore": "42.99999"}),
+        ("ring-gear", {"gear.teeth": "8", "gear.cutter.teeth": "4", "gear.addendum": "0.2"}),
+        ("ring-gear", {"gear.thinning": "1.8963"}),
+        ("ring-gear", {"gear.thinning": "1e-300"}),
+        ("ring-gear", {"gear.cutter.tip_radius": "0", "files.kerf": "0.2"}),
+        ("ring-gear", {"gear.module": "1e-3"}),
+        ("ring-gear", {"stock.rim": "0.1", "files.kerf": "0.5"}),
+        ("ring-gear", {"files.tolerance": "4"}),
     ],
     ids=str,
 )

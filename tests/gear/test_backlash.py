@@ -1,0 +1,131 @@
+"""Backlash of conjugate mates by second roads: the thick cutter rolled, finished outlines turned till they overlap."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.gear.conjugate import conjugate
+from geomkin.gear.flank_gear import FlankGear
+from geomkin.plane import region
+
+from .sweeping import inner_points, least_clearance
+from .test_conjugate import off_straight_tooth
+
+POINTS = (3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j)
+TOLERANCE = 1e-5
+
+
+def straight(backlash, internal, clearance=0.2):
+    gear = gk.StraightSidedGear(40, 2, 25, 0.8, 1.2)
+    cutter = gear.gear.cutter(clearance, backlash)
+    return gear, conjugate(cutter, 40, gear.pitch_radius, 64 if internal else 50, 1.6, internal)
+
+
+def points(backlash, internal, clearance=0.5):
+    gear = gk.PointToothGear(24, 3, POINTS)
+    return gear, conjugate(gear.gear.cutter(clearance, backlash), 24, gear.pitch_radius, 32, 2.6, internal)
+
+
+def lantern(backlash, internal, clearance=0.5):
+    pinion = gk.LanternPinion(12, 4, 5.5)
+    cutter = pinion.cutter(clearance, backlash)
+    return pinion, conjugate(cutter, 12, pinion.pitch_radius, 48, 8 if internal else 7, internal)
+
+
+# Made by, backlash, internal.
+CASES = [
+    pytest.param(straight, 0.2, False, id="straight"),
+    pytest.param(straight, 0.05, True, id="straight ring"),
+    pytest.param(points, 0.15, False, id="points"),
+    pytest.param(lantern, 0.3, False, id="lantern"),
+    pytest.param(lantern, 0.02, True, id="lantern ring"),
+]
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.4])
+@pytest.mark.parametrize("internal", [False, True])
+def test_the_turned_straight_tooth_never_enters_its_mate_and_touches_it_everywhere(internal, clearance):
+    gear, mate = straight(0.2, internal, clearance)
+    turn = np.exp(0.5j * 0.2 / gear.pitch_radius)
+    off = off_straight_tooth(gear, clearance)
+    z = inner_points(mate.outline.piece)
+    least = least_clearance(mate, z, lambda w: np.minimum(off(w * turn), off(w / turn)))
+    assert least.min() > -1e-9 and np.abs(least).max() < 1e-9
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.5])
+@pytest.mark.parametrize("internal", [False, True])
+def test_the_turned_pin_never_enters_its_wheel_and_touches_it_everywhere(internal, clearance):
+    pinion, mate = lantern(0.3, internal, clearance)
+    turn = 0.5 * 0.3 / pinion.pitch_radius
+
+    def off_widened_slot(w):
+        w = w * np.exp(-1j * np.clip(np.angle(w / 1j), -turn, turn))
+        beyond = np.clip(w.imag - pinion.pitch_radius, 0, clearance)
+        return np.abs(w - 1j * (pinion.pitch_radius + beyond)) - pinion.pin_diameter / 2
+
+    least = least_clearance(mate, inner_points(mate.outline.piece), off_widened_slot)
+    assert least.min() > -1e-9 and np.abs(least).max() < 1e-9
+
+
+def bodies(gear):
+    """The gear's outline, or the pins', as polygons."""
+    return [gk.flatten(c, TOLERANCE) for c in getattr(gear, "circles", None) or (gear.outline,)]
+
+
+@pytest.mark.parametrize(("made", "backlash", "internal"), CASES)
+def test_the_play_of_the_finished_outlines_is_the_backlash_at_every_angle_and_shared(made, backlash, internal):
+    """The mate is turned to both sides till it digs in: half the backlash each, however the gear stands."""
+    gear, mate = made(backlash, internal)
+    one, outline = bodies(gear), gk.flatten(mate.outline, TOLERANCE)
+    assert region.is_simple(outline)
+    whole = sum(gk.area(gk.Polyline(polygon)) for polygon in one)
+    ratio = mate.gear_teeth / mate.teeth * (1 if internal else -1)
+
+    def common(angle, extra):
+        body = mate.pose.origin + mate.pose.direction * outline * np.exp(1j * (ratio * angle + extra))
+        both = sum(region.overlap([polygon * np.exp(1j * angle)], [body]) for polygon in one)
+        return whole - both if internal else both
+
+    for angle in np.linspace(0, 2 * np.pi / mate.gear_teeth, 5):
+        for side in (1, -1):
+            free, stuck = 0.0, side * backlash / mate.pitch_radius
+            assert common(angle, free) < 1e-6 < common(angle, stuck)
+            while abs(stuck - free) * mate.pitch_radius > 1e-5:
+                middle = 0.5 * (free + stuck)
+                free, stuck = (middle, stuck) if common(angle, middle) < 1e-6 else (free, middle)
+            assert abs(free) * mate.pitch_radius == pytest.approx(backlash / 2, abs=1e-3)
+
+
+@pytest.mark.parametrize(("made", "backlash", "internal"), CASES)
+def test_backlash_thins_the_mate_s_teeth_and_nothing_else(made, backlash, internal):
+    (_, tight), (_, loose) = made(0.0, internal), made(backlash, internal)
+    share = loose.tip_radius / loose.pitch_radius
+    assert tight.tip_thickness - loose.tip_thickness == pytest.approx(backlash * share, rel=1e-9)
+    assert loose.root_radius == pytest.approx(tight.root_radius, rel=1e-9)
+    assert loose.contact_ratio(0, 1) == pytest.approx(tight.contact_ratio(0, 1), rel=1e-9)
+    # The same contacts, of the turned flank at an angle turned as far.
+    t = np.linspace(0.01, 0.99, 50)
+    before, after = tight.contact(t), loose.contact(t)
+    assert np.array_equal(np.isfinite(before.angle), np.isfinite(after.angle)) and np.isfinite(after.angle).any()
+    on = np.isfinite(after.angle)
+    assert np.abs(after.place - before.place)[on].max() < 1e-9
+    turn = backlash * tight.teeth / tight.gear_teeth / (2 * tight.pitch_radius)
+    assert after.angle[on] - before.angle[on] == pytest.approx(np.full(on.sum(), turn), abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    "gear",
+    [
+        gk.StraightSidedGear(40, 2, 25, 0.8, 1.2).gear,
+        gk.LanternPinion(12, 4, 5.5),
+        FlankGear(gk.Segment(1.4 + 18.7j, 0.6 + 21j), 20, 20.0),
+    ],
+    ids=lambda gear: type(gear).__name__,
+)
+def test_a_cutter_whose_teeth_meet_is_refused_and_the_number_named_works(gear):
+    with pytest.raises(gk.DesignError) as caught:
+        gear.cutter(0.2, 9.0)
+    assert caught.value.field == "backlash"
+    most = float(caught.value.remedy.split("at most ")[1])
+    assert gear.cutter(0.2, most).closed == isinstance(gear, gk.LanternPinion) and gear.cutter(0.0, most)
