@@ -47,7 +47,9 @@ class GearRack:
                     "rack.addendum", "the flanks meet below the tips", "give a rack with a smaller addendum"
                 )
             raise DesignError(
-                "thinning", f"found {self.thinning:g} mm, which points the teeth", f"give at most {most:.4g}"
+                "thinning",
+                f"found {self.thinning:g} mm, which points the teeth",
+                f"give at most {most * (1 - 1e-5):.6g}",
             )
 
     @property

@@ -22,11 +22,11 @@ class StephensonSixBar:
 
     four_bar: FourBar
     link: float = quantity(
-        "connecting link, from coupler point to output pin", "mm", above=0, at_most=FARTHEST, example=80
+        "connecting link, from coupler point to output pin", "mm", above=0, at_most=FARTHEST, example=120
     )
-    output: float = quantity("output link, from its pivot to its pin", "mm", above=0, at_most=FARTHEST, example=60)
+    output: float = quantity("output link, from its pivot to its pin", "mm", above=0, at_most=FARTHEST, example=90)
     output_pivot: Annotated[complex, PointXY()] = entry(
-        "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=60 + 120j
+        "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=100 + 100j
     )
 
     def __post_init__(self) -> None:

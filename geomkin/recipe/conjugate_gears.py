@@ -110,6 +110,11 @@ class LanternRecipe:
         """The wheel's teeth."""
         return _mate(self.pinion, self.pinion.pins, self.mate)
 
+    @property
+    def own_quarters(self) -> int:
+        """Quarters of a pin's right-hand side that touch: the outer one, which some rings need, is not drawn out."""
+        return 1 if self.mate.clearance else 2
+
 
 def _pair_table(recipe: Any) -> Table:
     share = np.linspace(0, 1, ROWS)
@@ -118,8 +123,8 @@ def _pair_table(recipe: Any) -> Table:
 
 
 def _lantern_table(recipe: LanternRecipe) -> Table:
-    """The right-hand side of the pin that faces the wheel least: there it drives."""
-    angle = np.linspace(-90, 0, ROWS)
+    """The pin's right-hand side, as far as its cutter is the pin itself: the quarter drawn out touches nothing."""
+    angle = np.linspace(-90, 90 * (recipe.own_quarters - 1), ROWS)
     where = Column("pin_angle", "deg", "place on the pin, -90 its innermost", angle)
     return _table(where, recipe.shaped, 1 + angle / 90, recipe.mate.backlash)
 
@@ -160,12 +165,12 @@ def _table(where: Column, mate: Conjugate, t: np.ndarray, backlash: float) -> Ta
     )
 
 
-def _common_checks(mate: Conjugate, module: float) -> list[Check]:
-    """The gear's driving flank, or a pin's driving quarter, is piece 0 of its cutter."""
-    ratio, thickness = mate.contact_ratio(0.0, 1.0), mate.tip_thickness / module
+def _common_checks(mate: Conjugate, module: float, pieces: int = 1, longer: str = "") -> list[Check]:
+    """pieces: how many of its cutter's, from the first on, are the driving side of the gear's tooth."""
+    ratio, thickness = mate.contact_ratio(0.0, pieces), mate.tip_thickness / module
     thinner = "give a smaller mate.addendum or mate.backlash"
     return [
-        Check("contact ratio", ratio, "at least", 1, "", "give longer teeth, or more of them"),
+        Check("contact ratio", ratio, "at least", 1, "", f"give longer teeth, or more of them{longer}"),
         Check("mate's tip thickness", thickness, "at least", 0.2, "modules", thinner),
     ]
 
@@ -184,7 +189,8 @@ def _pair_parts(recipe: Any) -> list[Part]:
 
 
 def _lantern_checks(recipe: LanternRecipe) -> list[Check]:
-    return _common_checks(recipe.shaped, recipe.pinion.module)
+    longer = ", or mate.clearance = 0" if recipe.mate.internal and recipe.mate.clearance else ""
+    return _common_checks(recipe.shaped, recipe.pinion.module, recipe.own_quarters, longer)
 
 
 def _lantern_parts(recipe: LanternRecipe) -> list[Part]:

@@ -38,7 +38,7 @@ class InflectionCircleRecipe:
 
     kind: Literal["inflection-circle"]
     linkage: FourBar
-    position_deg: float = quantity("driver's angle that is drawn", "deg", default=60.0, at_least=-360, at_most=360)
+    position_deg: float = quantity("driver's angle that is drawn", "deg", default=15.0, at_least=-360, at_most=360)
     branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
         "1 or -1: rocker pin left or right of the line to its pivot", default=1
     )

@@ -99,3 +99,14 @@ def test_the_longest_teeth_named_in_the_refusal_leave_a_tip():
         wheel(10, 30, 6.0, 9.0, 0.0, False)
     most = float(caught.value.remedy.split("at most ")[1].split(",")[0])
     assert 0 < wheel(10, 30, 6.0, most, 0.0, False)[1].tip_thickness < 0.2
+
+
+@pytest.mark.parametrize(("teeth", "addendum"), [(20, 3.0), (48, 4.0)])
+def test_pins_in_a_ring_always_touch_it_on_their_outer_sides_too(teeth, addendum):
+    pinion, mate = wheel(12, teeth, 6.0, addendum, 0.0, True)
+    assert mate.contact_ratio(0.0, 2.0) > max(1.0, mate.contact_ratio(0.0, 1.0))
+    for turn in np.linspace(0, 2 * np.pi / 12, 7):
+        centres = np.array([circle.centre for circle in pinion.circles]) * np.exp(1j * turn)
+        turned = gk.Pose(mate.pose.origin, mate.pose.direction * np.exp(1j * turn * 12 / teeth))
+        away = gk.nearest(mate.outline, turned.locate(centres))[1] - 3.0
+        assert away.min() > -1e-9 and np.sum(away < 1e-9) >= 2  # one on each side

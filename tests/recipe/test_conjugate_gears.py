@@ -68,3 +68,14 @@ def test_what_is_wrong_without_backlash_is_not_put_down_to_it():
     with pytest.raises(gk.DesignError) as caught:
         _ = parse(text).shaped
     assert caught.value.field == "mate.addendum"
+
+
+@pytest.mark.parametrize(("clearance", "passes"), [(0, True), (0.5, False)])
+def test_pins_drawn_out_do_not_touch_a_ring_with_their_outer_sides(clearance, passes):
+    text = (
+        'kind = "lantern-gears"\n[pinion]\npins = 12\nmodule = 4\npin_diameter = 6\n[mate]\nteeth = 20\naddendum = 3\n'
+    )
+    recipe = parse(text + f"internal = true\nclearance = {clearance}\n")
+    check = kind("lantern-gears").checks(recipe)[0]
+    assert check.name == "contact ratio" and check.passed == passes
+    assert passes or "clearance = 0" in check.advice

@@ -87,9 +87,7 @@ def test_a_design_error_names_the_field_of_the_recipe():
 # Checks that the examples of these kinds do not pass.
 ADVISED = {
     "cognates": {"plates and pins that collide"},
-    "inflection-circle": {"inflection diameter to longest link"},
     "shaking-force": {"largest force, given to best counterbalance"},
-    "stephenson-six-bar": {"share of the crank's turn reached", "least transmission angle"},
 }
 
 
