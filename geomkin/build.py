@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from .check import Check
 from .errors import DesignError, Problem, RecipeError
@@ -15,6 +16,11 @@ from .part import Part
 from .plane.measure import area
 from .recipe.kinds import kind
 from .recipe.load import adapter, load
+from .recipe.settings import Format
+
+
+# Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
+LONGEST_NAME = 200
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,19 +44,26 @@ def check_recipe(file: str | Path) -> Made:
 def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None = None) -> Made:
     """Make the recipe in `file`: its files go to `out`/<recipe name>/.
 
-    only: formats to write of those the recipe asks for; all of them unless given. Raises RecipeError or
-    FileError; then nothing of this recipe has been written, or what was is whole.
+    only: formats to write of those the recipe asks for; all of them unless given, and then files of parts that
+    the recipe had when it was last made here, and has no more, are removed. Raises RecipeError or FileError; then
+    nothing of this recipe has been written, or what was is whole.
     """
-    from .export.files import write_whole
+    from .export.files import remove, write_whole
 
     recipe = load(file)
+    if only is not None and not set(only) & set(recipe.files.write):
+        found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
+        raise RecipeError(str(file), [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
     checks, parts = _work_out(recipe, file)
     name = _name(file)
     with _naming(file, recipe):
         contents = _contents(recipe, name, parts, checks, only)
     folder = Path(out) / name
+    before = _written(folder) if only is None else set()
     for path, content in contents.items():
         write_whole(folder / path, content)
+    for path in sorted(before - set(contents)):
+        remove(folder / path)
     return Made(name, checks, {folder / path: len(content) for path, content in contents.items()})
 
 
@@ -59,7 +72,18 @@ def _name(file: str | Path) -> str:
     name = Path(file).stem
     if name in ("", ".", ".."):
         raise RecipeError(str(file), [Problem("", "its name would name another folder", "rename the file")])
+    if len(os.fsencode(name)) > LONGEST_NAME:
+        raise RecipeError(str(file), [Problem("", "its name is too long for the files named after it", "shorten it")])
     return name
+
+
+def _written(folder: Path) -> set[str]:
+    """Names of the files that the summary in a folder tells of; none where there is no sound one."""
+    try:
+        names = json.loads((folder / "summary.json").read_text("utf-8"))["files"]
+        return {name for name in names if name == Path(name).name and Path(name).suffix[1:] in get_args(Format)}
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
 
 
 class _naming:

@@ -33,11 +33,18 @@ class Problem:
         return f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}"
 
 
+# Problems told of one recipe: more push the first, mostly the cause of the rest, out of sight.
+TOLD = 20
+
+
 class RecipeError(GeomkinError, ValueError):
-    """A recipe that cannot be read or made: all its problems at once, each with its key."""
+    """A recipe that cannot be read or made: all its problems at once, each with its key; the text tells the first."""
 
     def __init__(self, file: str, problems: list[Problem]):
-        super().__init__("\n".join(f"{printable(file)}: {p}" for p in problems))
+        lines = [f"{printable(file)}: {p}" for p in problems[:TOLD]]
+        if len(problems) > TOLD:
+            lines.append(f"{printable(file)}: and {len(problems) - TOLD:,} more problems; mend these first")
+        super().__init__("\n".join(lines))
         self.file, self.problems = file, tuple(problems)
 
 

@@ -41,6 +41,8 @@ def entry(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSIN
     """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
     shown = example if example is not None else default
     metadata = {"description": meaning, "examples": [shown if default_factory is MISSING else default_factory()]}
+    if isinstance(default, bool):
+        metadata["strict"] = True  # or "yes" and 1 would do for true
     if default_factory is not MISSING:
         return dataclasses.field(default_factory=default_factory, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)

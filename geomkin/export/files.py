@@ -44,6 +44,14 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
+def remove(path: Path) -> None:
+    """Remove a file; one that is gone already is fine. Raises FileError with what stood in the way."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(f"{printable(path)}: cannot be removed ({error.strerror}); remove it yourself") from error
+
+
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
     """Ctrl-C waits until the temporary file is gone again, where the system can make it wait."""

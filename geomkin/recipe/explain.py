@@ -82,7 +82,7 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
         if tagged and len(tables) > 1:
             tables = tagged
             continue
-        key = _join(key, printable(part, 60))
+        key = _join(key, printable(part, 60) or '""')
         owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
         # Under a field of names that a person chooses, such as bodies, that field says what is wanted.
         if owners or not chosen:
