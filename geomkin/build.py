@@ -18,7 +18,6 @@ from .recipe.kinds import kind
 from .recipe.load import adapter, load
 from .recipe.settings import Format
 
-
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
 

@@ -40,7 +40,10 @@ def quantity(
 def entry(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSING, example: Any = None) -> Any:
     """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
     shown = example if example is not None else default
-    metadata = {"description": meaning, "examples": [shown if default_factory is MISSING else default_factory()]}
+    metadata: dict[str, Any] = {
+        "description": meaning,
+        "examples": [shown if default_factory is MISSING else default_factory()],
+    }
     if isinstance(default, bool):
         metadata["strict"] = True  # or "yes" and 1 would do for true
     if default_factory is not MISSING:
