@@ -59,8 +59,7 @@ def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None =
         contents = _contents(recipe, name, parts, checks, only)
     folder = Path(out) / name
     before = _written(folder) if only is None else set()
-    for path, content in contents.items():
-        write_whole(folder / path, content)
+    write_whole(folder, contents)
     for path in sorted(before - set(contents)):
         remove(folder / path)
     return Made(name, checks, {folder / path: len(content) for path, content in contents.items()})

@@ -5,43 +5,75 @@ from __future__ import annotations
 import os
 import signal
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..errors import FileError, printable
 
+# Of the names of files that are being written; hidden, so that nobody takes one for a part.
+PREFIX = ".making-"
+# Seconds after which a temporary file is what a killed run has left; no run that still works takes so long to write.
+LEFT_BEHIND = 3600
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name beside it, then rename it over the old one.
 
-    A full disk, a kill or a second run at the same moment leaves the old file or the new one, never a
-    part of either. Raises FileError with what stood in the way.
+def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Write files, by name, all under temporary names first; only then rename each over its old one.
+
+    A full disk leaves all old files. A kill or a second run at the same moment leaves each file old or new, never
+    a part of either. Raises FileError with what stood in the way.
     """
     with _uninterrupted():
-        _write(path, content)
+        temporary: dict[str, Path] = {}
+        try:
+            for name, content in contents.items():
+                with _naming(folder / name):
+                    temporary[name] = _set_down(folder / name, content)
+            for name in contents:
+                with _naming(folder / name):
+                    temporary[name].replace(folder / name)
+                del temporary[name]
+        finally:
+            for path in temporary.values():
+                path.unlink(missing_ok=True)
+        _sweep(folder)
 
 
-def _write(path: Path, content: bytes) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and not path.is_file():
-            raise FileExistsError("something that is not a file stands under this name")
-        handle, temporary = tempfile.mkstemp(prefix=".making-", dir=path.parent)
-    except OSError as error:
-        raise _refusal(path, error) from error
+def _set_down(path: Path, content: bytes) -> Path:
+    """A file with this content beside the path, whole and on the disk."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists() and not path.is_file():
+        raise FileExistsError("something that is not a file stands under this name")
+    handle, name = tempfile.mkstemp(prefix=PREFIX, dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException as error:
-        Path(temporary).unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise _refusal(path, error) from error
+        os.chmod(name, 0o666 & ~_umask())
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
         raise
+    return Path(name)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what killed runs have left; another run's own, still being written, is younger."""
+    for path in folder.glob(f"{PREFIX}*"):
+        with suppress(OSError):
+            if time.time() - path.stat().st_mtime > LEFT_BEHIND:
+                path.unlink()
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turns what the system says into an error that names the file."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FileError(f"{printable(path)}: cannot be written ({reason}); choose another place with --out") from error
 
 
 def remove(path: Path) -> None:
@@ -70,8 +102,3 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
-
-
-def _refusal(path: Path, error: OSError) -> FileError:
-    reason = error.strerror or str(error)
-    return FileError(f"{printable(path)}: cannot be written ({reason}); choose another place with --out")

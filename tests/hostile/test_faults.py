@@ -105,7 +105,7 @@ def test_a_recipe_that_fails_leaves_what_an_earlier_one_made(run, recipe, here):
 
 @pytest.mark.skipif(os.name != "posix", reason="limits the size of files")
 @pytest.mark.parametrize("share", [0, 0.01, 0.3, 0.8, 0.9999])
-def test_a_full_disk_leaves_every_file_old_or_new(versions, command, here, share):
+def test_a_full_disk_leaves_every_file_old(versions, command, here, share):
     (_, old), (text, new) = versions
     limit = int(share * max(map(len, new.values())))
     (here / "v30").rename(here / "out")
@@ -113,8 +113,7 @@ def test_a_full_disk_leaves_every_file_old_or_new(versions, command, here, share
     full = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))"
     done = command("run", "r.toml", before=full)
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "cannot be written" in done.stderr
-    now = contents(here / "out/r")
-    assert sorted(now) == NAMES and all(now[name] in (old[name], new[name]) for name in NAMES)
+    assert contents(here / "out/r") == old
 
 
 # Copies of one process, everything loaded, that make two versions into one folder over and over.

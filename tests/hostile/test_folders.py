@@ -1,6 +1,8 @@
 """What a run leaves in a folder, and what it makes of names, options and heaps of mistakes."""
 
 import json
+import os
+import time
 
 import pytest
 
@@ -39,6 +41,15 @@ def test_a_summary_that_is_none_of_ours_removes_nothing(run, recipe, here, conte
     assert run(recipe("spur-gear")).exit_code == 0
     assert (here / "out/x.stl").exists() and (here / "out/r/x").exists()
     assert json.loads((here / "out/r/summary.json").read_text())["name"] == "r"
+
+
+def test_what_a_killed_run_left_long_ago_is_swept_away(run, recipe, here):
+    (here / "out/r").mkdir(parents=True)
+    for name, age in ((".making-old", 7200), (".making-now", 60), (".hidden", 7200)):
+        (here / "out/r" / name).write_text("half")
+        os.utime(here / "out/r" / name, (time.time() - age,) * 2)
+    assert run(recipe("spur-gear")).exit_code == 0
+    assert names(here / "out/r") == FILES | {"gear.stl", ".making-now", ".hidden"}
 
 
 def test_asking_only_for_what_a_recipe_does_not_write_is_refused(run, refused, recipe):
