@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Stretch
-from ..plane.flatten import CORNER, smooth_runs
-from ..plane.spread import direction
+from ..plane.flatten import smooth_runs
+from ..plane.spread import CORNER, direction
 from ..plane.vec import Array, cross
 from .conjugate_curve import ConjugateCurve, Corner, Run
 

@@ -8,7 +8,7 @@ from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
-from .primitives import Circle, Polyline
+from .primitives import Arc, Circle, Polyline, Segment
 from .spread import Judge, direction, probes, spread, tops, turns
 from .vec import Array, unit
 
@@ -61,6 +61,11 @@ def _chain(
             return _no_large_arcs(curve)
         case Circle():
             return curve.centre + curve.radius * np.array([1, -1, 1]), np.ones(2)
+        case Arc():
+            count = max(1, int(np.ceil(abs(curve.sweep) / np.pi - SAME)))
+            return curve.point(np.linspace(0, 1, count + 1)), np.full(count, np.tan(curve.sweep / (4 * count)))
+        case Segment():
+            return np.array([curve.start, curve.end]), np.zeros(1)
         case Path():
             links = [_chain(piece, tolerance, known) for piece in curve.pieces]
         case _:
@@ -159,7 +164,7 @@ def _biarc_judge(curve: AbstractCurve) -> Judge:
         v = curve.velocity(inside)
         # A biarc that does not exist (its tangents face each other) is as wrong as its chord is long.
         off = np.where(np.isfinite(off), off, np.abs(p1 - p0) + np.abs(z - p0))
-        return tops(off), turns(v)
+        return tops(off, z), turns(v)
 
     return judge
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..errors import DesignError
+from .arc_chain import chain_points, chords_of_arc, edges_of
 from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
-from .primitives import Arc, Circle, Polyline
-from .spread import Judge, cells_of, direction, probes, spread, tops, turns
+from .primitives import Circle, Polyline
+from .spread import CORNER, Judge, cells_of, direction, probes, spread, tops, turns
 from .vec import Array
 
-# A tangent that jumps by more than this, rad, is a corner and gets a point of its own. Smaller takes
-# rounding for corners and spends points on them; larger lets a chord cut a visible corner.
-CORNER = 1e-6
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
 # curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
 SHARES = np.linspace(0, 1, 11)
@@ -24,9 +21,9 @@ SHARES = np.linspace(0, 1, 11)
 def flatten(curve: AbstractCurve, tolerance: float) -> Array:
     """Points (n,) complex on the curve, mm, whose chords are nowhere farther than `tolerance` from it.
 
-    A closed curve does not repeat its start; an open one includes both ends. Every corner is a point.
-    All chords get the same error instead of the same length, which takes the least count possible for
-    chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
+    A closed curve does not repeat its start, which need not be among the points; an open one includes both ends.
+    Every corner is a point. All chords get the same error instead of the same length, which takes the least count
+    possible for chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
     involutes and cams; up to 8 % where a stretch has an inflection every twenty chords).
     """
     if not 0 < tolerance < np.inf:
@@ -54,14 +51,13 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, A
         case Reversed():
             points = _points(curve.curve, tolerance, known)[::-1]
             return np.roll(points, 1) if curve.closed else points
-        case Polyline():
-            return _flatten_polyline(curve, tolerance)
         case Circle():
-            chords = max(3, int(_chords_of_arc(curve.radius, 2 * np.pi, tolerance)))
+            chords = max(3, int(np.ceil(chords_of_arc(curve.radius, 2 * np.pi, tolerance))))
             return curve.point(np.linspace(0, 2 * np.pi, chords + 1)[:-1])
-        case Arc():
-            chords = int(_chords_of_arc(abs(curve.start - curve.centre), abs(curve.sweep), tolerance))
-            return curve.point(np.linspace(0, 1, chords + 1))
+        case Polyline() if curve.bulges is None:
+            return np.asarray(curve.vertices, dtype=complex)
+        case _ if edges := edges_of(curve):
+            return chain_points(curve, *edges, tolerance)
     runs = smooth_runs(curve)
     if len(groups := _between_corners(curve, runs)) > 1:
         parts = [_end_to_end(group, tolerance, known) for group in groups]
@@ -107,7 +103,7 @@ def _chord_judge(curve: AbstractCurve) -> Judge:
         first = owner.searchsorted(np.arange(len(edges)))
         start, end = inside[first[:-1], 0], inside[first[1:] - 1, -1]
         off = _distance(start[owner, None], end[owner, None], inside)
-        return np.maximum.reduceat(tops(off), first[:-1]), np.add.reduceat(
+        return np.maximum.reduceat(tops(off, inside), first[:-1]), np.add.reduceat(
             turns(inside[:, 1:] - inside[:, :-1]), first[:-1]
         )
 
@@ -118,26 +114,5 @@ def _distance(a: Array, b: Array, p: Array) -> Array:
     """Distance of points from the segments a-b (not from the lines: a loop may pass an end)."""
     chord = b - a
     length = np.abs(chord)
-    w = (p - a) * np.conj(chord) / np.where(length > 0, length, 1)
-    beyond = np.where(w.real < 0, w.real, np.maximum(w.real - length, 0))
-    return np.abs(beyond + 1j * w.imag)
-
-
-def _flatten_polyline(curve: Polyline, tolerance: float) -> Array:
-    if curve.bulges is None:
-        return np.asarray(curve.vertices, dtype=complex)
-    starts = curve.breaks[:-1]
-    bend = np.abs(curve.curvature(starts))
-    sweep = 4 * np.arctan(np.abs(curve.bulges))
-    radius = 1 / np.where(bend > 0, bend, 1)
-    chords = np.where(bend > 0, _chords_of_arc(radius, sweep, tolerance), 1).astype(int)
-    if curve.closed and chords.sum() < 3:
-        chords = chords + 1
-    t = np.repeat(starts, chords) + np.concatenate([np.arange(n) / n for n in chords.tolist()])
-    return curve.point(t if curve.closed else np.append(t, curve.breaks[-1]))
-
-
-def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Array:
-    """Least number of equal chords of an arc; none turns by more than a third of a circle."""
-    half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
-    return np.maximum(1, np.ceil(sweep / (2 * half) - 1e-9))
+    w = (p - a) * (np.conj(chord) / np.where(length > 0, length, 1))
+    return np.hypot(np.maximum(np.maximum(-w.real, w.real - length), 0), w.imag)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from .arc_chain import pieces_of
 from .curve import AbstractCurve
 from .derived import Offset, Stretch
-from .flatten import CORNER, smooth_runs
+from .flatten import smooth_runs
 from .joined import Path, Ring
-from .primitives import Arc
-from .spread import direction
+from .primitives import Arc, Segment
+from .spread import CORNER, direction
+from .vec import Array
 
 
 def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
@@ -24,8 +26,9 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
         turn = complex(curve.turns[1 % curve.count])
         pieces = _pieces(curve.piece, distance, first_after=turn)
         return Ring(Path(tuple(pieces)), curve.count) if pieces else None
-    if len(smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
-        return Offset(curve, distance)
+    if len(runs := smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
+        beside = _beside(curve, runs[0], distance)
+        return Path(tuple(beside)) if len(beside) > 1 else Offset(curve, distance)
     pieces = _pieces(curve, distance, first_after=1 + 0j)
     return Path(tuple(pieces)) if pieces else None
 
@@ -35,16 +38,34 @@ def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list
     runs = smooth_runs(curve)
     pieces: list[AbstractCurve] = []
     for k, run in enumerate(runs):
-        pieces.append(Offset(Stretch(curve, run), distance))
+        pieces.extend(_beside(curve, run, distance))
         following = runs[(k + 1) % len(runs)][0]
         turn = _turn(curve, run[-1], following, first_after if k == len(runs) - 1 else 1 + 0j)
         if turn * distance < 0:
             return None
         if turn:
             corner = complex(curve.point(run[-1]))
-            start = complex(pieces[-1].point(run[-1]))
+            start = complex(pieces[-1].point(pieces[-1].breaks[-1]))
             pieces.append(Arc(corner, start, turn))
     return pieces
+
+
+def _beside(curve: AbstractCurve, run: Array, distance: float) -> list[AbstractCurve]:
+    """A stretch without a corner moved to its right; arcs and straight edges stay such where they keep their sense."""
+    edges = (pieces_of(curve) or ())[int(run[0]) : int(run[-1])]
+    moved: list[AbstractCurve] = []
+    for edge in edges:
+        if isinstance(edge, Arc):
+            grown = 1 + float(np.sign(edge.sweep)) * distance / abs(edge.start - edge.centre)
+            if grown <= 0:
+                break
+            moved.append(Arc(edge.centre, edge.centre + (edge.start - edge.centre) * grown, edge.sweep))
+        elif edge.start == edge.end:
+            break
+        else:
+            aside = -1j * distance * (edge.end - edge.start) / abs(edge.end - edge.start)
+            moved.append(Segment(edge.start + aside, edge.end + aside))
+    return moved if edges and len(moved) == len(edges) else [Offset(Stretch(curve, run), distance)]
 
 
 def _turn(curve: AbstractCurve, before: float, after: float, turned: complex = 1 + 0j) -> float:

@@ -143,6 +143,17 @@ class Polyline(AbstractCurve):
         _, _, chord, sweep = self._local(t)
         return 2 * np.sin(sweep / 2) / np.abs(chord)
 
+    @cached_property
+    def pieces(self) -> tuple[Arc | Segment, ...]:
+        """Its edges as curves of their own."""
+        starts, (chords, sweeps) = np.asarray(self.vertices, dtype=complex), self._edges
+        found: list[Arc | Segment] = []
+        for start, chord, sweep in zip(starts.tolist(), chords.tolist(), sweeps.tolist()):
+            # The centre lies to the left of the middle of the chord, for a left turn of less than half a circle.
+            centre = start + 0.5 * chord * (1 + 1j / np.tan(sweep / 2)) if sweep else 0j
+            found.append(Arc(centre, start, sweep) if sweep else Segment(start, start + chord))
+        return tuple(found)
+
     @property
     def breaks(self) -> Array:
         return np.arange(len(self._edges[0]) + 1.0)

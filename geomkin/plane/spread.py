@@ -13,6 +13,9 @@ import numpy as np
 from .curve import AbstractCurve
 from .vec import Array, unit
 
+# A tangent that jumps by more than this, rad, is a corner and gets a point of its own. Smaller takes
+# rounding for corners and spends points on them; larger lets a chord cut a visible corner.
+CORNER = 1e-6
 # Share of the tolerance that is aimed at. Larger, and what lies between two probes may exceed the
 # tolerance; smaller costs intervals (half this margin in chords).
 AIM = 0.998
@@ -26,8 +29,17 @@ MOST_TURN = 2.2
 ROUNDS = 12
 # What an interval that stays over is counted for beyond its share; without it, it stays over.
 PUSH = 1.05
+# Steps of an interval's share. The last bits of an error differ from processor to processor; where intervals do not
+# settle, round after round would multiply them until they show in files. Finer lets more of them through, coarser
+# makes intervals unequal.
+GRAIN = 2.0**-20
 # How near the count must come to what the errors ask for, or within one, to spare the second half of the looks.
 ENOUGH = 1.005
+# Share of the distance from the origin below which a distance from a chord or an arc is rounding.
+ROUNDING = 1e-13
+# Share of all use that straight stretches are given, which use nothing. Smaller, and the last bit of the errors moves
+# points along them as far as files tell; larger makes intervals unequal.
+TRACE = 1e-4
 
 Judge = Callable[[Array], tuple[Array, Array]]
 
@@ -79,8 +91,9 @@ def _spoilt(error: Array, turn: Array, tolerance: float) -> Array:
 
 
 def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:
-    """How many intervals each interval ought to be: 1 when it just keeps the tolerance."""
-    return np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN)
+    """How many intervals each interval ought to be, in whole GRAINs: 1 when it just keeps the tolerance."""
+    share = np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN)
+    return np.rint(share / GRAIN) * GRAIN
 
 
 def _divide(edges: Array, used: Array, count: int) -> Array:
@@ -90,8 +103,7 @@ def _divide(edges: Array, used: Array, count: int) -> Array:
     harmonic mean): shares change smoothly along a smooth curve, and a straight line between edges would
     leave steps of some percent that never settle.
     """
-    # Straight stretches use nothing: a trace of use keeps them in order.
-    used = used + (1e-9 * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
+    used = used + (TRACE * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
     width = used[1:] - used[:-1]
     secant = (edges[1:] - edges[:-1]) / width
     slope = np.concatenate([secant[:1], 2 / (1 / secant[1:] + 1 / secant[:-1]), secant[-1:]])
@@ -137,8 +149,13 @@ def probes(edges: Array, shares: Array) -> Array:
     return edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * shares
 
 
-def tops(off: Array) -> Array:
-    """Largest value along each row of probes, by the parabola through the largest one and its neighbours."""
+def tops(off: Array, places: Array) -> Array:
+    """Largest distance along each row of probes at `places`, by the parabola through it and its neighbours.
+
+    What rounding alone explains is 0: its root would move points along straight lines, one way on one processor
+    and another way on the next.
+    """
+    off = np.where(off > ROUNDING * np.abs(places).max(), off, 0)
     rows, peak = np.arange(len(off)), off.argmax(axis=1)
     i = np.minimum(np.maximum(peak, 1), off.shape[1] - 2)
     left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]

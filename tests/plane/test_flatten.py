@@ -10,11 +10,13 @@ from geomkin.gear.spur import SpurGear
 from geomkin.plane.derived import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
+from geomkin.plane.parallel import parallel
 from geomkin.plane.pose import Pose
-from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
+from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import xy
 
 from .curves import Bezier, Flower, cam_profile, examples, flank, off_chord, size
+from .test_fewest import fewest_chords
 
 CURVES = [*examples(), "flower in one piece"]
 
@@ -206,3 +208,40 @@ def test_a_tolerance_is_a_distance(tolerance):
     with pytest.raises(DesignError) as refusal:
         flatten(Circle(0j, 1.0), tolerance)
     assert refusal.value.field == "tolerance"
+
+
+def rounded_plate():
+    return rounded_hull(np.array([0, 40, 31 + 22j, 5 + 30j]), 6.0)
+
+
+@pytest.mark.parametrize("kerf", [0.0, 0.2], ids=["cut", "cut wide"])
+@pytest.mark.parametrize(
+    "curve",
+    [SpurGear(24, 2).outline, SpurGear(9, 2).outline, rounded_plate(), slot(0j, 40 + 9j, 5.0), cam_profile()],
+    ids=["gear", "undercut gear", "plate", "slot", "cam"],
+)
+def test_the_last_bits_of_distances_move_no_point(curve, kerf, monkeypatch):
+    """Or another processor's sine would give other files."""
+    from geomkin.plane import flatten as module
+
+    moved = parallel(curve, kerf)
+    sound, z = module._distance, flatten(moved, 0.005)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+
+        def noisy(a, b, p, rng=rng):
+            off = sound(a, b, p)
+            return off * (1 + 1e-14 * rng.uniform(-1, 1, off.shape)) + 1e-15 * np.abs(p) * rng.random(off.shape)
+
+        monkeypatch.setattr(module, "_distance", noisy)
+        again = flatten(moved, 0.005)
+        monkeypatch.setattr(module, "_distance", sound)
+        # Files carry 1e-7 mm.
+        assert len(again) == len(z) and np.abs(again - z).max() < 2e-9
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.3, 0.05, 0.01, 1e-3])
+def test_a_plate_takes_no_more_points_than_a_greedy_walker(tolerance):
+    plate = rounded_plate()
+    twice = Path((*plate.pieces, *plate.pieces))  # where the walker starts costs it at most one
+    assert 2 * len(flatten(plate, tolerance)) <= fewest_chords(twice, tolerance) + 1
