@@ -35,7 +35,7 @@ def edges_of(curve: AbstractCurve) -> tuple[Array, Array] | None:
 
 
 def chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Array:
-    """How many chords an arc takes, as a fraction; none turns by more than a third of a circle."""
+    """Least number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
     half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
     # A circle asked for with a tolerance that just gives a whole number gets that.
     return np.asarray(sweep) / (2 * half) - 1e-9
@@ -44,36 +44,18 @@ def chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Arra
 def chain_points(curve: AbstractCurve, sweep: Array, radius: Array, tolerance: float) -> Array:
     """Points whose chords keep the tolerance, the end of an open curve included.
 
-    Where an arc goes on straight, the chord of the straight edge reaches half a chord's turn into the arc and leaves
-    out the point where the two meet, which lies as far from it as an arc from its chord. So an arc between
-    two straight edges takes one chord less.
+    Straight edges stay where they are: they guide and carry, and a chord that reached into the arc beyond one, for
+    the sake of one point less, would shift it by the tolerance.
     """
     bent, edge = sweep > 0, np.arange(len(sweep), dtype=float)
+    chords = np.where(bent, np.ceil(chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
     smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
     smooth[0] &= curve.closed
-    spanned = smooth & (bent != np.roll(bent, 1))
-    first, last = spanned & bent, np.roll(spanned, -1) & bent
-    t = _parameters(sweep, chords_of_arc(radius, sweep, tolerance), first, last, bent | ~smooth)
-    if curve.closed and len(t) < 3:
+    # Where one straight edge goes on in the next there is nothing to tell.
+    chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
+    if curve.closed and chords.sum() < 3:
         # A tolerance as large as the curve would leave no area.
-        none = np.zeros(len(bent), dtype=bool)
-        t = np.unique(
-            np.append(_parameters(sweep, chords_of_arc(radius, sweep, tolerance), none, none, ~none), edge + 0.5)
-        )
+        chords = chords + 1
+    first = np.repeat(np.cumsum(chords) - chords, chords)
+    t = np.repeat(edge, chords) + (np.arange(len(first)) - first) / np.repeat(chords, chords)
     return curve.point(t if curve.closed else np.append(t, edge[-1] + 1))
-
-
-def _parameters(sweep: Array, chords: Array, first: Array, last: Array, starts: Array) -> Array:
-    """Parameters of the points edge by edge, without the end.
-
-    first, last: arcs whose first or last half chord belongs to a straight neighbour; starts: edges that begin with
-    a point, if not with such a half.
-    """
-    half = 0.5 * first + 0.5 * last
-    count = np.maximum(np.ceil(chords - half), half == 0)
-    # Of the arc, in turns of one chord each: the halves at its ends, and the chords between.
-    share = 1 / (count + half)
-    points = np.where(sweep > 0, count + last, starts).astype(int)
-    edge = np.repeat(np.arange(len(sweep)), points)
-    within = np.arange(len(edge)) - np.repeat(np.cumsum(points) - points, points)
-    return edge + (within + 0.5 * first[edge]) * share[edge]
