@@ -12,22 +12,13 @@ from .spread import CORNER, direction
 from .vec import Array
 
 
-def pieces_of(curve: AbstractCurve) -> tuple[Arc | Segment, ...] | None:
-    """The arcs and straight edges that a curve is made of, piece k over k <= t <= k + 1; None for other curves."""
-    match curve:
-        case Arc() | Segment():
-            return (curve,)
-        case Path():
-            pieces = tuple(piece for piece in curve.pieces if isinstance(piece, (Arc, Segment)))
-            return pieces if len(pieces) == len(curve.pieces) else None
-        case Polyline():
-            return curve.pieces
-    return None
-
-
 def edges_of(curve: AbstractCurve) -> tuple[Array, Array] | None:
-    """Sweep, rad, and radius, mm, of each such piece, 0 and 1 of a straight one; None for other curves."""
-    if (pieces := pieces_of(curve)) is None:
+    """Sweep, rad, and radius, mm, of each edge, 0 and 1 of a straight one; None for curves with other pieces.
+
+    Edge k runs evenly over k <= t <= k + 1.
+    """
+    pieces = curve.pieces if isinstance(curve, (Path, Polyline)) else (curve,)
+    if not all(isinstance(piece, (Arc, Segment)) for piece in pieces):
         return None
     sizes = [(abs(p.sweep), abs(p.start - p.centre)) if isinstance(p, Arc) else (0.0, 1.0) for p in pieces]
     sweep, radius = np.array(sizes).T

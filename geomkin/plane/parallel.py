@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arc_chain import pieces_of
 from .curve import AbstractCurve
-from .derived import Offset, Stretch
+from .derived import Mirrored, Offset, Reversed, Stretch
 from .flatten import smooth_runs
 from .joined import Path, Ring
-from .primitives import Arc, Segment
+from .primitives import Arc, Polyline, Segment
 from .spread import CORNER, direction
 from .vec import Array
+
+Known = dict[tuple[AbstractCurve, float], AbstractCurve]
 
 
 def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
@@ -27,7 +28,7 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
         pieces = _pieces(curve.piece, distance, first_after=turn)
         return Ring(Path(tuple(pieces)), curve.count) if pieces else None
     if len(runs := smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
-        beside = _beside(curve, runs[0], distance)
+        beside = _beside(curve, runs[0], distance, {})
         return Path(tuple(beside)) if len(beside) > 1 else Offset(curve, distance)
     pieces = _pieces(curve, distance, first_after=1 + 0j)
     return Path(tuple(pieces)) if pieces else None
@@ -37,8 +38,9 @@ def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list
     """Offset stretches and corner arcs, the arc at the end included; the start comes again turned by `first_after`."""
     runs = smooth_runs(curve)
     pieces: list[AbstractCurve] = []
+    known: Known = {}
     for k, run in enumerate(runs):
-        pieces.extend(_beside(curve, run, distance))
+        pieces.extend(_beside(curve, run, distance, known))
         following = runs[(k + 1) % len(runs)][0]
         turn = _turn(curve, run[-1], following, first_after if k == len(runs) - 1 else 1 + 0j)
         if turn * distance < 0:
@@ -50,22 +52,30 @@ def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list
     return pieces
 
 
-def _beside(curve: AbstractCurve, run: Array, distance: float) -> list[AbstractCurve]:
-    """A stretch without a corner moved to its right; arcs and straight edges stay such where they keep their sense."""
-    edges = (pieces_of(curve) or ())[int(run[0]) : int(run[-1])]
-    moved: list[AbstractCurve] = []
-    for edge in edges:
-        if isinstance(edge, Arc):
-            grown = 1 + float(np.sign(edge.sweep)) * distance / abs(edge.start - edge.centre)
-            if grown <= 0:
-                break
-            moved.append(Arc(edge.centre, edge.centre + (edge.start - edge.centre) * grown, edge.sweep))
-        elif edge.start == edge.end:
-            break
-        else:
-            aside = -1j * distance * (edge.end - edge.start) / abs(edge.end - edge.start)
-            moved.append(Segment(edge.start + aside, edge.end + aside))
-    return moved if edges and len(moved) == len(edges) else [Offset(Stretch(curve, run), distance)]
+def _beside(curve: AbstractCurve, run: Array, distance: float, known: Known) -> list[AbstractCurve]:
+    """A stretch without a corner moved to its right: piece by piece, where it is made of whole ones."""
+    first, last = int(run[0]), int(run[-1])
+    if isinstance(curve, (Path, Polyline)) and (run[0], run[-1]) == (first, last):
+        return [_aside(piece, distance, known) for piece in curve.pieces[first:last]]
+    return [Offset(Stretch(curve, run), distance)]
+
+
+def _aside(curve: AbstractCurve, distance: float, known: Known) -> AbstractCurve:
+    """A curve moved to its right in its own form: arcs stay arcs, and what was congruent stays so, to be seen as such.
+
+    known: what became of curves met before.
+    """
+    match curve:
+        case Reversed():
+            return Reversed(_aside(curve.curve, -distance, known))
+        case Mirrored():
+            return Mirrored(_aside(curve.curve, -distance, known))
+        case Segment() if curve.start != curve.end:
+            shift = -1j * distance * (curve.end - curve.start) / abs(curve.end - curve.start)
+            return Segment(curve.start + shift, curve.end + shift)
+        case Arc() if (grown := 1 + np.sign(curve.sweep) * distance / abs(curve.start - curve.centre)) > 0:
+            return Arc(curve.centre, curve.centre + (curve.start - curve.centre) * float(grown), curve.sweep)
+    return known.setdefault((curve, distance), Offset(curve, distance))
 
 
 def _turn(curve: AbstractCurve, before: float, after: float, turned: complex = 1 + 0j) -> float:
