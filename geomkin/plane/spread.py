@@ -81,7 +81,7 @@ def _settle(judge: Judge, breaks: Array, tolerance: float, order: int) -> tuple[
             break
         wanted = _divide(edges, used, count)
         # Where errors do not follow the law, as across jumps of curvature, full steps go to and fro for ever.
-        edges = edges + 2 / (k + 1) * (wanted - edges) if len(wanted) == len(edges) else wanted
+        edges = edges + min(1.0, 2 / (k + 1)) * (wanted - edges) if len(wanted) == len(edges) else wanted
     return _halve(judge, best, spoilt, breaks, tolerance), settled
 
 

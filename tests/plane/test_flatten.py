@@ -6,6 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from geomkin.errors import DesignError
+from geomkin.gear.rack import Rack
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.derived import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
@@ -247,3 +248,15 @@ def test_straight_edges_stay_and_arcs_take_no_more_points_than_a_greedy_walker(t
     straights = [piece for piece in plate.pieces if isinstance(piece, Segment)]
     assert all(np.abs(z - end).min() < 1e-12 for piece in straights for end in (piece.start, piece.end))
     assert len(z) == sum(fewest_chords(piece, tolerance) for piece in plate.pieces)
+
+
+def test_no_count_of_chords_is_special():
+    """Not even as many as the cells of the first look, here 64 for the root and bottom land of an undercut tooth."""
+    side = SpurGear(6, 7.3, -0.21, Rack(16, 0.9, 1.25, 0.06)).outline.piece.pieces[0]
+    root = Path(side.pieces[:2])
+    counts = []
+    for tolerance in np.geomspace(8e-4, 1e-3, 25):
+        z = flatten(root, tolerance)
+        counts.append(len(z) - 1)
+        assert deviation(root, z) <= tolerance * (1 + 1e-3)
+    assert min(counts) < 64 < max(counts)
