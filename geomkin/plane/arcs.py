@@ -118,7 +118,7 @@ def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
     root = np.sqrt(ahead**2 + np.abs(t1 - t0) ** 2 * c2)
     with np.errstate(divide="ignore", invalid="ignore"):
         d = c2 / (ahead + root)
-    return p0, p1, 0.5 * (p0 + p1 + d * (t0 - t1)), t0, t1
+        return p0, p1, 0.5 * (p0 + p1 + d * (t0 - t1)), t0, t1
 
 
 def _bulge(chord: Array, tangent: Array) -> Array:
