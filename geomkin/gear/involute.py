@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .limit import last_fit
+
 
 def involute_function(roll: float) -> float:
     """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the polar angle of the involute at a roll angle."""
@@ -56,11 +58,9 @@ def tip_corner(base_radius: float, half_angle_at_base: float, tip_radius: float,
 
 def largest_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float) -> float:
     """The largest rounding, mm, of a tooth's tip: where its two roundings, or its base circle, meet."""
-    low, high = 0.0, tip_radius - base_radius
-    if tip_corner(base_radius, half_angle_at_base, tip_radius, high).angle >= 0:
-        return high
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        fits = tip_corner(base_radius, half_angle_at_base, tip_radius, middle).angle >= 0
-        low, high = (middle, high) if fits else (low, middle)
-    return low
+
+    def fits(rounding: float) -> bool:
+        return tip_corner(base_radius, half_angle_at_base, tip_radius, rounding).angle >= 0
+
+    high = tip_radius - base_radius
+    return high if fits(high) else last_fit(fits, 0.0, high)

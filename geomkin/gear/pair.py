@@ -12,8 +12,9 @@ from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
 from ..sizes import check_sizes, entry, quantity
-from .internal import trimming_gap, trochoid_gap
+from .internal import InternalMesh
 from .involute import inverse_involute, involute_function
+from .limit import last_fit
 from .ring import RingGear
 from .spur import SpurGear
 from .tips import tip_margin
@@ -164,12 +165,12 @@ class GearPair:
     @property
     def trochoid_margin(self) -> float:
         """Angle, rad on the first, by which the tips of an internal pair pass each other outside the contact."""
-        return trochoid_gap(*self._internal_sizes) if self.is_internal else float("inf")
+        return self._internal.trochoid_gap if self.is_internal else float("inf")
 
     @property
     def trimming_margin(self) -> float:
         """Angle, rad on the first, by which it clears the ring's tips when put in along a radius."""
-        return trimming_gap(*self._internal_sizes) if self.is_internal else float("inf")
+        return self._internal.trimming_gap if self.is_internal else float("inf")
 
     @property
     def interferences(self) -> tuple[str, ...]:
@@ -226,9 +227,9 @@ class GearPair:
         return across - self._between if self.is_internal else self._between - across
 
     @property
-    def _internal_sizes(self) -> tuple[float, ...]:
+    def _internal(self) -> InternalMesh:
         one, two = self.first, self.second
-        return (
+        return InternalMesh(
             one.teeth,
             two.teeth,
             self.centre_distance,
@@ -273,13 +274,14 @@ class GearPair:
             fine = False
         if not fine:
             return problem, "give gears with taller teeth or other profile shifts"
-        for _ in range(40):
-            middle = 0.5 * (good + bad)
+
+        def meets(distance: float) -> bool:
             try:
-                meets = replace(self, centre_distance=middle).contact_ratio >= 1
+                return replace(self, centre_distance=distance).contact_ratio >= 1
             except DesignError:
-                meets = False
-            good, bad = (middle, bad) if meets else (good, middle)
+                return False
+
+        good = last_fit(meets, good, bad)
         way = "at least" if bad < good else "at most"
         rounded = (np.ceil if bad < good else np.floor)(good * 1000) / 1000
         return problem, f"give {way} {rounded:.7g} mm, where the contact ratio is 1"

@@ -14,7 +14,7 @@ from ..plane.pose import Pose
 from ..plane.roulettes import Involute
 from ..sizes import check_sizes, entry, quantity
 from .cutter import PinionCutter
-from .internal import trochoid_gap
+from .internal import InternalMesh
 from .involute import inverse_involute, involute_function, roll_at
 from .ring_root import RingTrochoid
 from .tooth import toothed, with_land
@@ -66,7 +66,7 @@ class RingGear:
                 "give a larger addendum, or a larger one to the cutter",
             )
         self._check_thickness()
-        if trochoid_gap(*self._cutting) < 0:
+        if self._cutting.trochoid_gap < 0:
             raise DesignError(
                 "cutter.teeth",
                 f"found {z0}: on their way out of the spaces the cutter's tips cut the tips of {z} teeth",
@@ -230,9 +230,9 @@ class RingGear:
         return roll_at(self.tip_radius, self.base_radius), float(end)
 
     @property
-    def _cutting(self) -> tuple[float, ...]:
-        """Sizes by which the cutter's tips are seen to clear the teeth, modules and rad."""
-        return (
+    def _cutting(self) -> InternalMesh:
+        """The cutter in the ring, modules."""
+        return InternalMesh(
             self.cutter.teeth,
             self.teeth,
             self._cutter_distance,

@@ -12,6 +12,7 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..sizes import check_sizes, entry, quantity
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
+from .limit import last_fit
 from .rack import Rack
 from .tooth import Tooth, outline
 
@@ -87,7 +88,8 @@ class SpurGear:
     def _refuse(self) -> NoReturn:
         """Say why there are no teeth, and the nearest size that leaves some."""
         if self.thinning and self._leaves_teeth(thinning=0.0):
-            most = self._limit("thinning", 0.0, min(self.thinning, np.pi * self.module))
+            thickest = min(self.thinning, np.pi * self.module)
+            most = last_fit(lambda thinning: self._leaves_teeth(thinning=thinning), 0.0, thickest)
             raise DesignError(
                 "thinning",
                 f"found {self.thinning:g} mm, which leaves no tooth",
@@ -107,22 +109,17 @@ class SpurGear:
     def _nearest_shift(self) -> str:
         """The profile shift nearest to the one found that leaves teeth, in words; none if none is near."""
         found = self.profile_shift
+
+        def fits(shift: float) -> bool:
+            return self._leaves_teeth(profile_shift=shift)
+
         # Gears whose shifts leave teeth over less than a fiftieth of a module are not found.
         for step in np.arange(0.02, 20, 0.02).tolist():
-            if self._leaves_teeth(profile_shift=found - step):
-                least = self._limit("profile_shift", found - step, found)
-                return f"at most {np.floor(least * 1000) / 1000:g}, or "
-            if self._leaves_teeth(profile_shift=found + step):
-                most = self._limit("profile_shift", found + step, found)
-                return f"at least {np.ceil(most * 1000) / 1000:g}, or "
+            if fits(found - step):
+                return f"at most {np.floor(last_fit(fits, found - step, found) * 1000) / 1000:g}, or "
+            if fits(found + step):
+                return f"at least {np.ceil(last_fit(fits, found + step, found) * 1000) / 1000:g}, or "
         return ""
-
-    def _limit(self, name: str, good: float, bad: float) -> float:
-        """The size nearest to a bad one that still leaves teeth, from one that does."""
-        for _ in range(60):
-            middle = 0.5 * (good + bad)
-            good, bad = (middle, bad) if self._leaves_teeth(**{name: middle}) else (good, middle)
-        return good
 
     def _check_tip_edge(self) -> None:
         """The two edges of a tip must leave each other, and the flanks, their room."""
@@ -138,13 +135,11 @@ class SpurGear:
         fits = value * self.module <= most * (1 + 1e-12)
         if fits and not self._tooth.stands:
             # Undercut has left less of the flanks.
-            low, most, fits = 0.0, value * self.module, False
-            for _ in range(40):
-                middle = 0.5 * (low + most)
-                changed: dict[str, Any] = {name: middle}
-                stands = replace(self._tooth, **changed).stands
-                low, most = (middle, most) if stands else (low, middle)
-            most = low
+            def stands(edge: float) -> bool:
+                changed: dict[str, Any] = {name: edge}
+                return replace(self._tooth, **changed).stands
+
+            most, fits = last_fit(stands, 0.0, value * self.module), False
         if not fits:
             raise DesignError(
                 name,
