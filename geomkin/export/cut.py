@@ -36,6 +36,17 @@ class Loop:
     points: Array
     layer: str
 
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of the shape, mm, arcs as far as they reach between their ends."""
+        if isinstance(self.shape, Circle):
+            corner = self.shape.radius * (1 + 1j)
+            return self.shape.centre - corner, self.shape.centre + corner
+        z = np.asarray(self.shape.vertices)
+        if self.shape.bulges is not None:
+            z = np.append(z, _tops(self.shape))
+        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+
 
 @dataclass(frozen=True, eq=False)
 class Cut:
@@ -48,8 +59,18 @@ class Cut:
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the outline, mm."""
-        z = self.loops[0].points
-        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+        return self.loops[0].box
+
+
+def _tops(shape: Polyline) -> Array:
+    """Places on arcs where they run along either axis."""
+    edges = np.arange(len(shape.breaks) - 1)
+    chord = shape.point(edges + 1) - shape.point(edges)
+    sweep = 4 * np.arctan(np.asarray(shape.bulges))
+    # Along an arc the direction turns evenly, from half its sweep before the chord's to half of it beyond.
+    share = 0.5 + np.angle(np.outer([1, 1j, -1, -1j], chord.conj())) / np.where(sweep == 0, np.inf, sweep)
+    axis, edge = np.nonzero((0 < share) & (share < 1) & (sweep != 0))
+    return shape.point(edge + share[axis, edge])
 
 
 def decimals(tolerance: float) -> int:

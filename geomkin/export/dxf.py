@@ -38,8 +38,10 @@ def _document(sheet: Sheet) -> Drawing:
     for placed in sheet.placed:
         for loop in (*placed.cut.loops, *placed.cut.marks):
             _add(space, loop, placed.shift)
-    document.header["$EXTMIN"] = (0.0, 0.0, 0.0)
-    document.header["$EXTMAX"] = (sheet.width, sheet.height, 0.0)
+    # The library fills the header from the layout when it writes.
+    low, high = sheet.extents
+    space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
+    space.reset_limits((0.0, 0.0), (sheet.width, sheet.height))
     return document
 
 

@@ -29,6 +29,12 @@ class Sheet:
     width: float
     height: float
 
+    @property
+    def extents(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of all that is cut, mm."""
+        low, high = np.array([[corner + p.shift for corner in p.cut.box] for p in self.placed]).T
+        return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+
 
 def lay_out(cuts: Sequence[Cut]) -> Sheet:
     """Rows of parts, highest first, in a sheet about as wide as it is high."""

@@ -17,16 +17,18 @@ STROKE = 0.25
 
 
 def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
-    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm."""
+    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm.
+
+    White behind it is a style of the page and no shape: whatever is drawn is cut.
+    """
     digits = decimals(tolerance)
     colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
-        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}">',
+        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}" style="background:#fff">',
         f"<title>{escape(_plain(title))}</title>",
-        f'<rect width="{size[0]}" height="{size[1]}" fill="#ffffff"/>',
     ]
     for placed in sheet.placed:
         lines.append(f'<g id="{escape(placed.cut.part.name)}-{len(lines)}">')

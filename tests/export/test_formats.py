@@ -65,6 +65,20 @@ def test_dxf_says_millimetres_has_clean_layers_and_the_right_area(arcs):
     assert has_bulges == arcs
 
 
+@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize("count", [1, 4])
+def test_dxf_extents_are_those_of_what_is_cut(arcs, count):
+    """Against every arc and line of it, in fine steps, as the library reads them."""
+    hook = gk.Part("hook", gk.Polyline(np.array([0, 10 - 5j, 20 + 5j, 3j]), np.array([0.9, -0.3, 1.0, 0.2])), (), 1)
+    document = read_dxf(dxf(sheet_of([hook, *PARTS][:count], arcs=arcs)))
+    space = document.modelspace()
+    edges = [edge for e in space.query("LWPOLYLINE") for edge in e.virtual_entities()]
+    places = [edge.flattening(1e-5) if edge.dxftype() == "ARC" else (edge.dxf.start, edge.dxf.end) for edge in edges]
+    x, y, _ = np.array([p.xyz for row in places for p in row]).T
+    assert np.array(document.header["$EXTMIN"])[:2] == pytest.approx([x.min(), y.min()], abs=3e-5)
+    assert np.array(document.header["$EXTMAX"])[:2] == pytest.approx([x.max(), y.max()], abs=3e-5)
+
+
 def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
     sheet = sheet_of(PARTS)
     outlines = [p for layer, p in polygons(read_dxf(dxf(sheet))) if layer == "CUT"]
@@ -124,7 +138,10 @@ def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
     assert root.get("width") == f"{sheet.width:g}mm" and root.get("viewBox") == f"0 0 {sheet.width:g} {sheet.height:g}"
     space = "{http://www.w3.org/2000/svg}"
     assert root.find(f"{space}title").text == "a <b> & c"
-    drawn = [e for e in root.iter() if e.get("class") in ("CUT", "HOLE")]
+    shapes = [e for e in root.iter() if e.tag not in {space + name for name in ("svg", "title", "g")}]
+    drawn = [e for e in shapes if e.get("class") in ("CUT", "HOLE")]
+    # No background either: a cutter would cut it.
+    assert shapes == drawn
     cuts = [loop for placed in sheet.placed for loop in placed.cut.loops]
     assert len(drawn) == len(cuts)
     starts = [placed.shift for placed in sheet.placed for _ in placed.cut.loops]
