@@ -47,14 +47,40 @@ class Loop:
             z = np.append(z, _tops(self.shape))
         return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
+    def moved(self, shift: complex, digits: int) -> Loop:
+        """The same elsewhere. Rounded once more, since the sum of two short decimals is seldom one."""
+        points = _round(self.points + shift, digits)
+        if isinstance(self.shape, Circle):
+            centre = _round(np.asarray(self.shape.centre + shift), digits).item()
+            return Loop(Circle(centre, self.shape.radius), points, self.layer)
+        vertices = _round(np.asarray(self.shape.vertices) + shift, digits)
+        return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
+
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A part ready for its files. loops: the cuts, outline first, then the holes; marks: what is engraved."""
+    """A part ready for its files.
+
+    loops: the cuts, outline first, then the holes; marks: what is engraved. digits: decimals of mm that its numbers
+    carry.
+    """
 
     part: Part
     loops: tuple[Loop, ...]
-    marks: tuple[Loop, ...] = ()
+    marks: tuple[Loop, ...]
+    digits: int
+
+    @property
+    def area(self) -> float:
+        """Area within the cuts as they are written, mm2: the outline's less the holes'."""
+        outline, *holes = (area(loop.shape) for loop in self.loops)
+        return outline - sum(holes)
+
+    @property
+    def chord_area(self) -> float:
+        """The same of the chords that solids are made of."""
+        outline, *holes = (signed_area(loop.points) for loop in self.loops)
+        return outline - sum(holes)
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -101,7 +127,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
         for other in holes[:k]:
             if region.overlap([hole.points], [other.points]) > 0:
                 raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
-    return Cut(part, (outline, *holes), _marks(part, tolerance))
+    return Cut(part, (outline, *holes), _marks(part, tolerance), decimals(tolerance))
 
 
 def _check_scale(part: Part, tolerance: float) -> None:

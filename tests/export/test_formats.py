@@ -79,6 +79,24 @@ def test_dxf_extents_are_those_of_what_is_cut(arcs, count):
     assert np.array(document.header["$EXTMAX"])[:2] == pytest.approx([x.max(), y.max()], abs=3e-5)
 
 
+@pytest.mark.parametrize("arcs", [False, True])
+def test_coordinates_carry_no_more_decimals_than_the_tolerance_asks(arcs):
+    """Short decimals plus whole millimetres are not: 1.2345678 + 37 ends in ...0000000000003."""
+    text = dxf(sheet_of(PARTS, arcs=arcs)).decode().split("ENTITIES")[1].split("ENDSEC")[0].split("\n")
+    coordinates = [value.strip() for code, value in zip(text[1::2], text[2::2]) if code.strip() in ("10", "20", "40")]
+    assert len(coordinates) > 100
+    assert max(len(value.partition(".")[2]) for value in coordinates) <= 7
+
+
+def test_holes_and_marks_come_before_the_outline_that_frees_the_part():
+    marked = gk.Part("marked", gk.Circle(0, 30), (gk.Circle(0, 4), gk.Circle(15, 3)), 2, marks=(gk.Circle(-15, 2),))
+    sheet = sheet_of([marked, PLATE])
+    wanted = ["HOLE", "HOLE", "ENGRAVE", "CUT", *["HOLE", "HOLE", "CUT"] * PLATE.count]
+    assert [e.dxf.layer for e in read_dxf(dxf(sheet)).modelspace()] == wanted
+    drawn = ET.fromstring(svg(sheet, "order")).iter()
+    assert [e.get("class") for e in drawn if e.get("class")] == wanted
+
+
 def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
     sheet = sheet_of(PARTS)
     outlines = [p for layer, p in polygons(read_dxf(dxf(sheet))) if layer == "CUT"]
@@ -134,7 +152,7 @@ def test_stl_is_closed_upright_and_of_the_right_volume(part):
 @pytest.mark.parametrize("arcs", [False, True])
 def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
     sheet = sheet_of(PARTS, arcs=arcs)
-    root = ET.fromstring(svg(sheet, "a <b> & c", TOLERANCE))
+    root = ET.fromstring(svg(sheet, "a <b> & c"))
     assert root.get("width") == f"{sheet.width:g}mm" and root.get("viewBox") == f"0 0 {sheet.width:g} {sheet.height:g}"
     space = "{http://www.w3.org/2000/svg}"
     assert root.find(f"{space}title").text == "a <b> & c"
@@ -142,10 +160,10 @@ def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
     drawn = [e for e in shapes if e.get("class") in ("CUT", "HOLE")]
     # No background either: a cutter would cut it.
     assert shapes == drawn
-    cuts = [loop for placed in sheet.placed for loop in placed.cut.loops]
+    # Holes before the outline that holds them.
+    cuts = [(loop, p.shift) for p in sheet.placed for loop in (*p.cut.loops[1:], p.cut.loops[0])]
     assert len(drawn) == len(cuts)
-    starts = [placed.shift for placed in sheet.placed for _ in placed.cut.loops]
-    for element, loop, shift in zip(drawn, cuts, starts):
+    for element, (loop, shift) in zip(drawn, cuts):
         if element.tag == f"{space}circle":
             assert float(element.get("r")) == loop.shape.radius
             continue
