@@ -111,7 +111,7 @@ def decimals(tolerance: float) -> int:
 def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
-    arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
+    arcs: polylines keep arcs instead of chords, unless the kerf closes a gap or a bend, which leaves chords.
     Marks are always chords, and stay where they are whatever the kerf.
     """
     _check_scale(part, tolerance)
@@ -193,20 +193,19 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
         circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
-    moved = _moved(curve, grow)
-    points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
-    if grow and not _is_outline(points):
+    sense = float(np.sign(area(curve, 1e-3)))
+    moved = parallel(curve, grow * sense) if grow else curve
+    points = flatten(moved, tolerance) if moved else np.empty(0)
+    # What a slot narrower than the beam leaves runs the other way round.
+    turned = grow != 0 and (len(points) < 3 or signed_area(points) * sense <= 0)
+    points = _rounded_loop(points, digits)
+    if grow and (turned or not _is_outline(points)):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if not _is_outline(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
-
-
-def _moved(curve: AbstractCurve, grow: float) -> AbstractCurve | None:
-    """The curve grown by a distance, exact, where a parallel curve can be drawn."""
-    return parallel(curve, grow * float(np.sign(area(curve, 1e-3)))) if grow else curve
 
 
 def _is_outline(points: Array) -> bool:
@@ -247,6 +246,8 @@ def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
 
 def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
+    if not len(z):
+        return z
     z = _round(z, digits)
     z = z[z != np.roll(z, 1)]
     return z if signed_area(z) >= 0 else z[::-1]

@@ -18,6 +18,7 @@ from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
 from geomkin.export.stl import stl
 from geomkin.export.svg import svg
+from geomkin.shop.keyway import keyed_bore
 from geomkin.table import xy_columns
 
 TOLERANCE = 0.005
@@ -209,9 +210,25 @@ def test_what_cannot_be_cut_is_refused(part, words):
         cut(part, TOLERANCE)
 
 
-def test_a_kerf_wider_than_a_hole_is_refused():
+@pytest.mark.parametrize("hole", [gk.Circle(40, 2.1), gk.slot(30, 50, 2.1)], ids=["round", "slot"])
+def test_a_kerf_wider_than_a_hole_is_refused(hole):
+    """What is left of a slot narrower than the beam is a slot again, turned inside out."""
+    plate = gk.Part("plate", gk.slot(0, 90, 9), (hole,), 3.0)
+    assert cut(plate, TOLERANCE, kerf=4).area > 0
     with pytest.raises(gk.DesignError, match="kerf"):
-        cut(PLATE, TOLERANCE, kerf=5)
+        cut(plate, TOLERANCE, kerf=5)
+
+
+def test_arcs_of_a_keyed_bore_survive_the_kerf():
+    """Its keyway has corners that close as the hole shrinks: four edges before, four edges after."""
+    (keyed,) = keyed_bore(20, 6, 3, 1j, 60, "stock")
+    made = cut(gk.Part("hub", gk.Circle(0, 30), (keyed,), 3), TOLERANCE, kerf=0.2, arcs=True)
+    hole = made.loops[1].shape
+    bends = np.abs(hole.bulges[hole.bulges != 0])
+    assert len(hole.vertices) <= 8 and len(bends) >= 3
+    shrunk = shapely.Polygon(gk.xy(gk.flatten(keyed, 1e-5))).buffer(-0.1, quad_segs=2000)
+    written = shapely.Polygon(gk.xy(gk.flatten(hole, 1e-5)))
+    assert written.symmetric_difference(shrunk).area < 1e-4 * shrunk.length
 
 
 def test_a_hundred_thousand_points_stay_linear():
