@@ -221,7 +221,7 @@ def test_a_kerf_wider_than_a_hole_is_refused(hole):
 
 def test_arcs_of_a_keyed_bore_survive_the_kerf():
     """Its keyway has corners that close as the hole shrinks: four edges before, four edges after."""
-    (keyed,) = keyed_bore(20, 6, 3, 1j, 60, "stock")
+    (keyed,) = keyed_bore(20, 0, 6, 3, 1j, 60, "stock")
     made = cut(gk.Part("hub", gk.Circle(0, 30), (keyed,), 3), TOLERANCE, kerf=0.2, arcs=True)
     hole = made.loops[1].shape
     bends = np.abs(hole.bulges[hole.bulges != 0])
