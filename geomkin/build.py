@@ -110,9 +110,11 @@ class _naming:
 
 
 def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Part]]:
+    from .shop.walls import wall_checks
+
     with _naming(file, recipe):
         parts = kind(recipe.kind).parts(recipe)
-        return tuple(kind(recipe.kind).checks(recipe)), parts
+        return (*kind(recipe.kind).checks(recipe), *wall_checks(parts, recipe.files.kerf)), parts
 
 
 def _cuts(recipe: Any, parts: list[Part], wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
