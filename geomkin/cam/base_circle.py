@@ -14,7 +14,7 @@ from .cam import Cam, check_lifts
 from .extremes import largest, samples
 from .follower import Follower, Roller, TranslatingFlat
 from .program import FollowerMotion, Program
-from .undercut import undercut
+from .undercut import Undercut, undercut
 
 # Base radii tried before the least is closed in on. Good ones between bad ones are found where they cover a
 # stretch wider than a step: 7 % of the radius, or a 240th of what an arm can reach.
@@ -160,25 +160,26 @@ def _uncrossed(
 ) -> BaseCircle:  # fmt: skip
     """The same, or a larger one where flanks of the profile cross or its velocity jumps."""
 
-    def crossed(radius: float) -> tuple[float, float] | None:
+    def crossed(radius: float) -> Undercut | None:
         cut = undercut(Cam(follower, program, radius, direction))
-        return cut.worst if cut.found else None
+        return cut if cut.found else None
 
     # A touch more than the border itself, where rounding decides.
     bad = max(found.radius * (1 + 1e-9), SMALLEST * scale)
     if bad >= found.largest or not crossed(bad):
         return found
     good = min(FAR * max(bad, scale), found.largest * (1 - 1e-6))
-    if worst := crossed(good):
+    if cut := crossed(good):
         raise DesignError(
             "program",
-            f"at {np.degrees(worst[1]):.4g} deg the velocity jumps, which undercuts a cam of any size",
+            f"at {np.degrees(cut.worst[1]):.4g} deg the velocity jumps, which undercuts a cam of any size",
             "give a law of motion without such a jump there",
         )
     while good - bad > 1e-9 * good:
         middle = 0.5 * (good + bad)
         good, bad = (good, middle) if crossed(middle) else (middle, bad)
-    return replace(found, radius=good, limit="undercut", cam_angle=(crossed(bad) or (0.0, np.nan))[1])
+    last = crossed(bad)
+    return replace(found, radius=good, limit="undercut", cam_angle=last.worst[1] if last else np.nan)
 
 
 def _hopeless(rules: dict[Limit, Rule], excess: Array, pressure_angle_deg: float) -> DesignError:

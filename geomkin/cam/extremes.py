@@ -17,14 +17,23 @@ LOOKS, FINE = 7, 33
 
 def samples(breaks: Array) -> Array:
     """Places (segments, SAMPLES) that see every segment finely and every joint from both sides."""
-    inside = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0, 1, SAMPLES)
-    inside[:, -1] = np.nextafter(breaks[1:], -np.inf)
+    return _samples_between(breaks[:-1], breaks[1:])
+
+
+def _samples_between(low: Array, high: Array) -> Array:
+    inside = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, SAMPLES)
+    inside[:, -1] = np.nextafter(high, -np.inf)
     return inside
 
 
 def highest(breaks: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The largest value of f in each segment, and where; at joints from the segment's own side."""
-    places = samples(breaks)
+    return highest_between(breaks[:-1], breaks[1:], f)
+
+
+def highest_between(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """The largest value of f, smooth there, between each `low` and `high`, and where; at `high` from below."""
+    places = _samples_between(low, high)
     values = f(places)
     top = values.argmax(axis=1)[:, None]
     return climb(

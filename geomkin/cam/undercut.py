@@ -15,7 +15,7 @@ from ..plane.joined import Path
 from ..plane.vec import Array, dot
 from .cam import Cam
 from .crossings import chord_crossings, crossings
-from .extremes import climb, largest, samples
+from .extremes import climb, highest_between, samples
 from .raw_outline import RawOutline
 
 # Chords over the width of a reversed stretch and, to either side, over four times its width, where the
@@ -26,6 +26,9 @@ CHORDS_PER_LOOP = 8
 POINT = 3e-10
 # So is what a backward jump smaller than this share costs: the branches beside it meet too flat to be solved for.
 JUMP = 1e-6
+
+# Follower on corner, at how many angles times corners in one go: more takes more memory.
+BLOCK = 1_000_000
 
 # Share by which two losses of lift may differ and still count as equal: far above what rounding makes of equals.
 TIED = 1e-9
@@ -56,10 +59,14 @@ class Undercut:
     def lost_lift(self, angle: ArrayLike) -> Array:
         """How far the follower's lift stays below the programme's, mm or rad, at cam angles in rad."""
         angle = np.asarray(angle, dtype=float)
-        lost = np.zeros(angle.shape)
         if not self.found:
-            return lost
-        since = np.mod(angle[..., None] - self.spans[:, 0], 2 * np.pi)
+            return np.zeros(angle.shape)
+        blocks = np.array_split(angle.ravel(), 1 + angle.size * len(self.spans) // BLOCK)
+        return np.concatenate([self._lost(block) for block in blocks]).reshape(angle.shape)
+
+    def _lost(self, angle: Array) -> Array:
+        lost = np.zeros(angle.shape)
+        since = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
         missing = (since < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
         at = angle[missing]
         corners = self.corners * np.exp(1j * self.cam.sense * at)[:, None]
@@ -74,14 +81,12 @@ class Undercut:
         if not self.found:
             return 0.0, 0.0
         joints = np.concatenate([self.cam.program.breaks, self.cam.program.breaks[1:] + 2 * np.pi])
-        tops = [
-            largest(np.array([start, *joints[(joints > start) & (joints < end)], end]), self.lost_lift)
-            for start, end in self.spans.tolist()
-        ]
+        ends = [np.array([a, *joints[(joints > a) & (joints < b)], b]) for a, b in self.spans.tolist()]
+        low, high = (np.concatenate([b[which] for b in ends]) for which in (slice(None, -1), slice(1, None)))
+        tops = highest_between(low, high, self.lost_lift)
         # Of equals, as a symmetric cam has them, the first: rounding must not choose.
-        most = max(lost for lost, _ in tops)
-        lost, angle = next(top for top in tops if top[0] >= (1 - TIED) * most)
-        return lost, angle % (2 * np.pi)
+        first = int((tops[0] >= (1 - TIED) * tops[0].max()).argmax())
+        return float(tops[0][first]), float(tops[1][first] % (2 * np.pi))
 
 
 def undercut(cam: Cam) -> Undercut:
