@@ -74,9 +74,10 @@ def least_base_circle(
         return np.array([[rule(motion, radius).max() for radius in radii] for rule in rules.values()])
 
     tried = _tried(low, high, scale, excess)
-    good = np.asarray((excess(tried) <= 0).all(axis=0))
+    seen = excess(tried)
+    good = np.asarray((seen <= 0).all(axis=0))
     if not good.any():
-        raise _hopeless(rules, excess(tried), pressure_angle_deg)
+        raise _hopeless(rules, seen, pressure_angle_deg)
     last = len(good) - 1 - int(good[::-1].argmax())
     first = last - int(np.append(good[last::-1], False).argmin()) + 1
     most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
@@ -143,9 +144,12 @@ def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float)
     def worst(radius: float) -> tuple[float, float, Limit]:
         return max((*_largest(program, rule, radius), name) for name, rule in rules.items())
 
+    motion = program.motion(samples(program.breaks))
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if worst(middle)[0] <= 0 else (good, middle)
+        # What the samples show needs no closer look.
+        fits = all(rule(motion, middle).max() <= 0 for rule in rules.values()) and worst(middle)[0] <= 0
+        good, bad = (middle, bad) if fits else (good, middle)
     _, angle, name = worst(bad)
     return good, name, angle
 
