@@ -15,7 +15,7 @@ from ..plane.flatten import flatten
 from ..plane.measure import area
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Array
+from ..plane.vec import Array, rounded
 
 # A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
 LARGEST = 1e5
@@ -118,14 +118,14 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
 
 def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     digits = decimals(tolerance)
-    points = _round(flatten(curve, tolerance), digits)
+    points = rounded(flatten(curve, tolerance), digits)
     kept = np.append(True, points[1:] != points[:-1])
     kept[-1] &= not (curve.closed and points[-1] == points[0])
     points = points[kept]
     if len(points) < (3 if curve.closed else 2):
         raise DesignError(part.name, "a mark is smaller than files can tell", "make it larger")
     if isinstance(curve, Circle):
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(curve.radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(curve.radius, digits).item())
         return Loop(circle, points, "ENGRAVE")
     return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
 
@@ -144,7 +144,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
         if round(radius, digits) <= 0:
             raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     moved = _moved(curve, grow)
     points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
@@ -169,7 +169,7 @@ def _is_outline(points: Array) -> bool:
 def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
     digits = decimals(tolerance)
-    z = _round(np.asarray(exact.vertices), digits)
+    z = rounded(exact.vertices, digits)
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
     # An arc that no file can tell from a point would be an edge without direction.
     seen = np.abs(np.roll(z, -1) - z) > tolerance / 100
@@ -200,14 +200,9 @@ def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
 
 def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
-    z = _round(z, digits)
+    z = rounded(z, digits)
     z = z[z != np.roll(z, 1)]
     return z if signed_area(z) >= 0 else z[::-1]
-
-
-def _round(z: Array, digits: int) -> Array:
-    # Adding zero turns -0.0, which prints differently, into 0.0.
-    return np.round(z, digits) + 0.0
 
 
 def signed_area(z: Array) -> float:

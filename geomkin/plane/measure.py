@@ -126,7 +126,7 @@ def _integral(curve: AbstractCurve, f: Callable[[Array], Array], accuracy: float
     for _ in range(_DOUBLINGS):
         half = 0.5 * np.diff(edges)
         t = (edges[:-1] + half)[:, None] + half[:, None] * _NODES
-        cells = (f(t) @ _WEIGHTS) * half
+        cells = (f(t) * _WEIGHTS).sum(axis=-1) * half
         total, scale = complex(cells.sum()), float(np.abs(cells).sum())
         if before is not None and abs(total - before) <= max(accuracy, 1e-15) * scale:
             return total
