@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import DesignError, shown
 from ..plane.vec import Array
-from ..sizes import check_sizes
+from ..sizes import check_quantities
 from .lift_rows import read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
@@ -65,7 +65,7 @@ def spans(segments: Sequence[Segment], folder: str | Path) -> list[Span]:
         with naming(place):
             if not isinstance(segment, Segment):
                 raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise")
-            check_sizes(segment)
+            check_quantities(segment)
             if isinstance(segment, Pointed):
                 span = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
             else:

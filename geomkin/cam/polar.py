@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Reals, checked
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 
@@ -14,7 +14,8 @@ LOOKS = 129
 STEPS = 6
 
 
-def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
+@checked
+def polar_radius(outline: AbstractCurve, angle: Reals) -> Array:
     """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; arrays (n,).
 
     Where the outline passes a direction more than once, the farthest point counts: what a probe from outside meets.

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import checked
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Array, dot
@@ -83,6 +84,7 @@ class Undercut:
         return lost, angle % (2 * np.pi)
 
 
+@checked
 def undercut(cam: Cam) -> Undercut:
     """Undercut of a cam: local, at joints where the velocity jumps, and where one flank cuts into another.
 

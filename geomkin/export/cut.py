@@ -8,11 +8,10 @@ import numpy as np
 
 from ..errors import DesignError
 from ..part import Part
-from ..plane import region
+from ..plane import measure, region
 from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
-from ..plane.measure import area
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array, rounded
@@ -159,7 +158,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
 
 def _moved(curve: AbstractCurve, grow: float) -> AbstractCurve | None:
     """The curve grown by a distance, exact, where a parallel curve can be drawn."""
-    return parallel(curve, grow * float(np.sign(area(curve, 1e-3)))) if grow else curve
+    return parallel(curve, grow * float(np.sign(measure.signed_area(curve, 1e-3)))) if grow else curve
 
 
 def _is_outline(points: Array) -> bool:
@@ -178,7 +177,7 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     # Twelve decimals of a bulge lie below the last decimal of any vertex.
     bulges = np.where(flat, 0.0, np.round(bulges, 12))
     shape = Polyline(z, bulges)
-    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
+    return shape if measure.signed_area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
 def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:

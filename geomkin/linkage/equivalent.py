@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .linkage import Linkage, Slider
@@ -40,6 +41,7 @@ class Contact:
     follower_direction: Array | complex | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if (self.follower_pivot is None) == (self.follower_direction is None):
             found = "neither" if self.follower_pivot is None else "both"
             raise DesignError("follower_pivot", f"of it and follower_direction found {found}", "give one of them")

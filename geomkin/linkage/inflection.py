@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields, checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
 from .centres import InstantCentre, settled
@@ -39,6 +40,9 @@ class InflectionCircle:
 
     # With s from the reference, V = f + i h s and A = f' + (i h' - h^2) s give, with p = h A_I,
     # V x A = c + Re(conj(k) s) + h^3 |s|^2, which is 0 on the circle, and the diameter J = p / h^3.
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @cached_property
     def _p(self) -> Array:
@@ -112,6 +116,7 @@ class InflectionCircle:
         return path_in(place, place - self.reference, *state)
 
 
+@checked
 def inflection_circle(motion: Motion, body: str) -> InflectionCircle:
     """Inflection circle of a body's motion on the ground, in drive for time, (frames,).
 
@@ -122,6 +127,7 @@ def inflection_circle(motion: Motion, body: str) -> InflectionCircle:
     return InflectionCircle(motion.bodies[body].origin.position, *second_order(motion, body))
 
 
+@checked
 def inflection_circle_of_cranks(one: PathCurvature, two: PathCurvature) -> InflectionCircle:
     """Inflection circle of a body from the paths of two of its points, as two cranks or sliders give them.
 

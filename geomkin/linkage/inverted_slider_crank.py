@@ -46,7 +46,7 @@ class InvertedSliderCrank:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
         for field, value, allowed in (
             ("line", self.line, ("rocker", "coupler")),
             ("driver", self.driver, ("crank", "rocker")),

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arguments import Place, check_fields
 from ..errors import DesignError
 from ..plane.vec import Array, direction_deg
 
@@ -23,10 +24,13 @@ class Slider:
     name: str
     body: str
     along: str
-    point: complex = 0j
-    through: complex = 0j
+    point: Place = 0j
+    through: Place = 0j
     direction_deg: float = 0.0
     angle_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def direction(self) -> Array:
@@ -45,14 +49,15 @@ class Linkage:
     Points may be arrays (linkages,): many linkages of one make.
     """
 
-    bodies: Mapping[str, Mapping[str, complex]]
+    bodies: Mapping[str, Mapping[str, Place]]
     driver: str
     sliders: tuple[Slider, ...] = ()
-    origin: complex = 0j
+    origin: Place = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         names = list(self.bodies)
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
@@ -71,6 +76,11 @@ class Linkage:
     def linkage(self) -> Linkage:
         """Itself, as every named linkage has it."""
         return self
+
+    @cached_property
+    def many(self) -> bool:
+        """Whether sizes are arrays: many linkages of one make."""
+        return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
 
     @cached_property
     def ground(self) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Extended, checked
 from ..plane.vec import Array
 
 
@@ -21,10 +22,11 @@ class Root:
     path: Array
 
 
+@checked
 def newton_raphson(
     f: Callable[[Array], ArrayLike],
     jacobian: Callable[[Array], ArrayLike],
-    estimate: ArrayLike,
+    estimate: Extended,
     tolerance: float = 1e-13,
     steps: int = 50,
 ) -> Root:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
@@ -71,6 +72,7 @@ class Counterbalance:
     angles: Array
 
 
+@checked
 def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: complex = 0.0) -> Array:
     """Force of a slider-crank's moving parts on the frame, (frames,) complex, N: -sum m a of their centres of mass.
 
@@ -86,6 +88,7 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
     return -NEWTON * np.sum(forces, axis=0)
 
 
+@checked
 def judged_counterbalance(
     linkage: SliderCrank, masses: SliderCrankMasses, product: complex = 0.0, branch: Branch = 1
 ) -> Counterbalance:
@@ -98,6 +101,7 @@ def judged_counterbalance(
     return Counterbalance(product, NEWTON * float(sizes.max()), angles[sizes >= (1 - 1e-9) * sizes.max()])
 
 
+@checked
 def best_counterbalance(
     linkage: SliderCrank, masses: SliderCrankMasses, branch: Branch = 1, turned: bool = False
 ) -> Counterbalance:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from .curve import AbstractCurve
 from .vec import Array
 
@@ -24,6 +25,9 @@ class Cycloid(AbstractCurve):
     rolling: float
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)

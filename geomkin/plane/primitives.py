@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Points, check_fields, checked
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Moved
@@ -22,6 +23,9 @@ class Segment(AbstractCurve):
 
     start: complex
     end: complex
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -53,6 +57,9 @@ class Arc(AbstractCurve):
     start: complex
     sweep: float
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def point(self, t: ArrayLike) -> Array:
         return self.centre + (self.start - self.centre) * np.exp(1j * self.sweep * np.asarray(t))
 
@@ -79,6 +86,7 @@ class Circle(AbstractCurve):
     radius: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
             raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
 
@@ -113,6 +121,7 @@ class Polyline(AbstractCurve):
     is_closed: bool = True
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if len(self.vertices) < 2 or not np.isfinite(self.vertices).all():
             raise DesignError("vertices", "found fewer than two finite points", "give at least two")
 
@@ -170,7 +179,8 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
     return Moved(curve, pose)
 
 
-def rounded_hull(centres: ArrayLike, radius: float) -> AbstractCurve:
+@checked
+def rounded_hull(centres: Points, radius: float) -> AbstractCurve:
     """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
 
     centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
@@ -190,6 +200,7 @@ def rounded_hull(centres: ArrayLike, radius: float) -> AbstractCurve:
     return Path(tuple(pieces))
 
 
+@checked
 def slot(start: complex, end: complex, radius: float) -> AbstractCurve:
     """The outline swept by a disc from `start` to `end`, counterclockwise."""
     return rounded_hull([start, end], radius)

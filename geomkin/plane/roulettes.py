@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from .curve import AbstractCurve
 from .vec import Array
 
@@ -22,6 +23,9 @@ class Involute(AbstractCurve):
     base_radius: float
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -64,6 +68,9 @@ class Trochoid(AbstractCurve):
     rounding: float
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Array
@@ -26,6 +27,7 @@ class Spline(AbstractCurve):
     points: Array
 
     def __post_init__(self) -> None:
+        check_fields(self)
         z = np.asarray(self.points)
         if z.ndim != 1 or len(z) < 2 or not np.isfinite(z).all():
             raise DesignError("points", "found fewer than two finite points", "give a list of at least two")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Numbers, checked
+
 Array = np.ndarray
 # Share of the largest number by which the border between two roundings lies below half way. Processors differ by far
 # less, and recipes give numbers of few decimals, which lie half way but not there. Smaller, and the last bit of a
@@ -12,7 +14,8 @@ Array = np.ndarray
 BESIDE_HALF = 2.0**-44
 
 
-def xy(z: ArrayLike) -> Array:
+@checked
+def xy(z: Numbers) -> Array:
     """Points (...,) complex as coordinates (..., 2): a view where `z` is contiguous complex128."""
     z = np.ascontiguousarray(z, dtype=complex)
     return z.view(float).reshape(*z.shape, 2)

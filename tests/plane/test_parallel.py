@@ -48,7 +48,7 @@ def test_parallel_encloses_what_a_polygon_grown_as_far_does(name):
     moved = parallel(curve, distance)
     expected = polygon(curve).buffer(distance, quad_segs=500)
     assert moved.closed
-    assert np.isclose(measure.area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
+    assert np.isclose(measure.signed_area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
     # Everywhere at the distance from the outline, corner arcs included.
     middles = moved.point((moved.breaks[1:] + moved.breaks[:-1]) / 2)
@@ -60,8 +60,8 @@ def test_convex_outline_grows_by_steiners_formula(name):
     """Area + length d + pi d^2 and length + 2 pi d, with no polygon in between."""
     curve, distance = GROWN[name]
     moved = parallel(curve, distance)
-    grown = measure.area(curve) + measure.length(curve) * distance + np.pi * distance**2
-    assert np.isclose(measure.area(moved), grown, rtol=1e-10)
+    grown = measure.signed_area(curve) + measure.length(curve) * distance + np.pi * distance**2
+    assert np.isclose(measure.signed_area(moved), grown, rtol=1e-10)
     assert np.isclose(measure.length(moved), measure.length(curve) + 2 * np.pi * distance, rtol=1e-10)
 
 
@@ -96,15 +96,15 @@ def test_none_where_a_corner_closes(curve, distance):
 def test_reversed_outline_grows_with_the_other_sign():
     for curve, distance in GROWN.values():
         back = parallel(Reversed(curve), -distance)
-        assert np.isclose(measure.area(back), -measure.area(parallel(curve, distance)), rtol=1e-9)
+        assert np.isclose(measure.signed_area(back), -measure.signed_area(parallel(curve, distance)), rtol=1e-9)
 
 
 def test_outline_whose_only_corner_is_its_start():
     """A drop: one smooth stretch that comes back to its start at an angle."""
     drop = Path((Segment(0j, 3 - 3j), Arc(6 + 0j, 3 - 3j, 1.5 * np.pi), Segment(3 + 3j, 0j)))
     moved = parallel(drop, 0.5)
-    expected = measure.area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
-    assert moved.closed and np.isclose(measure.area(moved), expected, rtol=1e-10)
+    expected = measure.signed_area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
+    assert moved.closed and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
     assert parallel(drop, -0.5) is None
 
 
