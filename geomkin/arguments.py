@@ -125,7 +125,7 @@ def _row(each: Sort | None, count: int | None) -> Sort | None:
     many = f"a row of {count}" if count else "a tuple"
 
     def fits(value: Any) -> bool:
-        row = isinstance(value, (tuple, list, np.ndarray)) and np.ndim(value) > 0 and count in (None, len(value))
+        row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
         return bool(row) and all(each.fits(v) for v in value)
 
     return Sort(fits, f"{many}, each {each.allowed}")
@@ -145,6 +145,11 @@ def is_real(value: Any) -> bool:
     """Whether this is one finite real number of bearable size."""
     value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
     return isinstance(value, REAL) and not isinstance(value, bool) and bool(-LARGEST < value < LARGEST)
+
+
+def is_whole(value: Any) -> bool:
+    """Whether this is one whole number of bearable size; 3.0 is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and abs(value) < LARGEST
 
 
 def is_complex(value: Any) -> bool:
@@ -168,12 +173,19 @@ def numbers(value: Any, kinds: str = "iufc") -> np.ndarray | None:
     return array if array.dtype.kind in kinds else None
 
 
-def _bounded(array: np.ndarray | None) -> bool:
-    """Whether all is finite and of bearable size."""
+def _whole(value: Any, kinds: str = "iufc") -> np.ndarray | None:
+    """The same of what can be added to and multiplied, as a list cannot."""
+    return None if isinstance(value, (list, tuple)) else numbers(value, kinds)
+
+
+def _bounded(array: np.ndarray | None, gaps: bool = False) -> bool:
+    """Whether all is finite and of bearable size; `gaps`: or nan."""
     if array is None:
         return False
     if array.dtype.kind == "c":
-        return _bounded(array.real) and _bounded(array.imag)
+        return _bounded(array.real, gaps) and _bounded(array.imag, gaps)
+    if gaps:
+        return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
     return not array.size or bool(array.max() < LARGEST and array.min() > -LARGEST)
 
 
@@ -192,30 +204,39 @@ def are_points(value: Any) -> bool:
     return _bounded(array)
 
 
+def is_place(value: Any, gaps: bool = False) -> bool:
+    """Whether this is a finite complex number or an array of them: a list would not add up. gaps: or nan."""
+    return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
+
+
 REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
 NOTHING = Sort(lambda value: value is None, "nothing")
 PLAIN = {
     float: Sort(is_real, "a finite number"),
-    int: Sort(
-        lambda value: isinstance(value, (int, np.integer)) and not isinstance(value, bool) and abs(value) < LARGEST,
-        "a whole number",
-    ),
+    int: Sort(is_whole, "a whole number"),
     complex: Sort(is_complex, "a finite complex number, x + yj"),
     bool: Sort(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
     str: Sort(lambda value: isinstance(value, str), "a text"),
     type(None): NOTHING,
-    np.ndarray: Sort(lambda value: numbers(value) is not None, "numbers"),
+    np.ndarray: Sort(lambda value: _whole(value) is not None, "a number or an array of numbers"),
 }
 Reals = Annotated[ArrayLike, Sort(are_reals, "finite real numbers, one or an array")]
 # The same with infinity allowed, as where a point of a ray may be at infinity.
 Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
 Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
 # Of a field that is one place, or one for each of many linkages.
-Place = Annotated[
-    complex,
-    Sort(
-        lambda value: not isinstance(value, (list, tuple)) and are_points(value),
-        "a finite complex number, x + yj, or an array of them",
-    ),
+Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
+# The points that a curve is made of, in a row.
+Row = Annotated[
+    np.ndarray, Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj")
 ]
+Count = Annotated[int, Sort(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
+Positive = Annotated[float, Sort(lambda value: is_real(value) and value > 0, "a number above 0")]
+# What a number was found to be, which may be nothing.
+Found = Annotated[float, Sort(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")]
+RealArray = Annotated[
+    np.ndarray, Sort(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them")
+]
+# Places over the frames, nan where there is none.
+Places = Annotated[ArrayLike, Sort(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")]
 Points = Annotated[ArrayLike, Sort(are_points, "finite points as complex numbers x + yj, one or an array")]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import Sort, are_points, check_fields, numbers
+from .arguments import Sort, check_fields, is_place, numbers
 from .errors import DesignError, shown
 
 
@@ -95,16 +95,17 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
 FARTHEST = 1e9
 
 
-def _is_place(value: Any) -> bool:
-    # A list would not add up, and a tuple could be meant as x and y.
-    return not isinstance(value, (list, tuple)) and are_points(value) and bool((np.abs(value) <= FARTHEST).all())
-
-
 class PointXY(Sort):
-    """Marks a complex field that a recipe gives as `[x, y]` in mm."""
+    """Marks a complex field that a recipe gives as `[x, y]` in mm.
 
-    def __init__(self) -> None:
-        super().__init__(_is_place, f"a finite complex number, x + yj, in mm, no farther than {FARTHEST:g}")
+    many: in the library it may be an array, one for each of many linkages.
+    """
+
+    def __init__(self, many: bool = False) -> None:
+        def fits(value: Any) -> bool:
+            return is_place(value) and (many or not np.ndim(value)) and bool((np.abs(value) <= FARTHEST).all())
+
+        super().__init__(fits, f"a finite complex number, x + yj, in mm, no farther than {FARTHEST:g}")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema

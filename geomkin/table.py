@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+
+from .arguments import Sort, check_fields
+from .errors import DesignError
+
+Frames = Annotated[np.ndarray, Sort(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +20,10 @@ class Column:
     name: str
     unit: str
     meaning: str
-    values: np.ndarray
+    values: Frames
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def header(self) -> str:
@@ -30,10 +39,13 @@ class Table:
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
+        check_fields(self)
         lengths = {len(c.values) for c in self.columns}
         headers = [c.header for c in self.columns]
         if len(lengths) != 1 or len(set(headers)) != len(headers):
-            raise ValueError(f"columns must be of one length and of different names: {lengths}, {headers}")
+            raise DesignError(
+                "columns", f"found lengths {lengths} of {headers}", "give columns of one length and of different names"
+            )
 
 
 def xy_columns(name: str, unit: str, meaning: str, values: np.ndarray) -> tuple[Column, Column]:

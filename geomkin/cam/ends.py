@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import DesignError, shown
 from ..plane.vec import Array
 from ..sizes import check_quantities
-from .lift_rows import read_rows
+from .lift_rows import checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
 # Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
@@ -203,7 +203,9 @@ def rounding(segment: Segment) -> float:
 def _between(segment: Timed, start: float, end: float) -> Array:
     if not isinstance(segment, LiftPolynomial):
         return np.zeros((0, 2))
-    points = np.array(segment.through, dtype=float).reshape(-1, 2)
+    if isinstance(segment.through, (tuple, list)) and not segment.through:
+        return np.zeros((0, 2))
+    points = checked_rows(segment.through, "through")
     outside = np.flatnonzero((points[:, 0] <= start) | (points[:, 0] >= end))
     if len(outside):
         k = int(outside[0])

@@ -16,11 +16,11 @@ STEPS = 6
 
 @checked
 def polar_radius(outline: AbstractCurve, angle: Reals) -> Array:
-    """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; arrays (n,).
+    """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; any shape.
 
     Where the outline passes a direction more than once, the farthest point counts: what a probe from outside meets.
     """
-    directions = np.exp(1j * np.asarray(angle, dtype=float))
+    directions = np.exp(1j * np.asarray(angle, dtype=float).ravel())
     breaks = outline.breaks
     t = np.concatenate([np.linspace(a, b, LOOKS)[:-1] for a, b in zip(breaks[:-1], breaks[1:])] + [breaks[-1:]])
     z = outline.point(t)
@@ -37,4 +37,4 @@ def polar_radius(outline: AbstractCurve, angle: Reals) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(slope == 0, 0.0, here.imag / slope)
         place = np.clip(place - step, low, high)
-    return np.abs(outline.point(place))
+    return np.abs(outline.point(place)).reshape(np.shape(angle))

@@ -69,7 +69,7 @@ def dashes(
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     if steps.ndim != 1 or len(steps) < 2 or not np.all(np.diff(steps) > 0):
         raise DesignError("drive", "found no rising row", "give the limits of the steps in rising order, at least two")
-    if local.ndim != 1 or not np.isfinite(local).all():
+    if local.ndim != 1 or not local.size or not np.isfinite(local).all():
         raise DesignError("points", "found no row of finite points", "give finite points; ravel a grid")
     if branch == "follow":
         raise DesignError("branch", "found 'follow'", "give +1, -1 or a table of signs by joint")

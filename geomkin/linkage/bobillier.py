@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Numbers, checked
+from ..arguments import Places, checked
 from ..plane.vec import Array, dot, unit
 from .centres import InstantCentre, settled
 from .curvature import PathCurvature
@@ -61,7 +61,7 @@ def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
 
 
 @checked
-def bobillier_path(one: PathCurvature, tangent_foot: Numbers, tangent: Numbers, position: Numbers) -> PathCurvature:
+def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, position: Places) -> PathCurvature:
     """From one crank and the centrode tangent line to the path of the body's point at `position`, mm; any shape.
 
     tangent_foot: a point of the line, mm; tangent: its direction. The instant centre is where the line meets the

@@ -38,7 +38,9 @@ class InstantCentre:
     def position(self) -> Array:
         """mm; nan where at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.weight != 0, self.reference + self.arm / self.weight, complex(np.nan, np.nan))
+            return np.where(
+                self.weight != 0, self.reference + np.divide(self.arm, self.weight), complex(np.nan, np.nan)
+            )
 
     @property
     def direction(self) -> Array:

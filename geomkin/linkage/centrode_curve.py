@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import check_fields
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 from .centrodes import Centrodes
@@ -32,6 +33,9 @@ class CentrodeCurve(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        bodies = self.linkage.linkage.bodies
+        if self.body not in bodies:
+            raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
 
     def _centrodes(self, t: ArrayLike) -> tuple[Centrodes, Array]:
         motion, frames = moved_at(self.linkage, t, self.branch, self.start)

@@ -43,6 +43,9 @@ class CouplerCurve(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
+        if self.point_name not in named:
+            raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
         parts = driver_limits(self.linkage, self.branch, self.span)
         if parts != (tuple(self.span),):
             reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Extended, Numbers, Place, check_fields, checked
+from ..arguments import Extended, Place, Places, RealArray, check_fields, checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
 from .centres import pin_between, settled, size, slider_between
@@ -35,7 +35,7 @@ class PathCurvature:
 
     position: Array
     tangent: Array
-    curvature: Array
+    curvature: RealArray
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -56,7 +56,7 @@ class PathCurvature:
 
 
 @checked
-def crank_path(pin: Numbers, pivot: Numbers) -> PathCurvature:
+def crank_path(pin: Places, pivot: Places) -> PathCurvature:
     """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape.
 
     The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
@@ -77,6 +77,10 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     """
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
+    if np.shape(local) not in ((), motion.closed.shape):
+        raise DesignError(
+            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.closed.shape} of them"
+        )
     carrier, local = _guided(motion, body, local)
     moved, ground = motion.bodies[carrier], motion.linkage.ground
     position = moved.point(local).position

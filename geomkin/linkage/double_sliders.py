@@ -20,7 +20,7 @@ class EllipticTrammel:
     """
 
     rod: float = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
-    rod_point: Annotated[complex, PointXY()] = entry(
+    rod_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the rod, from its first pin, x towards the second, [x, y] in mm", default=0j, example=100 + 0j
     )
     angle_deg: float = quantity(

@@ -28,7 +28,7 @@ class FourBar:
         "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
     )
     rocker: float = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
-    coupler_point: Annotated[complex, PointXY()] = entry(
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import check_fields, checked
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
 from .centres import InstantCentre, settled
@@ -40,9 +40,6 @@ class InflectionCircle:
 
     # With s from the reference, V = f + i h s and A = f' + (i h' - h^2) s give, with p = h A_I,
     # V x A = c + Re(conj(k) s) + h^3 |s|^2, which is 0 on the circle, and the diameter J = p / h^3.
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @cached_property
     def _p(self) -> Array:

@@ -5,12 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arguments import Place, check_fields
+from ..arguments import Place, Sort, check_fields, is_place
 from ..errors import DesignError
 from ..plane.vec import Array, direction_deg
+
+
+def _are_bodies(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(
+        isinstance(body, str) and isinstance(points, Mapping) and all(is_place(z, gaps=True) for z in points.values())
+        for body, points in value.items()
+    )
+
+
+# That the points are finite is said with their names.
+Bodies = Annotated[
+    Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +63,7 @@ class Linkage:
     Points may be arrays (linkages,): many linkages of one make.
     """
 
-    bodies: Mapping[str, Mapping[str, Place]]
+    bodies: Bodies
     driver: str
     sliders: tuple[Slider, ...] = ()
     origin: Place = 0j

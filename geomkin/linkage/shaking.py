@@ -53,9 +53,6 @@ class SliderCrankMasses:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        for name in ("crank_centre", "coupler_centre"):
-            if not np.isfinite(getattr(self, name)):
-                raise DesignError(name, f"found {getattr(self, name)}", "give a finite place, in mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +75,8 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
 
     counterbalance: mass times radius, kg mm, as in `Counterbalance`. nan where the linkage is open.
     """
+    if not {"crank", "coupler", "slider"} <= set(motion.bodies):
+        raise DesignError("motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank")
     parts = (
         (masses.crank, "crank", masses.crank_centre),
         (masses.coupler, "coupler", masses.coupler_centre),

@@ -27,7 +27,7 @@ class SliderCrank:
     offset: float = quantity(
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
-    coupler_point: Annotated[complex, PointXY()] = entry(
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
         default=0j,
     )

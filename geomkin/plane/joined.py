@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import check_fields
+from ..arguments import Count, check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Array
@@ -27,6 +27,8 @@ class Path(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if not len(self.pieces):
+            raise DesignError("pieces", "found none", "give at least one")
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
         if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())
@@ -103,7 +105,7 @@ class Ring(AbstractCurve):
     """
 
     piece: AbstractCurve
-    count: int
+    count: Count
 
     def __post_init__(self) -> None:
         check_fields(self)

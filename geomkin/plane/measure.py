@@ -87,7 +87,7 @@ def curvature(curve: AbstractCurve, t: Reals) -> Array:
 def convexity(curve: AbstractCurve, t: Reals) -> Array:
     """Curvature of a closed curve, 1/mm, positive where it is convex as seen from outside the area it encloses.
 
-    Whichever way it runs: a cam that turns counterclockwise has a profile that runs clockwise. Otherwise as `curvature`.
+    Whichever way it runs: a cam that turns counterclockwise has a profile that runs clockwise. Else as `curvature`.
     """
     return curve.curvature(t) * np.sign(signed_area(curve, 1e-3))
 

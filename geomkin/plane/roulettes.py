@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import check_fields
+from ..arguments import Positive, check_fields
 from .curve import AbstractCurve
 from .vec import Array
 
@@ -20,7 +20,7 @@ class Involute(AbstractCurve):
     +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there.
     """
 
-    base_radius: float
+    base_radius: Positive
     start: float
     end: float
 
@@ -63,7 +63,7 @@ class Trochoid(AbstractCurve):
     the whole corner is cut at one instant, which the roll angle does not.
     """
 
-    radius: float
+    radius: Positive
     depth: float
     rounding: float
     start: float

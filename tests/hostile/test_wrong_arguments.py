@@ -19,7 +19,9 @@ DRIVE = np.linspace(0.1, 6, 9)
 MOTION = gk.move(FOUR_BAR, DRIVE)
 SLIDING = gk.move(CRANK, DRIVE)
 CIRCLE = gk.Circle(1j, 3.0)
-PROGRAM = gk.Program((gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360)))
+PROGRAM = gk.Program(
+    (gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360))
+)
 ROLLER = gk.TranslatingRoller(10)
 CAM = gk.Cam(ROLLER, PROGRAM, 40)
 PATHS = gk.crank_path(30j, 0), gk.crank_path(90 + 40j, 100)
@@ -27,7 +29,9 @@ ROD = {"ground": {"O": 0, "C": 60}, "slider": {"S": 0}, "rod": {"S": 0, "P": 70}
 WAY = gk.Slider("way", "slider", "ground", through=30j)
 MASSES = gk.SliderCrankMasses(0.5, 0.6, 0.8)
 GEAR, RING = gk.SpurGear(24, 2), gk.RingGear(60, 2)
+POINTS = 3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j
 FLANK = gk.StraightSidedGear(20, 2)
+ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 361, 30))
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
 # Good arguments of every public name, by name.
@@ -50,14 +54,13 @@ GOOD = {
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
     "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
-    "InflectionCircle": {"reference": 0j, "velocity": 1j, "acceleration": 1 + 1j, "turn": 1.0, "turn_rate": 0.5},
     "InstantCentre": {"reference": 0j, "arm": 1j, "weight": 1.0},
     "InvertedSliderCrank": {"ground": 100, "crank": 30, "offset": 5, "line": "rocker", "point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "Involute": {"base_radius": 10.0, "start": 0.1, "end": 1.0},
     "LanternPinion": {"pins": 10, "module": 2.0, "pin_diameter": 3.0},
     "LiftPolynomial": {"through": ((120, 8.0),), **RISE_ENDS},
-    "LiftSpline": {"points": ((0, 0.0), (120, 8.0), (360, 0.0))},
-    "LiftTable": {"decimals": 3, "rows": ((0, 0.0), (120, 8.0), (240, 4.0), (360, 0.0))},
+    "LiftSpline": {"points": ROWS},
+    "LiftTable": {"decimals": 3, "rows": ROWS},
     "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
     "Mirrored": {"curve": CIRCLE},
     "Moved": {"curve": CIRCLE, "pose": gk.Pose(1j, 1j)},
@@ -72,13 +75,12 @@ GOOD = {
     "PathCurvature": {"position": 1j, "tangent": 1 + 0j, "curvature": 0.1},
     "PinionCutter": {"teeth": 24, "pressure_angle_deg": 20, "addendum": 1.25, "tip_radius": 0.2, "profile_shift": 0},
     "PlanetarySet": {"sun": gk.SpurGear(12, 2), "planet": gk.SpurGear(24, 2), "ring": RING, "planets": 3},
-    "PointToothGear": {"teeth": 20, "module": 2.0, "points": (1.2 + 22j, 1.5 + 20j, 2.2 + 18j)},
+    "PointToothGear": {"teeth": 24, "module": 3.0, "points": POINTS},
     "Polyline": {"vertices": np.array([0, 1, 1j]), "bulges": np.array([0.0, 0.5, 0.0]), "is_closed": True},
     "Pose": {"origin": 1j, "direction": 1j},
     "Program": {"segments": PROGRAM.segments, "folder": ""},
     "Rack": {"pressure_angle_deg": 20, "addendum": 1, "dedendum": 1.25, "tip_radius": 0.38},
     "RackPair": {"pinion": GEAR, "rack": gk.GearRack(10, 2), "distance": 24.1},
-    "RecipeError": {"file": "a", "problems": []},
     "Return": {"law": "harmonic", "end_lift": 0, "end_deg": 360},
     "Reversed": {"curve": CIRCLE},
     "Ring": {"piece": gk.Segment(1 + 0j, 1j), "count": 4},
@@ -110,7 +112,7 @@ GOOD = {
     "chord": {"gear": GEAR, "radius": 24.0},
     "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
     "cognates": {"four_bar": FOUR_BAR},
-    "conjugate": {"tooth": FLANK.flank, "teeth": 20, "pitch_radius": 20.0, "mate_teeth": 30, "addendum": 1.0, "internal": False},
+    "conjugate": {"tooth": GEAR.outline.piece, "teeth": 24, "pitch_radius": 24.0, "mate_teeth": 40, "addendum": 2.0, "internal": False},
     "convexity": {"curve": CIRCLE, "t": DRIVE},
     "coupler_curves": {"motion": MOTION, "points": np.array([1j, 2.0]), "body": "coupler"},
     "coupler_grid": {"length": 10.0, "height": 5.0, "rows": 2, "columns": 3, "centre": 1j},
@@ -133,7 +135,7 @@ GOOD = {
     "mechanical_advantage": {"motion": MOTION, "output": "rocker"},
     "move": {"linkage": FOUR_BAR, "drive": DRIVE, "branch": 1, "speed": 10.0, "acceleration": DRIVE},
     "nearest": {"curve": CIRCLE, "points": np.array([5j, 2.0])},
-    "newton_raphson": {"f": lambda x: x**2 - 2, "jacobian": lambda x: np.diag(2 * x), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
+    "newton_raphson": {"f": lambda x: 3 * x - 6, "jacobian": lambda x: np.diag(np.full(len(x), 3.0)), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
     "over_pins": {"gear": GEAR, "pin": 3.5},
     "path_curvature": {"motion": MOTION, "body": "coupler", "local": 40 + 25j},
     "polar_radius": {"outline": CIRCLE, "angle": DRIVE},
@@ -155,7 +157,7 @@ GOOD = {
 # What only geomkin itself makes, and bases that are not called.
 MADE = {
     "AbstractCurve", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
-    "GeomkinError", "Motion", "PointMotion", "Polygon", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "GeomkinError", "InflectionCircle", "Motion", "PointMotion", "Polygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
     "None": None,
@@ -184,6 +186,8 @@ BAD = {
     "endless": 10**400,
     "complex": 3 + 4j,
 }
+# What nothing takes: its refusal names the argument itself.
+NEVER = ("object", "array of texts", "complex nan")
 
 
 def test_every_public_name_is_tried():
@@ -200,8 +204,9 @@ def used(result):
             if not name.startswith("_") and not inspect.isfunction(member) and name != "optima":
                 getattr(result, name)
     if isinstance(result, gk.Dwell | gk.Rise | gk.LiftPolynomial | gk.OptimisedSpline | gk.OptimisedPolynomial):
-        start = () if isinstance(result, gk.Dwell) else (gk.Dwell(end_deg=90),)
-        gk.Program((*start, result, gk.Return("3-4-5", end_deg=360))).motion([1.0, 2.0])
+        rise = (gk.Rise("3-4-5", rise=20, end_deg=180),) if isinstance(result, gk.Dwell) else ()
+        dwell = () if isinstance(result, gk.Dwell) else (gk.Dwell(end_deg=90),)
+        gk.Program((*dwell, result, *rise, gk.Return("3-4-5", end_deg=360))).motion([1.0, 2.0])
     if isinstance(result, gk.Return):
         gk.Program((gk.Rise("3-4-5", rise=20, end_deg=180), result)).motion([1.0, 2.0])
     if isinstance(result, gk.LiftTable | gk.LiftSpline):
@@ -221,10 +226,13 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
     broken = []
     for argument in good:
         for what, bad in BAD.items():
+            if what == "class" and (inspect.isfunction(good[argument]) or argument == "law"):
+                continue  # it can be called, and what it raises is its own
             try:
                 used(call(**good | {argument: bad}))
             except gk.GeomkinError as error:
-                assert str(error).isprintable()
+                if not str(error).isprintable() or (what in NEVER and not error.field.endswith(argument)):
+                    broken.append(f"{argument} = {what}: {error}")
             except Exception as error:
                 broken.append(f"{argument} = {what}: {type(error).__name__}: {error}")
     assert not broken, "\n".join([f"{name}: {len(broken)} raw errors", *broken])

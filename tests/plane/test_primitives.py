@@ -107,7 +107,7 @@ def test_a_moved_circle_stays_a_circle():
         (lambda: Circle(0j, 0.0), "radius"),
         (lambda: Circle(0j, -1.0), "radius"),
         (lambda: Circle(0j, np.nan), "radius"),
-        (lambda: Circle(complex(np.nan, 0), 1.0), "radius"),
+        (lambda: Circle(complex(np.nan, 0), 1.0), "centre"),
         (lambda: Circle(0j, np.inf), "radius"),
         (lambda: Polyline(np.array([1 + 1j])), "vertices"),
         (lambda: Polyline(np.array([0, 1, np.nan])), "vertices"),
