@@ -101,7 +101,7 @@ def schema() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from .recipe.load import schema
+    from .recipe.schema import schema
 
     click.echo(json.dumps(schema(), indent=1))
 

@@ -6,7 +6,7 @@ import re
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -53,18 +53,6 @@ def parse(text: str, file: str = "recipe", folder: str = "") -> Any:
 def adapter(name: str) -> TypeAdapter:
     """Validator and serialiser of a kind's recipes."""
     return TypeAdapter(kind(name).recipe)
-
-
-def schema() -> dict:
-    """JSON Schema of all recipes, for editors that complete and check TOML."""
-    inputs: list[tuple[str, Literal["validation"], TypeAdapter]] = [(k, "validation", adapter(k)) for k in KINDS]
-    by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
-    for table in shared["$defs"].values():
-        table["additionalProperties"] = False
-    return shared | {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [by_kind[name, "validation"] for name in KINDS],
-    }
 
 
 def _read(path: Path) -> str:

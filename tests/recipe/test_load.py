@@ -6,7 +6,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.kinds import KINDS, kind
-from geomkin.recipe.load import parse, schema
+from geomkin.recipe.load import parse
+from geomkin.recipe.schema import schema
 from geomkin.recipe.template import template
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
