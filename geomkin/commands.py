@@ -83,17 +83,28 @@ def list_command() -> None:
 
 @cli.command()
 @click.argument("name", metavar="KIND")
-def new(name: str) -> None:
+@click.option(
+    "--with", "wishes", multiple=True, metavar="TABLE[=KIND]",
+    help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
+)  # fmt: skip
+def new(name: str, wishes: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
+    from .errors import DesignError, printable
     from .recipe.kinds import KINDS
 
     if name not in KINDS:
         from .recipe.explain import nearest
 
-        raise click.BadParameter(f"unknown kind {name!r}; choose of {', '.join(KINDS)}{nearest(name, KINDS)}")
+        raise click.BadParameter(
+            f"unknown kind {printable(name)!r}; {nearest(name, KINDS)}choose of {', '.join(KINDS)}"
+        )
     from .recipe.template import template
 
-    click.echo(template(name), nl=False)
+    try:
+        text = template(name, wishes)
+    except DesignError as error:
+        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
+    click.echo(text, nl=False)
 
 
 @cli.command()

@@ -22,6 +22,7 @@ from ..plane.vec import Array
 from ..shop.cams import CamStock, cam_parts
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .example_cams import fit
 from .kind import Kind
 from .settings import Drive, Files
 
@@ -169,4 +170,4 @@ def _notes(recipe: DiskCamRecipe) -> dict[str, Any]:
     return notes
 
 
-KINDS = {"disk-cam": Kind(DiskCamRecipe, _table, _checks, _parts, _notes)}
+KINDS = {"disk-cam": Kind(DiskCamRecipe, _table, _checks, _parts, _notes, fit)}
