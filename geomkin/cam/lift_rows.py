@@ -61,6 +61,10 @@ def _from_csv(name: object, folder: str | Path) -> tuple[Array, bool]:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
         raise DesignError("file", f"{printable(path)} cannot be read ({reason})", "give a CSV file") from None
+    # Counted first: as lists of numbers a file of this size takes a gigabyte.
+    count = text.count("\n")
+    if count > MOST_ROWS + 1:
+        raise DesignError("file", f"{printable(path)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows")
     try:
         lines = list(csv.reader(text.splitlines()))
     except csv.Error as error:

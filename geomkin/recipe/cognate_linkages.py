@@ -38,6 +38,9 @@ class CognatesRecipe:
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
+    def __post_init__(self) -> None:
+        self.drive.check_rows()
+
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The three, each moved to be at the same point at the same moment."""

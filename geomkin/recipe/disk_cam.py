@@ -37,6 +37,9 @@ class DiskCamRecipe:
     stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
     files: Files = entry("what is written", default=Files())
 
+    def __post_init__(self) -> None:
+        self.drive.check_rows()
+
     @cached_property
     def cut(self) -> Undercut:
         """The cam that the follower leaves, trimmed where it undercuts."""

@@ -97,6 +97,11 @@ def _agree(recipe: Any) -> None:
         raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
     if not sliding and getattr(recipe, "stroke", None) is not None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+    # At most so many columns come of the bodies, the slides and the points that are no pins.
+    linkage = recipe.linkage.linkage
+    points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+    joints = len(linkage.pins)
+    recipe.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
 
 
 def _signs(recipe: Any) -> Branch:

@@ -48,6 +48,7 @@ class InflectionCircleRecipe:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        self.drive.check_rows()
 
     @cached_property
     def position(self) -> Motion:
@@ -146,6 +147,7 @@ class CentrodesRecipe:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        self.drive.check_rows()
 
     @cached_property
     def centrodes(self) -> Centrodes:

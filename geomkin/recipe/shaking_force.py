@@ -25,7 +25,7 @@ from ..plane.primitives import Circle
 from ..shop.links import link_parts
 from ..shop.stack import Stack, stack_links
 from ..shop.stock import LinkStock
-from ..sizes import NotBoolean, entry, quantity
+from ..sizes import NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
@@ -58,6 +58,8 @@ class ShakingForceRecipe:
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(
                 "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
