@@ -137,7 +137,8 @@ def _table(recipe: Any) -> Table:
 
 def _checks(recipe: Any) -> list[Check]:
     reached = 100 * _motion(recipe).closed.mean()
-    return [Check("share of the driver's turn reached", reached, "at least", 100, "%", "curves break where it opens")]
+    share = Check("share of the driver's turn reached", reached, "at least", 100, "%", "curves break where it opens")
+    return [share, *recipe.drive.checks]
 
 
 def _parts(recipe: Any) -> list[Part]:

@@ -147,6 +147,7 @@ def _checks(recipe: Any) -> list[Check]:
             "plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "",
             "summary.json names them under stack; give narrower bars or other lengths",
         ),
+        *(recipe.way.checks if isinstance(recipe.way, Turn) else ()),
     ]  # fmt: skip
 
 

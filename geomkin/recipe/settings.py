@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..check import Check
 from ..errors import DesignError
 from ..plane.vec import Array
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
@@ -19,6 +20,10 @@ MOST_ROWS = 50_000
 MOST_CELLS = 2_000_000
 # Steps in which plates are looked at, deg. Finer ones would find the same plates in each other's way.
 FINEST_DEG = 0.5
+
+# How near a way in degrees must be to quarter turns in radians to look like them: as near as 6.28 is to a turn; wider
+# would catch ways that are meant. Up to four turns, beyond which nobody writes them.
+IN_RADIANS, MOST_QUARTERS = 4e-3, 16
 
 
 def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -> None:
@@ -103,6 +108,16 @@ class Turn:
         check_sizes(self)
         if self.end_deg <= self.start_deg:
             raise DesignError("end_deg", f"found {self.end_deg:g}", f"give more than {self.start_deg:g}, the start")
+
+    @property
+    def checks(self) -> list[Check]:
+        """A word where the way is a number of quarter turns in radians: in degrees it is hardly ever meant."""
+        turn = self.end_deg - self.start_deg
+        quarters = round(turn / (np.pi / 2))
+        if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
+            return []
+        advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
+        return [Check("way of the driver", turn, "at least", 90 * quarters, "deg", advice)]
 
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""

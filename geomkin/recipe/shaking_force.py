@@ -42,6 +42,7 @@ class ShakingForceRecipe:
         "given counterbalance, mass times radius opposite the crank pin",
         "kg mm",
         default=0.0,
+        example=35,
         at_least=-1e6,
         at_most=1e6,
     )
@@ -116,6 +117,7 @@ def _checks(recipe: ShakingForceRecipe) -> list[Check]:
             f"give counterbalance = {recipe.best.product.real:.6g}",
         ),
         Check("plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "", "see summary.json"),
+        *recipe.drive.checks,
     ]  # fmt: skip
 
 
