@@ -91,6 +91,10 @@ def _check_scale(part: Part, tolerance: float) -> None:
             f"it is about {size:.3g} mm across",
             f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {LARGEST:g} mm",
         )
+    far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
+    if far > LARGEST:
+        # The digits left there tell no corner of it from another.
+        raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {LARGEST:g} mm")
     if tolerance < FINEST * size:
         raise DesignError(
             "tolerance",

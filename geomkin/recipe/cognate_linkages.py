@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -52,7 +52,8 @@ class CognatesRecipe:
     @cached_property
     def figure(self) -> Motion:
         """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
-        drive = self.drive.fine
+        # Ten bars take a Newton iteration for each frame, so there are no finer ones than plates need.
+        drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
         return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
 
     @cached_property

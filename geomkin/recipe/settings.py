@@ -19,7 +19,7 @@ Format = Literal["dxf", "stl", "svg", "csv"]
 MOST_ROWS = 50_000
 MOST_CELLS = 2_000_000
 # Steps in which plates are looked at, deg. Finer ones would find the same plates in each other's way.
-FINEST_DEG = 0.5
+FINEST_DEG = 0.25
 
 # How near a way in degrees must be to quarter turns in radians to look like them: as near as 6.28 is to a turn; wider
 # would catch ways that are meant. Up to four turns, beyond which nobody writes them.
