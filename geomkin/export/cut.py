@@ -155,6 +155,8 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     if grow and not _is_outline(points):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
+    if len(points) < 3:
+        raise DesignError(name, "a contour is smaller than files can tell", "make it larger")
     if not _is_outline(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
@@ -216,5 +218,5 @@ def _round(z: Array, digits: int) -> Array:
 
 def signed_area(z: Array) -> float:
     """Area of a polygon, mm2, positive when counterclockwise."""
-    about = z - z[0]
+    about = z - z[:1]
     return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())
