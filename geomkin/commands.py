@@ -47,8 +47,8 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     files = _files(recipes)
     _refuse_twins(files)
     made, failed = _each(files, lambda file: make(file, out, only))
-    if _is_terminal(sys.stdout) and made:
-        click.echo(_report(made))
+    if made:
+        click.echo(_report(made) if _is_terminal(sys.stdout) else "\n".join(map(_line, made)))
     for result in made:
         for check in result.checks:
             if not check.passed:
@@ -83,17 +83,28 @@ def list_command() -> None:
 
 @cli.command()
 @click.argument("name", metavar="KIND")
-def new(name: str) -> None:
+@click.option(
+    "--with", "wishes", multiple=True, metavar="TABLE[=KIND]",
+    help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
+)  # fmt: skip
+def new(name: str, wishes: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
+    from .errors import DesignError, printable
     from .recipe.kinds import KINDS
 
     if name not in KINDS:
         from .recipe.explain import nearest
 
-        raise click.BadParameter(f"unknown kind {name!r}; choose of {', '.join(KINDS)}{nearest(name, KINDS)}")
+        raise click.BadParameter(
+            f"unknown kind {printable(name)!r}; {nearest(name, KINDS)}choose of {', '.join(KINDS)}"
+        )
     from .recipe.template import template
 
-    click.echo(template(name), nl=False)
+    try:
+        text = template(name, wishes)
+    except DesignError as error:
+        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
+    click.echo(text, nl=False)
 
 
 @cli.command()
@@ -101,7 +112,7 @@ def schema() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from .recipe.load import schema
+    from .recipe.schema import schema
 
     click.echo(json.dumps(schema(), indent=1))
 
@@ -173,18 +184,25 @@ def _leave(*_: Any) -> None:
     os._exit(130)
 
 
-def _report(made: list[Any]) -> str:
-    """One row for each recipe: where its files are, how large, how its checks came out."""
+def _row(result: Any) -> tuple[str, str, str, str]:
+    """Where a recipe's files are, their endings, how large, how its checks came out."""
     from .errors import printable
 
-    rows = [("recipe", "files", "size", "checks")]
-    for result in made:
-        endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))
-        size = sum(result.files.values()) / 1000
-        passed = sum(c.passed for c in result.checks)
-        folder = next(iter(result.files)).parent if result.files else ""
-        rows.append(
-            (printable(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed")
-        )
+    endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))
+    size = sum(result.files.values()) / 1000
+    passed = sum(c.passed for c in result.checks)
+    folder = next(iter(result.files)).parent if result.files else ""
+    return printable(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed"
+
+
+def _line(result: Any) -> str:
+    """A recipe in a line of its own, for files and other programs."""
+    folder, endings, size, checks = _row(result)
+    return f"{folder}: {endings}, {size}, checks {checks}"
+
+
+def _report(made: list[Any]) -> str:
+    """One row for each recipe, under a heading."""
+    rows = [("recipe", "files", "size", "checks"), *map(_row, made)]
     widths = [max(len(row[k]) for row in rows) for k in range(4)]
     return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in rows)

@@ -77,6 +77,17 @@ def check_quantities(thing: Any, many: bool = False) -> None:
             continue
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
+        if _is_tiny(value, about):
+            least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
+            raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+
+
+def rounded_up(value: float, digits: int = 4) -> float:
+    """The least number of so many digits that is not below a positive value: what a refusal names, and what works."""
+    unit = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
+    steps = np.ceil(value / unit)
+    # A unit such as 1e-5 is no exact number, so what is printed decides.
+    return next(x for k in range(3) if (x := float(f"{(steps + k) * unit:.{digits}g}")) >= value)
 
 
 _TESTS = {"gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal}
@@ -91,28 +102,44 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
     return all(test(number, about[key]).all() for key, test in _TESTS.items() if key in about)
 
 
+# Least size that is not 0, in its own unit. In mm it is a hundred-thousandth of an atom; products of a few smaller
+# ones fall below the smallest number there is, and quotients of them overflow. A size that may be negative is a place
+# on a line or an angle, and near 0 it is but a rounded 0: it has no such limit.
+SMALLEST = 1e-12
+
+
+def _is_tiny(value: Any, about: Any) -> bool:
+    """Whether a size of one sign is too small to calculate with, though not 0."""
+    if about.get("whole") or about.get("gt", about.get("ge")) != 0:
+        return False
+    number = np.abs(np.asarray(value, dtype=float))
+    return bool(((number > 0) & (number < SMALLEST)).any())
+
+
 # A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
 FARTHEST = 1e9
 
 
 class PointXY(Sort):
-    """Marks a complex field that a recipe gives as `[x, y]` in mm.
+    """Marks a complex field that a recipe gives as `[x, y]` in mm; what lies nearer to 0 than `SMALLEST` is 0.
 
     many: in the library it may be an array, one for each of many linkages.
     """
 
     def __init__(self, many: bool = False) -> None:
         def fits(value: Any) -> bool:
-            return is_place(value) and (many or not np.ndim(value)) and bool((np.abs(value) <= FARTHEST).all())
+            if not is_place(value) or (np.ndim(value) and not many):
+                return False
+            return bool((np.abs([np.real(value), np.imag(value)]) <= FARTHEST).all())
 
-        super().__init__(fits, f"a finite complex number, x + yj, in mm, no farther than {FARTHEST:g}")
+        super().__init__(fits, f"a finite complex number, x + yj, in mm, x and y within {FARTHEST:g} of 0")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema
 
         number = core_schema.float_schema(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False, strict=True)
         return core_schema.no_info_after_validator_function(
-            lambda xy: complex(*xy),
+            lambda xy: complex(*(place if abs(place) >= SMALLEST else 0.0 for place in xy)),
             core_schema.tuple_schema([number, number]),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda z: [z.real, z.imag]),
         )

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import ezdxf
@@ -35,21 +36,15 @@ def rings(folder, name):
     return out
 
 
-# What the gallery shows on purpose: a parallelogram is at a dead centre where its links lie in line, and the
-# walking leg's last dyad comes within 9 deg of one, as its inventor's lengths have it; in Roberts' figure a pin of the
-# left cognate sweeps that cognate's own rocker, whatever the order of the plates; and one cam is undercut.
-ADVISED = {
-    "parallelogram": {"least transmission angle"},
-    "walking-leg": {"least transmission angle"},
-    "cognates": {"plates and pins that collide"},
-    "undercut-cam": {"lift lost to undercut", "least pitch radius to roller radius"},
-    "undercut-gear": {"involute lost to undercut"},
-}
+def told_to_fail(text):
+    """Checks that a recipe's comment says fail on purpose, in brackets and with semicolons between."""
+    comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
+    return {name for names in re.findall(r"fails? on purpose \(([^)]*)\)", comment) for name in names.split("; ")}
 
 
-def test_checks_of_the_gallery_pass(made):
+def test_checks_of_the_gallery_pass_but_for_those_that_show_a_failing_one_and_say_so(made):
     failed = {check.name for check in made[2].checks if not check.passed}
-    assert failed == ADVISED.get(made[0].stem, set())
+    assert failed == told_to_fail(made[0].read_text())
 
 
 def test_every_part_is_in_the_dxf_with_the_area_that_its_solid_stands_on(made):

@@ -71,6 +71,10 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Array, bool]:
         told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
         reason = getattr(error, "strerror", None) or told
         raise DesignError("file", f"{printable(name)} cannot be read ({reason})", "give a CSV file") from None
+    # Counted first: as lists of numbers a file of this size takes a gigabyte.
+    count = text.count("\n")
+    if count > MOST_ROWS + 1:
+        raise DesignError("file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows")
     try:
         lines = list(csv.reader(text.splitlines()))
     except csv.Error as error:

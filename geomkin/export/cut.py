@@ -137,6 +137,10 @@ def _check_scale(part: Part, tolerance: float) -> None:
             f"it is about {size:.3g} mm across",
             f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {LARGEST:g} mm",
         )
+    far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
+    if far > LARGEST:
+        # The digits left there tell no corner of it from another.
+        raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {LARGEST:g} mm")
     if tolerance < FINEST * size:
         raise DesignError(
             "tolerance",
@@ -201,6 +205,8 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     if grow and (turned or not _is_outline(points)):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
+    if len(points) < 3:
+        raise DesignError(name, "a contour is smaller than files can tell", "make it larger")
     if not _is_outline(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
@@ -254,5 +260,5 @@ def _rounded_loop(z: Array, digits: int) -> Array:
 
 def signed_area(z: Array) -> float:
     """Area of a polygon, mm2, positive when counterclockwise."""
-    about = z - z[0]
+    about = z - z[:1]
     return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())

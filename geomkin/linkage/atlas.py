@@ -9,6 +9,7 @@ import numpy as np
 from ..arguments import Points, Reals, checked
 from ..errors import DesignError
 from ..plane.vec import Array, unit
+from ..sizes import rounded_up
 from .limits import driver_limits
 from .motion import Motion
 from .solve import Branch, Named, OneLinkage, move
@@ -18,6 +19,8 @@ from .solve import Branch, Named, OneLinkage, move
 AIM = 0.95
 # Chords of a dash at most, as a power of 2. More would take a tolerance that no machine can cut for a real one.
 FINEST = 12
+# Points of all dashes together that are looked at, at most: what takes some seconds and half a GB.
+MOST_POINTS = 2_000_000
 # Spacings of floating point that a dash ends short of a limit of the linkage: at the very limit, rounding decides
 # whether it is closed. More would show as a dash that ends early.
 SHORT = 8
@@ -98,8 +101,8 @@ def _drawn(
     linkage: Named, local: Array, limits: Array, tolerance: float, branch: Branch, body: str
 ) -> list[list[Array]]:
     found: list[dict[int, Array]] = [{} for _ in local]
-    waiting = np.arange(len(limits))
-    for level in range(FINEST + 1):
+    waiting, worst = np.arange(len(limits)), 0.0
+    for level in range(_levels(len(local) * len(limits))):
         chords = 2**level
         # Crowded at both ends by cosines: at a limit of the linkage a path starts off with infinite speed.
         share = (1 - np.cos(np.pi * np.linspace(0, 1, 4 * chords + 1))) / 2
@@ -110,13 +113,24 @@ def _drawn(
             opened = nodes.ravel()[~motion.closed][0]
             raise DesignError("drive", f"the linkage opens at {opened:.6g} for a moment", "give steps that end there")
         path = coupler_curves(motion, local, body).reshape(len(local), *nodes.shape)
-        near = _distance(path) <= AIM * tolerance
+        distance = _distance(path)
+        near, worst = distance <= AIM * tolerance, float(distance.max(initial=0.0))
         for k, dash in zip(*np.nonzero(near)):
             found[k].setdefault(int(waiting[dash]), path[k, dash, ::4])
         waiting = waiting[~near.all(axis=0)]
         if not waiting.size:
             return [[runs[dash] for dash in sorted(runs)] for runs in found]
-    raise DesignError("tolerance", f"found {tolerance:g} mm, finer than {2**FINEST} chords a dash", "give a larger one")
+    raise DesignError(
+        "tolerance",
+        f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
+        f"give at least {rounded_up(worst / AIM):g} mm, or fewer points or dashes",
+    )
+
+
+def _levels(dashes: int) -> int:
+    """How often the chords of so many dashes may be doubled, the first time included, however many come to need it."""
+    nodes = MOST_POINTS / max(1, dashes)
+    return 1 + int(np.clip(np.log2(max(1.0, (nodes - 1) / 4)), 0, FINEST))
 
 
 def _distance(path: Array) -> Array:

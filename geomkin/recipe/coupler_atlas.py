@@ -21,10 +21,14 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..plane.vec import Array
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity
+from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
+
+
+# Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
+MOST_DASHES = 5_000
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,18 @@ class Grid:
         """(rows, columns), complex mm."""
         return coupler_grid(self.length, self.height, self.rows, self.columns, self.centre)
 
+    def check_work(self, drive: Turn) -> None:
+        """Refuse, before any of it is worked out, more dashes or cells of the table than a person can use."""
+        points, turn = self.rows * self.columns, drive.end_deg - drive.start_deg
+        if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
+            found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
+            most = MOST_DASHES // points
+            remedy = f"give at least {rounded_up(turn / (2 * most)):g} deg"
+            if turn > 180 * most:
+                remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
+            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy)
+        drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
+
 
 @dataclass(frozen=True)
 class FourBarAtlasRecipe:
@@ -72,6 +88,9 @@ class FourBarAtlasRecipe:
     drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.grid.check_work(self.drive)
 
 
 @dataclass(frozen=True)
@@ -89,6 +108,7 @@ class SliderCrankAtlasRecipe:
     def __post_init__(self) -> None:
         if self.linkage.driver == "slider":
             raise DesignError("linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle")
+        self.grid.check_work(self.drive)
 
 
 def _motion(recipe: Any) -> Motion:
@@ -117,7 +137,8 @@ def _table(recipe: Any) -> Table:
 
 def _checks(recipe: Any) -> list[Check]:
     reached = 100 * _motion(recipe).closed.mean()
-    return [Check("share of the driver's turn reached", reached, "at least", 100, "%", "curves break where it opens")]
+    share = Check("share of the driver's turn reached", reached, "at least", 100, "%", "curves break where it opens")
+    return [share, *recipe.drive.checks]
 
 
 def _parts(recipe: Any) -> list[Part]:

@@ -22,6 +22,7 @@ from ..plane.vec import Array
 from ..shop.cams import CamStock, cam_parts
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .example_cams import fit
 from .kind import Kind
 from .settings import Drive, Files
 
@@ -35,6 +36,9 @@ class DiskCamRecipe:
     drive: Drive = entry("how the cam turns", default=Drive())
     stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
     files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.drive.check_rows()
 
     @cached_property
     def cut(self) -> Undercut:
@@ -164,4 +168,4 @@ def _notes(recipe: DiskCamRecipe) -> dict[str, Any]:
     return notes
 
 
-KINDS = {"disk-cam": Kind(DiskCamRecipe, _table, _checks, _parts, _notes)}
+KINDS = {"disk-cam": Kind(DiskCamRecipe, _table, _checks, _parts, _notes, fit)}

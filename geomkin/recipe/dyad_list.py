@@ -121,3 +121,12 @@ def _corner(k: int, corner: Corner, one: complex, two: complex) -> complex:
     along = 0.5 * (base + (b - c) * (b + c) / base)
     height = 2 * area / base * (1 if corner.side == "left" else -1)
     return complex(one + (two - one) / base * complex(along, float(height)))
+
+
+# What templates show where sliders are asked for.
+WITH_SLIDER = DyadList(
+    bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
+    driver="crank",
+    corners=(Corner("rod", "pen", ("A", "B"), (50.0, 60.0)),),
+    sliders=(SliderTable("slide", "block", "ground"),),
+)

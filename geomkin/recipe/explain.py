@@ -4,62 +4,106 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
+from dataclasses import MISSING
 from difflib import get_close_matches
 from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
-from ..errors import DesignError, Problem, printable, shown
+from ..errors import TOLD, DesignError, Problem, printable, shown
 from ..sizes import allowed
+from .slips import number_meant
 
 
 def explain(error: ValidationError, recipe: type) -> list[Problem]:
     """One problem for each finding, in the file's order of keys."""
-    return [_problem(e, recipe) for e in error.errors(include_url=False)]
+    return [_problem(e, recipe, k < TOLD) for k, e in enumerate(error.errors(include_url=False))]
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """`; did you mean ...?` where a known name is close, else nothing."""
-    close = get_close_matches(name, list(known), n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+def nearest(name: object, known: Iterable[str]) -> str:
+    """`did you mean ...? ` where a known name is close, else nothing: what a remedy begins with."""
+    close = get_close_matches(name[:100], list(known), n=1) if isinstance(name, str) else []
+    return f"did you mean {close[0]}? " if close else ""
 
 
-def _problem(e: Any, recipe: type) -> Problem:
-    tables, field, key = _place(e["loc"], recipe)
+def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
+    """hinted: whether anyone will read it; to look for near names takes longest."""
+    tables, field, hint, key = _place(e["loc"], recipe)
     about = field.metadata if field else {}
     found = f"found {shown(e['input'])}"
     match e["type"]:
         case "missing":
-            return Problem(key, "is missing", f"give {_wanted(about) or 'it'}")
+            return Problem(key, "is missing", _table_wanted(hint, key) or f"give {_wanted(about) or 'it'}")
         case "unexpected_keyword_argument":
-            known = [f.name for t in tables for f in dataclasses.fields(t)]
-            hint = nearest(str(e["loc"][-1]), known)
-            return Problem(key, "unknown key", f"known here: {', '.join(dict.fromkeys(known))}{hint}")
+            known = list(dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t)))
+            remedy = f"known here: {', '.join(known)}"
+            if hinted:
+                homes = [home for home in _homes(recipe, e["loc"][-1]) if home.strip("[]") != key.rpartition(".")[0]]
+                near = nearest(e["loc"][-1], known)
+                remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
+            return Problem(key, "unknown key", remedy)
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):
             cause = e["ctx"]["error"]
             return Problem(_join(key, cause.field), cause.problem, cause.remedy)
         case "literal_error":
             expected = e["ctx"]["expected"]
-            hint = (
-                nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
-                if isinstance(e["input"], str)
-                else ""
-            )
-            return Problem(key, found, f"give {expected}{hint}")
+            near = nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
+            return Problem(key, found, f"{near}give {expected}")
         case "union_tag_invalid" | "union_tag_not_found":
-            tags = [str(_tag(t)) for t in tables if _tag(t)]
+            tags = [str(kind_of(t)) for t in tables if kind_of(t)]
             tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
             problem = "is missing" if tag is None else f"found {shown(tag)}"
-            hint = nearest(tag, tags) if isinstance(tag, str) else ""
-            return Problem(_join(key, "kind"), problem, f"give {' or '.join(map(repr, tags))}{hint}")
+            return Problem(_join(key, "kind"), problem, f"{nearest(tag, tags)}give {' or '.join(map(repr, tags))}")
         case "dataclass_type" | "model_attributes_type" | "dict_type":
             known = [f.name for t in tables for f in dataclasses.fields(t)]
-            return Problem(key, found, f"give a table with {', '.join(dict.fromkeys(known))}")
+            return Problem(
+                key, found, _table_wanted(hint, key) or f"give a table with {', '.join(dict.fromkeys(known))}"
+            )
         case "less_than_equal" | "greater_than_equal" if "unit" not in about:
             limit = next(iter(e["ctx"].values()))
             return Problem(key, found, f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_wanted(about)})")
         case _:
-            return Problem(key, found, f"give {_wanted(about) or e['msg']}")
+            is_short = "unit" in about and isinstance(e["input"], str) and len(e["input"]) < 100
+            meant = number_meant(e["input"], quoted=True) if is_short else ""
+            return Problem(key, found, f"{meant + '; ' if meant else ''}give {_wanted(about) or e['msg']}")
+
+
+def _table_wanted(hint: Any, key: str) -> str:
+    """`give a table ...` and what it must hold, where a type hint names tables; else nothing."""
+    tables = tables_in(hint)
+    if not tables:
+        return ""
+    heading = "" if "[" in key else f", headed {_heading(hint, key)}"
+    some = "tables, each" if _is_list(hint) else "a table"
+    kinds = [str(kind_of(t)) for t in tables if kind_of(t)]
+    if kinds:
+        return f"give {some} with kind = {' or '.join(map(repr, kinds))}{heading}"
+    fields = dataclasses.fields(tables[0])
+    needed = [f.name for f in fields if f.default is MISSING and f.default_factory is MISSING]
+    others = [f.name for f in fields if f.name not in needed]
+    more = f" (and, as wanted, {', '.join(others)})" if needed and others else ""
+    return f"give {some} with {', '.join(needed or others)}{more}{heading}"
+
+
+def _is_list(hint: Any) -> bool:
+    """Whether a recipe gives a list of tables there."""
+    return get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in tables_in(hint))
+
+
+def _heading(hint: Any, key: str) -> str:
+    return f"[[{key}]]" if _is_list(hint) else f"[{key}]"
+
+
+def _homes(table: type, name: object, path: str = "") -> list[str]:
+    """Headings of the tables in which a key of that name is known."""
+    found = []
+    for field in dataclasses.fields(table):
+        hint, key = get_type_hints(table)[field.name], path + field.name
+        for inner in tables_in(hint):
+            if any(f.name == name for f in dataclasses.fields(inner)):
+                found.append(_heading(hint, key))
+            found += _homes(inner, name, f"{key}.")
+    return list(dict.fromkeys(found))
 
 
 def _wanted(about: Any) -> str:
@@ -68,17 +112,16 @@ def _wanted(about: Any) -> str:
     return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
 
 
-def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dataclasses.Field | None, str]:
-    """Dataclasses that may stand at a place, the field it is (None for an unknown one), and its dotted key."""
+def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dataclasses.Field | None, Any, str]:
+    """Dataclasses that may stand at a place, the field it is (None for an unknown one), its hint, its dotted key."""
     tables: list[type] = [recipe]
     field: dataclasses.Field | None = None
-    key, chosen = "", False
+    key, chosen, hint = "", False, None
     for part in loc:
         if isinstance(part, int):
             key += f"[{part}]"
-            tables = _nested(tables) or tables
             continue
-        tagged = [t for t in tables if _tag(t) == part]
+        tagged = [t for t in tables if kind_of(t) == part]
         if tagged and len(tables) > 1:
             tables = tagged
             continue
@@ -87,23 +130,22 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
         # Under a field of names that a person chooses, such as bodies, that field says what is wanted.
         if owners or not chosen:
             field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
-            chosen = any(get_origin(get_type_hints(t)[part]) is dict for t in owners)
-        inner = [c for t in owners for c in _dataclasses_in(get_type_hints(t)[part])]
-        tables = inner or tables
-    return tables, field, key
+            hints = [get_type_hints(t)[part] for t in owners]
+            chosen, hint = any(get_origin(h) is dict for h in hints), hints[0] if hints else None
+        tables = [c for t in owners for c in tables_in(get_type_hints(t)[part])] or tables
+    return tables, field, hint, key
 
 
-def _nested(tables: list[type]) -> list[type]:
-    return [c for t in tables for hint in get_type_hints(t).values() for c in _dataclasses_in(hint)]
-
-
-def _dataclasses_in(hint: Any) -> list[type]:
+def tables_in(hint: Any) -> list[type]:
+    """Dataclasses that a type hint names; of one that is written as the list of its segments, those."""
     if dataclasses.is_dataclass(hint):
-        return [hint]  # type: ignore[list-item]
-    return [c for arg in get_args(hint) for c in _dataclasses_in(arg)]
+        segments = "segments" in (f.name for f in dataclasses.fields(hint))
+        return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
+    return [table for part in get_args(hint) for table in tables_in(part)]
 
 
-def _tag(table: type) -> Any:
+def kind_of(table: type) -> Any:
+    """The `kind` by which a recipe tells a table from others; None where it needs none."""
     return next((f.default for f in dataclasses.fields(table) if f.name == "kind"), None)
 
 

@@ -16,7 +16,7 @@ from ..gear.shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
 from ..part import Part
 from ..shop.gears import GearStock, base_plate, gear_parts, rack_part
-from ..sizes import entry, quantity
+from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table
 from .kind import Kind
 from .settings import Files
@@ -45,6 +45,7 @@ class GearPairRecipe:
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        check_sizes(self)
         self.pair  # refuses gears that cannot mesh
 
     @cached_property
@@ -86,6 +87,7 @@ class RackAndPinionRecipe:
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        check_sizes(self)
         self.pair  # refuses gears that cannot mesh
 
     @cached_property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -25,7 +26,7 @@ from ..shop.stack import stack_links
 from ..shop.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Table
-from .dyad_list import DyadList
+from .dyad_list import WITH_SLIDER, DyadList
 from .kind import Kind
 from .motion_table import motion_table
 from .settings import Files, Stroke, Turn
@@ -66,7 +67,26 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
             "way": property(lambda recipe: getattr(recipe, "stroke", None) or recipe.drive),
         },
     )  # fmt: skip
-    return Kind(recipe, _table, _checks, _parts, _notes)
+    return Kind(recipe, _table, _checks, _parts, _notes, _fit(sizes))
+
+
+# What drives by sliding, and how far it goes in an example.
+SLIDING: dict[type, dict[str, Any]] = {
+    SliderCrank: {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)},
+    EllipticTrammel: {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)},
+    DyadList: {"linkage": dataclasses.replace(WITH_SLIDER, driver="block"), "stroke": Stroke(start=70, end=110)},
+}
+
+
+def _fit(sizes: type) -> Callable[[Mapping[str, str]], dict[str, Any]]:
+    """Of the tables that a template is to show, the sizes that go with them."""
+
+    def fit(asked: Mapping[str, str]) -> dict[str, Any]:
+        if "stroke" in asked:
+            return SLIDING[sizes]
+        return {"linkage": WITH_SLIDER} if asked else {}
+
+    return fit
 
 
 def _agree(recipe: Any) -> None:
@@ -77,6 +97,11 @@ def _agree(recipe: Any) -> None:
         raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
     if not sliding and getattr(recipe, "stroke", None) is not None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+    # At most so many columns come of the bodies, the slides and the points that are no pins.
+    linkage = recipe.linkage.linkage
+    points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+    joints = len(linkage.pins)
+    recipe.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
 
 
 def _signs(recipe: Any) -> Branch:
@@ -122,6 +147,7 @@ def _checks(recipe: Any) -> list[Check]:
             "plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "",
             "summary.json names them under stack; give narrower bars or other lengths",
         ),
+        *(recipe.way.checks if isinstance(recipe.way, Turn) else ()),
     ]  # fmt: skip
 
 

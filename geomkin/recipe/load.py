@@ -6,16 +6,20 @@ import re
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable, shown
 from .explain import explain, nearest
 from .kinds import KINDS, kind
+from .slips import slip
 
-# No recipe comes near this, in bytes; a larger file is something else by mistake.
-LARGEST = 10_000_000
+# No recipe comes near this, in bytes; a larger file is something else by mistake, and its reading takes long.
+LARGEST = 2_000_000
+# A key with so many parts, bare or quoted, that no recipe has it. A start inside a word or after a backslash would
+# read the same parts again and again.
+DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 
 
 def load(file: str | Path) -> Any:
@@ -30,19 +34,24 @@ def load(file: str | Path) -> Any:
 def parse(text: str, file: str = "recipe", folder: str = ".") -> Any:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
     # The reader's time grows with the square of a key's parts.
-    if re.search(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){100}", text):
+    if DEEP_KEY.search(text):
         raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")
     try:
         data = tomllib.loads(text)
     except RecursionError:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
+        slipped = slip(text, str(error))
+        if slipped:
+            raise RecipeError(file, [slipped]) from None
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
     name = data.get("kind")
     if not isinstance(name, str) or name not in KINDS:
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
-        hint = nearest(name, KINDS) if isinstance(name, str) else ""
-        raise RecipeError(file, [Problem("kind", found, f"give one of {', '.join(KINDS)}{hint}")])
+        kinds = {table: inner.get("kind") for table, inner in data.items() if isinstance(inner, dict)}
+        held = next((table for table, named in kinds.items() if isinstance(named, str) and named in KINDS), None)
+        near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, KINDS)
+        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(KINDS)}")])
     try:
         return adapter(name).validate_python(data, extra="forbid", context={"folder": folder})
     except ValidationError as error:
@@ -53,18 +62,6 @@ def parse(text: str, file: str = "recipe", folder: str = ".") -> Any:
 def adapter(name: str) -> TypeAdapter:
     """Validator and serialiser of a kind's recipes."""
     return TypeAdapter(kind(name).recipe)
-
-
-def schema() -> dict:
-    """JSON Schema of all recipes, for editors that complete and check TOML."""
-    inputs: list[tuple[str, Literal["validation"], TypeAdapter]] = [(k, "validation", adapter(k)) for k in KINDS]
-    by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
-    for table in shared["$defs"].values():
-        table["additionalProperties"] = False
-    return shared | {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [by_kind[name, "validation"] for name in KINDS],
-    }
 
 
 def _read(path: Path) -> str:

@@ -48,6 +48,7 @@ class InflectionCircleRecipe:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        self.drive.check_rows()
 
     @cached_property
     def position(self) -> Motion:
@@ -89,7 +90,8 @@ def _inflection_checks(recipe: InflectionCircleRecipe) -> list[Check]:
     diameter = inflection_circle(recipe.position, "coupler").diameter[0]
     longest = _longest(recipe)
     advice = "near a position with parallel cranks the circle does not fit a plate; give another position_deg"
-    return [Check("inflection diameter to longest link", diameter / longest, "at most", LARGEST, "", advice)]
+    size = Check("inflection diameter to longest link", diameter / longest, "at most", LARGEST, "", advice)
+    return [size, *recipe.drive.checks]
 
 
 def _longest(recipe: InflectionCircleRecipe) -> float:
@@ -146,6 +148,7 @@ class CentrodesRecipe:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        self.drive.check_rows()
 
     @cached_property
     def centrodes(self) -> Centrodes:
@@ -178,7 +181,8 @@ def _centrodes_table(recipe: CentrodesRecipe) -> Table:
 
 def _centrodes_checks(recipe: CentrodesRecipe) -> list[Check]:
     motion = recipe.centrodes.motion
-    return [Check("share of the driver's turn reached", 100 * motion.closed.mean(), "at least", 100, "%")]
+    reached = Check("share of the driver's turn reached", 100 * motion.closed.mean(), "at least", 100, "%")
+    return [reached, *recipe.drive.checks]
 
 
 def _centrodes_parts(recipe: CentrodesRecipe) -> list[Part]:

@@ -32,6 +32,9 @@ class PlanetaryRecipe:
     ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
     files: Files = entry("what is written", default=Files())
 
+    def __post_init__(self) -> None:
+        self.drive.check_rows(self.gears.ratios["sun to carrier"])
+
 
 def _table(recipe: PlanetaryRecipe) -> Table:
     """A turn of the carrier, in steps of the sun."""

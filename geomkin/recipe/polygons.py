@@ -20,7 +20,7 @@ from ..plane.primitives import Circle
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
-from .dyad_list import DyadList
+from .dyad_list import WITH_SLIDER, DyadList
 from .kind import Kind
 from .settings import Files
 
@@ -153,4 +153,8 @@ def _notes(recipe: PolygonsRecipe) -> dict[str, Any]:
     return {"scale": scale, "instant_centres_mm": centres}
 
 
-KINDS = {"polygons": Kind(PolygonsRecipe, _table, _checks, _parts, _notes)}
+def _fit(asked: Mapping[str, str]) -> dict[str, Any]:
+    return {"linkage": WITH_SLIDER} if asked else {}
+
+
+KINDS = {"polygons": Kind(PolygonsRecipe, _table, _checks, _parts, _notes, _fit)}

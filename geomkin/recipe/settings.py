@@ -7,11 +7,39 @@ from typing import Literal
 
 import numpy as np
 
+from ..check import Check
 from ..errors import DesignError
 from ..plane.vec import Array
-from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
 
 Format = Literal["dxf", "stl", "svg", "csv"]
+
+# Rows and cells of a table: what takes some seconds and half a GB. More are minutes and several GB, and no program
+# opens them; fewer would refuse a full turn in hundredths of a degree.
+MOST_ROWS = 50_000
+MOST_CELLS = 2_000_000
+# Steps in which plates are looked at, deg. Finer ones would find the same plates in each other's way.
+FINEST_DEG = 0.25
+
+# How near a way in degrees must be to quarter turns in radians to look like them: as near as 6.28 is to a turn; wider
+# would catch ways that are meant. Up to four turns, beyond which nobody writes them.
+IN_RADIANS, MOST_QUARTERS = 4e-3, 16
+
+
+def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -> None:
+    """Refuse, before any of it is worked out, a table over a `way` in steps that is larger than a person can use.
+
+    key: of the step, and the refusal names the least that works; columns: how many the table has at most.
+    """
+    most = min(MOST_ROWS, MOST_CELLS // columns)
+    # A hair of room: the number that is named must not fail by its last bit.
+    if way / step > most * (1 + 1e-9):
+        cells = f" of {columns} columns" if columns > 1 else ""
+        raise DesignError(
+            key,
+            f"found {step:g} {unit} for a way of {way:g} {unit}, which takes {way / step:,.0f} rows{cells}",
+            f"give at least {rounded_up(way / most):g} {unit}",
+        )
 
 
 @dataclass(frozen=True)
@@ -50,6 +78,10 @@ class Drive:
     def __post_init__(self) -> None:
         check_sizes(self)
 
+    def check_rows(self, turns: float = 1.0) -> None:
+        """Refuse more rows than a table may have. turns: of the driver that it tells of; a recipe asks it."""
+        check_rows("drive.step_deg", 360 * turns, self.step_deg, "deg")
+
     @property
     def speed(self) -> float:
         """rad/s."""
@@ -78,6 +110,20 @@ class Turn:
             raise DesignError("end_deg", f"found {self.end_deg:g}", f"give more than {self.start_deg:g}, the start")
 
     @property
+    def checks(self) -> list[Check]:
+        """A word where the way is a number of quarter turns in radians: in degrees it is hardly ever meant."""
+        turn = self.end_deg - self.start_deg
+        quarters = round(turn / (np.pi / 2))
+        if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
+            return []
+        advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
+        return [Check("way of the driver", turn, "at least", 90 * quarters, "deg", advice)]
+
+    def check_rows(self, columns: int = 1) -> None:
+        """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
+        check_rows("drive.step_deg", self.end_deg - self.start_deg, self.step_deg, "deg", columns)
+
+    @property
     def speed(self) -> float:
         """rad/s."""
         return self.speed_rpm * np.pi / 30
@@ -89,8 +135,8 @@ class Turn:
 
     @property
     def fine(self) -> Array:
-        """The same in steps in which nothing slips through between two plates."""
-        return self._in_steps(min(self.step_deg, 1.0))
+        """The same in steps in which nothing slips through between two plates; finer ones only take longer."""
+        return self._in_steps(float(np.clip(self.step_deg, FINEST_DEG, 1.0)))
 
     def _in_steps(self, step: float) -> Array:
         turn = self.end_deg - self.start_deg
@@ -115,12 +161,10 @@ class Stroke:
         check_sizes(self)
         if self.end <= self.start:
             raise DesignError("end", f"found {self.end:g}", f"give more than {self.start:g}, the start")
-        if (self.end - self.start) / self.step > MOST_FRAMES:
-            raise DesignError(
-                "step",
-                f"found {self.step:g} mm for {self.end - self.start:g} mm",
-                f"give at least {(self.end - self.start) / MOST_FRAMES:.3g} mm",
-            )
+
+    def check_rows(self, columns: int = 1) -> None:
+        """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
+        check_rows("stroke.step", self.end - self.start, self.step, "mm", columns)
 
     @property
     def frames(self) -> Array:
@@ -130,11 +174,8 @@ class Stroke:
     @property
     def fine(self) -> Array:
         """The same in steps in which nothing slips through between two plates."""
-        return self._in_steps(min(self.step, (self.end - self.start) / 180))
+        way = self.end - self.start
+        return self._in_steps(float(np.clip(self.step, way / 1440, way / 180)))
 
     def _in_steps(self, step: float) -> Array:
         return np.linspace(self.start, self.end, int(np.ceil((self.end - self.start) / step - 1e-9)) + 1)
-
-
-# Rows of a motion table: more take minutes to write, and no program opens them.
-MOST_FRAMES = 400_000

@@ -25,7 +25,7 @@ from ..plane.primitives import Circle
 from ..shop.links import link_parts
 from ..shop.stack import Stack, stack_links
 from ..shop.stock import LinkStock
-from ..sizes import NotBoolean, entry, quantity
+from ..sizes import NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
@@ -42,6 +42,7 @@ class ShakingForceRecipe:
         "given counterbalance, mass times radius opposite the crank pin",
         "kg mm",
         default=0.0,
+        example=35,
         at_least=-1e6,
         at_most=1e6,
     )
@@ -58,6 +59,8 @@ class ShakingForceRecipe:
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(
                 "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
@@ -114,6 +117,7 @@ def _checks(recipe: ShakingForceRecipe) -> list[Check]:
             f"give counterbalance = {recipe.best.product.real:.6g}",
         ),
         Check("plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "", "see summary.json"),
+        *recipe.drive.checks,
     ]  # fmt: skip
 
 

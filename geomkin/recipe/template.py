@@ -4,34 +4,73 @@ from __future__ import annotations
 
 import dataclasses
 import textwrap
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from ..sizes import allowed
 from .kinds import kind
+from .variants import asked, choices
+
+# Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.
+SCHEMA = "geomkin.schema.json"
 
 
-def template(name: str) -> str:
-    """A commented TOML text of a kind that runs as it is; what may be left out stands commented out."""
-    head = textwrap.indent(textwrap.fill(kind(name).about, 90), "# ")
-    return f"{head}\n" + "\n".join(_table("", example(kind(name).recipe, name))).rstrip() + "\n"
+def template(name: str, wishes: Sequence[str] = ()) -> str:
+    """A commented TOML text of a kind that runs as it is; what may be left out stands commented out.
+
+    wishes: tables of another kind than the usual, as `follower=oscillating-roller`, and tables that may be left out,
+    as `web`. DesignError for one that the kind does not have.
+    """
+    about, offered, wanted = kind(name), choices(kind(name).recipe), asked(name, wishes)
+    fitted = about.fit(wanted)
+    plain = {key: example(offered[key][which]) for key, which in wanted.items() if not _is_given(key, fitted)}
+    shown = example(about.recipe, name, plain | fitted)
+    return "\n".join([*_head(name, offered), *_table("", shown, offered)]).rstrip() + "\n"
 
 
-def example(cls: type, name: str | None = None) -> Any:
-    """An instance of a dataclass from the examples its fields give."""
-    hints = get_type_hints(cls)
+def _is_given(key: str, fitted: Mapping[str, Any]) -> bool:
+    """Whether a table's example stands among others, by itself or inside one."""
+    return any(key == other or key.startswith(f"{other}.") for other in fitted)
+
+
+def example(cls: type, name: str | None = None, given: Mapping[str, Any] | None = None, base: Any = None) -> Any:
+    """An instance of a dataclass from the examples its fields give.
+
+    given: values by dotted key that stand for those; base: an instance that the rest is taken from.
+    """
+    hints, given = get_type_hints(cls), given or {}
     values = {}
     for field in dataclasses.fields(cls):
-        shown = field.metadata.get("examples", [None])[0]
-        if field.name == "kind":
+        inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{field.name}.")}
+        shown = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
+        if field.name == "kind" and base is None:
             values["kind"] = name or field.default
-        elif shown is not None and shown is not dataclasses.MISSING:
+        elif field.name in given:
+            values[field.name] = given[field.name]
+        elif inside:
+            held = type(shown) if dataclasses.is_dataclass(shown) else hints[field.name]
+            values[field.name] = example(held, given=inside, base=shown if dataclasses.is_dataclass(shown) else None)
+        elif base is not None or (shown is not None and shown is not dataclasses.MISSING):
             values[field.name] = shown
         elif field.default is dataclasses.MISSING:
             values[field.name] = example(hints[field.name])
     return cls(**values)
 
 
-def _table(path: str, value: Any) -> list[str]:
+def _head(name: str, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
+    """What the recipe is, how an editor gets to know it, and what else `new` can show."""
+    text = [
+        *textwrap.wrap(f"{kind(name).about} {kind(name).advice}".strip(), 110),
+        f"An editor marks what is wrong here once `geomkin schema > {SCHEMA}` has been run beside this file.",
+    ]
+    for key in dict.fromkeys(key.rsplit(".", 1)[-1] for key in offered):
+        kinds = next(kinds for other, kinds in offered.items() if other.rsplit(".", 1)[-1] == key)
+        wish = f"{key}={list(kinds)[-1]}" if "" not in kinds else key
+        text.append(f"Another kind of table, or more: geomkin new {name} --with {wish}")
+    return [f"#:schema ./{SCHEMA}", *(f"# {line}" for line in text)]
+
+
+def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Lines of a table: plain keys first, then its own tables."""
     plain, tables = [], []
     for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
@@ -40,14 +79,19 @@ def _table(path: str, value: Any) -> list[str]:
         rows = getattr(inner, "segments", inner)
         if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
             for row in rows:
-                tables += ["", f"[[{name}]]", *_table(name, row)]
+                tables += ["", f"[[{name}]]", *_table(name, row, offered)]
         elif isinstance(inner, dict) and inner:
             tables += ["", f"[{name}]  # {field.metadata['description']}"]
             tables += [f"{key} = {_toml(held)}" for key, held in inner.items()]
         elif dataclasses.is_dataclass(inner):
-            tables += ["", f"[{name}]", *_table(name, inner)]
+            tables += ["", f"[{name}]", *_table(name, inner, offered)]
         else:
-            plain.append(_line(field, inner, get_type_hints(type(value))[field.name]))
+            text, note = _line(field, inner, get_type_hints(type(value))[field.name])
+            if field.name == "kind" and path in offered:
+                note = " or ".join(offered[path])
+            if name in offered:
+                note += f"; shown by --with {field.name}"
+            plain.append((text, note))
     width = min(36, max((len(text) for text, _ in plain), default=0))
     return [f"{text:<{width}}  # {note}" if note else text for text, note in plain] + tables
 

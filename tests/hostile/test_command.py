@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -34,6 +35,16 @@ def test_wrong_usage_ends_with_2_and_says_what_is_wrong(geomkin, here, arguments
     result = geomkin(*arguments)
     assert result.exit_code == 2 and word in result.stderr and result.stdout == ""
     assert list(here.iterdir()) == []
+
+
+def test_run_tells_a_line_for_each_recipe_where_nobody_watches(geomkin, recipe, here):
+    for name in ("first", "second"):
+        (here / f"{name}.toml").write_text(recipe("spur-gear", CSV))
+    (here / "bad.toml").write_text("kind = 3")
+    result = geomkin("run", ".")
+    assert result.exit_code == 1 and result.stderr.startswith("bad.toml: kind: ")
+    for line, name in zip(result.stdout.splitlines(), ("first", "second"), strict=True):
+        assert re.fullmatch(rf"out.{name}: csv json, \d+ kB, checks \d of \d passed", line), line
 
 
 @pytest.mark.parametrize("only", ["", "dxf,,svg", "DXF", "pdf", "dxf;svg"])

@@ -7,6 +7,8 @@ import ezdxf
 import pytest
 from shapely.geometry import Polygon
 
+from geomkin.recipe.template import template
+
 DWELL = '{kind = "dwell", end_deg = 360}'
 HARDLY = (
     '[{kind = "rise", law = "3-4-5", rise = 1e-300, end_deg = 90}, {kind = "return", law = "3-4-5", end_deg = 360}]'
@@ -18,6 +20,13 @@ WAVES = [
     f'{{kind = "return", law = "3-4-5", end_deg = {3.6 * k + 3.6 if k < 99 else 360}}}'
     for k in range(100)
 ]
+
+
+@pytest.mark.parametrize("kind", ["four-bar-atlas", "slider-crank-atlas", "centrodes", "inflection-circle"])
+def test_a_drawing_too_far_away_for_its_digits_is_refused_and_nearer_ones_are_sound(run, refused, sound, kind):
+    text = template(kind).replace("# origin = [0, 0]", "origin = [1e9, -1e9]")
+    refused(run(text), "linkage", "stay within 100000 mm")
+    assert run(text.replace("1e9, -1e9", "6e4, -7e4")).exit_code == 0 and sound("out")
 
 
 @pytest.mark.parametrize("curves", ["chords", "arcs"])
@@ -60,6 +69,9 @@ WAVES = [
         ("ring-gear", {"gear.thinning": "1e-300"}),
         ("ring-gear", {"gear.cutter.tip_radius": "0", "files.kerf": "0.2"}),
         ("ring-gear", {"gear.module": "1e-3"}),
+        ("ring-gear", {"gear.module": "1e-12"}),
+        ("disk-cam", {"cam.base_radius": "1e-12"}),
+        ("four-bar", {"linkage.coupler_point": "[5e-324, 0]"}),
         ("ring-gear", {"stock.rim": "0.1", "files.kerf": "0.5"}),
         ("ring-gear", {"files.tolerance": "4"}),
     ],

@@ -1,0 +1,121 @@
+"""Slips that people make, told in a person's words with the key they stand under."""
+
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.load import parse
+
+BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+CAM = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\n'
+
+
+def told(text):
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text)
+    return {problem.key: f"{problem.problem}; {problem.remedy}" for problem in caught.value.problems}
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        ("kind = four-bar", "kind", 'a text needs quotes: write kind = "four-bar"'),
+        (BAR + "driver = crank # by hand", "linkage.driver", 'write driver = "crank"'),
+        (BAR.replace("= 30", "= 30,5"), "linkage.crank", "found 30,5; write 30.5, a number with a point"),
+        (BAR.replace("= 30", "= 30mm"), "linkage.crank", "found 30mm; write 30, a number"),
+        (BAR.replace("= 30", "= 30 mm  # short"), "linkage.crank", "found 30 mm; write 30, a number"),
+        (BAR.replace("= 30", "= 3cm"), "linkage.crank", "lengths are in mm, angles in deg, not in cm"),
+        (BAR.replace("= 30", '= "30,5"'), "linkage.crank", "found '30,5'; write 30.5, a number"),
+        (BAR.replace("= 30", '= "30mm"'), "linkage.crank", "found '30mm'; write 30, a number"),
+        (BAR.replace("= 30", '= "30"'), "linkage.crank", "write 30, a number with a point and without unit or quotes"),
+        (BAR.replace("= 30", "= .5"), "linkage.crank", "write 0.5"),
+        (BAR.replace("= 30", "= 30."), "linkage.crank", "write 30.0"),
+        (BAR.replace("= 30", "="), "linkage.crank", "found nothing; give a value"),
+        (BAR.replace('"four-bar"', "“four-bar”"), "kind", "curly quotes"),
+        (CAM + "[stock]\ntiming_mark = True", "stock.timing_mark", "write true"),
+        (CAM + "follower = { kind = translating-flat, tilt_deg = 3 }", "cam.kind", 'kind = "translating-flat"'),
+        (CAM + 'follower = { kind = "translating-flat", tilt_deg = 2,5 }', "cam.tilt_deg", "write 2.5"),
+    ],
+)
+def test_a_slip_is_told_with_what_to_write(text, key, words):
+    found = told(text)
+    assert list(found) == [key] and words in found[key], found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "kind = [",
+        "x = 1 2",
+        "kind = = 3",
+        'x = "' + "y" * 5000,
+        "x = " + "y" * 5000,
+        "x = 1979-05-27T",
+        "[a\nb = 1",
+        "a = '''",
+    ],
+)
+def test_what_is_no_such_slip_is_told_as_before(text):
+    ((key, words),) = told(text).items()
+    assert key == "" and "not TOML" in words
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_the_line_is_found_whatever_the_line_ends(tmp_path, ends, mark):
+    (tmp_path / "r.toml").write_bytes((mark + BAR.replace("= 30", "= 30,5")).replace("\n", ends).encode())
+    with pytest.raises(gk.RecipeError, match="linkage.crank: found 30,5; write 30.5"):
+        gk.load(tmp_path / "r.toml")
+
+
+def test_the_near_name_comes_before_the_list():
+    for text, key, near in (
+        ('kind = "for-bar"', "kind", "did you mean four-bar? give one of "),
+        (BAR + "drivr = 3", "linkage.drivr", "did you mean driver? known here: "),
+        (BAR + 'driver = "crnk"', "linkage.driver", "did you mean crank? give 'crank'"),
+    ):
+        assert f"; {near}" in told(text)[key]
+    assert all(name in told('kind = "for-bar"')["kind"] for name in KINDS)
+
+
+def test_a_missing_table_says_what_it_must_hold():
+    words = told('kind = "four-bar"')["linkage"]
+    assert words.startswith("is missing; give a table with ground, crank, coupler, rocker (and, as wanted, coupler_po")
+    assert words.endswith("headed [linkage]")
+    found = told('kind = "disk-cam"\n[cam]\nbase_radius = 40')
+    assert "a table with kind = 'translating-roller' or " in found["cam.follower"]
+    assert found["cam.follower"].endswith("headed [cam.follower]")
+    assert "tables, each with kind = 'dwell' or " in found["cam.program"]
+    assert found["cam.program"].endswith("headed [[cam.program]]")
+    assert "bodies" in told('kind = "linkage"')["linkage"]
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "home"),
+    [
+        (BAR.replace("[linkage]\n", ""), "ground", "[linkage]"),
+        (BAR + "tolerance = 0.1", "linkage.tolerance", "[files]"),
+        (BAR + "step_deg = 5", "linkage.step_deg", "[drive]"),
+        (CAM + "roller_radius = 3", "cam.roller_radius", "[cam.follower]"),
+        (CAM + "rise = 3", "cam.rise", "[[cam.program]]"),
+        ('kind = "gear-pair"\nteeth = 3', "teeth", "[first] or [second]"),
+        ('kind = "linkage"\nbase = ["A", "B"]', "base", "[[linkage.corners]]"),
+    ],
+)
+def test_a_key_outside_its_table_is_told_where_it_belongs(text, key, home):
+    assert f"unknown key; it belongs under {home}; known here: " in told(text)[key]
+
+
+def test_a_kind_under_a_table_is_told_where_it_belongs():
+    text = "\n".join([*BAR.splitlines()[1:], 'kind = "four-bar"'])
+    assert "is missing; it stands under [linkage]: put it above the first table" in told(text)["kind"]
+    assert "is missing" in told("[a]\nkind = [3]")["kind"]
+
+
+def test_of_very_many_problems_only_those_that_are_read_get_a_hint(monkeypatch):
+    import geomkin.recipe.explain as explain
+
+    asked = []
+    monkeypatch.setattr(explain, "nearest", lambda *a: asked.append(a) or "")
+    found = told(BAR + "".join(f"k{i} = 1\n" for i in range(3000)))
+    assert len(found) == 3000 and 0 < len(asked) < 100

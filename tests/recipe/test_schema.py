@@ -1,0 +1,106 @@
+"""The JSON Schema as an editor uses it: good recipes are good, and one wrong key is marked and nothing else."""
+
+import copy
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.schema import schema
+from geomkin.recipe.template import template
+
+GALLERY = sorted((Path(__file__).parents[2] / "recipes").glob("*.toml"))
+
+
+@pytest.fixture(scope="module")
+def marks():
+    """marks(recipe): place and message of everything an editor would mark."""
+    whole = schema()
+    Draft202012Validator.check_schema(whole)
+    validator = Draft202012Validator(whole)
+    return lambda recipe: [(tuple(e.absolute_path), e.message) for e in validator.iter_errors(recipe)]
+
+
+def opened(name):
+    """The template with every key that has a value, also those that stand commented out."""
+    lines = [re.sub(r"^# (?=\w+ += *[^# ])", "", line) for line in template(name).splitlines()]
+    return tomllib.loads("\n".join(lines))
+
+
+def leaves(value, path=()):
+    """Places of all values that are no tables."""
+    if isinstance(value, dict):
+        return [leaf for key, inner in value.items() for leaf in leaves(inner, (*path, key))]
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [leaf for k, inner in enumerate(value) for leaf in leaves(inner, (*path, k))]
+    return [path]
+
+
+def with_value(recipe, path, value):
+    spoiled = copy.deepcopy(recipe)
+    table = spoiled
+    for part in path[:-1]:
+        table = table[part]
+    table[path[-1]] = value
+    return spoiled
+
+
+@pytest.mark.parametrize("file", GALLERY, ids=lambda f: f.stem)
+def test_the_gallery_is_good(marks, file):
+    assert marks(tomllib.loads(file.read_text())) == []
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
+    recipe = opened(name)
+    assert marks(recipe) == []
+    for path in leaves(recipe):
+        found = marks(with_value(recipe, path, {"no": "such"}))
+        # A table under a name that a person chooses is marked at what it holds.
+        assert found and {place[: len(path)] for place, _ in found} == {path}, (path, found)
+        unknown = marks(with_value(recipe, (*path[:-1], "unheard_of"), 1))
+        free = path[:2] == ("linkage", "bodies")  # names there are a person's own, and a number is no point
+        place = (*path[:-1], "unheard_of") if free else path[:-1]
+        assert [p for p, _ in unknown] == [place], (path, unknown)
+        assert free or "'unheard_of' was unexpected" in unknown[0][1]
+
+
+CAM = opened("disk-cam")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("kind",), "disc-cam"),
+        (("cam", "follower", "kind"), "roller"),
+        (("cam", "follower", "roller_radius"), "3 mm"),
+        (("cam", "program", 1, "law"), "cyclic"),
+        (("cam", "program", 1, "kind"), "lift"),
+        (("cam", "program", 2, "end_deg"), 361),
+        (("stock", "bore"), -1),
+        (("files", "write", 1), "dfx"),
+    ],
+    ids=str,
+)
+def test_inside_followers_segments_and_lists_too(marks, path, value):
+    assert [place for place, _ in marks(with_value(CAM, path, value))] == [path]
+
+
+def test_a_table_without_its_kind_is_told_so(marks):
+    recipe = copy.deepcopy(CAM)
+    del recipe["cam"]["program"][1]["kind"]
+    assert marks(recipe) == [(("cam", "program", 1), "'kind' is a required property")]
+
+
+def test_an_editor_is_offered_nothing_that_toml_does_not_have(marks):
+    def walk(node):
+        yield node
+        for part in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+            yield from walk(part)
+
+    nodes = list(walk(schema()))
+    assert None not in nodes and not any(isinstance(node, str) and node.endswith("0j") for node in nodes)
+    assert not any(isinstance(node, dict) and "oneOf" in node for node in nodes)

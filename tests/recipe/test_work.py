@@ -1,0 +1,185 @@
+"""What would take too long or too much memory is counted first, and refused with the number that works."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.linkage import atlas
+from geomkin.recipe import settings
+from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.load import parse
+from geomkin.recipe.motion_table import motion_table
+from geomkin.recipe.template import template
+from geomkin.sizes import FARTHEST, SMALLEST, rounded_up
+
+
+def changed(text, **values):
+    """A template with other values, those that stand commented out too."""
+    for key, value in values.items():
+        text, count = re.subn(rf"^(# )?{key} +=.*$", f"{key} = {value}", text, flags=re.MULTILINE)
+        assert count, key
+    return text
+
+
+def refusal(text):
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text)
+    (problem,) = caught.value.problems
+    return problem.key, f"{problem.problem}; {problem.remedy}"
+
+
+def advised(words):
+    return float(re.search(r"at least ([\d.e+-]+)", words)[1])
+
+
+DRIVEN = [name for name in KINDS if "step_deg" in template(name)]
+
+
+def test_kinds_with_a_motion_are_looked_at():
+    assert len(DRIVEN) == 18
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_rows_of_a_table_are_counted_before_any_is_worked_out(name):
+    text = re.sub("^# dash_deg = 5 ", "dash_deg = 90 ", template(name), flags=re.MULTILINE)
+    if "start_deg = 0 " in text.split("[drive]")[1].split("\n[")[0]:
+        drive, rest = text.split("[drive]")
+        text = drive + "[drive]" + changed(rest, start_deg=-3600, end_deg=3600)
+    key, words = refusal(changed(text, step_deg=0.001))
+    assert key == "drive.step_deg" and "rows" in words
+    step = advised(words)
+    parse(changed(text, step_deg=step))
+    assert refusal(changed(text, step_deg=0.998 * step))[0] == key
+
+
+@pytest.mark.parametrize("name", ["slider-crank", "elliptic-trammel", "linkage"])
+def test_rows_of_a_stroke_too(name):
+    text = template(name, ["stroke"])
+    key, words = refusal(changed(text, step=1e-9))
+    assert key == "stroke.step"
+    parse(changed(text, step=advised(words)))
+    assert refusal(changed(text, step=0.998 * advised(words)))[0] == key
+
+
+@pytest.mark.parametrize("name", [name for name in DRIVEN if KINDS[name] == "linkages"])
+def test_columns_are_never_more_than_were_counted(monkeypatch, name):
+    counted = []
+    real = settings.Turn.check_rows
+    monkeypatch.setattr(
+        settings.Turn, "check_rows", lambda way, columns=1: (counted.append(columns), real(way, columns))
+    )
+    recipe = parse(template(name))
+    assert len(motion_table(recipe.motion).columns) <= counted[0] < 60
+
+
+def test_a_wide_table_takes_fewer_rows():
+    bodies = "".join(
+        f"arm{k} = {{ O = [0, 0], " + ", ".join(f"p{k}_{j} = [{j}, 1]" for j in range(9)) + " }\n" for k in range(9)
+    )
+    text = 'kind = "linkage"\n[linkage]\ndriver = "crank"\n[linkage.bodies]\n' + "ground = { O = [0, 0] }\n"
+    points = ", ".join(f"p{j} = [{j}, 1]" for j in range(200))
+    key, words = refusal(f"{text}crank = {{ O = [0, 0], {points} }}\n[drive]\nstep_deg = 0.05\n")
+    assert key == "drive.step_deg" and "columns" in words
+    assert parse(f"{text}crank = {{ O = [0, 0], {points} }}\n[drive]\nstep_deg = {advised(words)}\n")
+
+
+ATLAS = template("four-bar-atlas")
+
+
+@pytest.mark.parametrize(("rows", "columns", "end"), [(50, 50, 360), (50, 50, 100), (20, 20, 360), (7, 50, 3600)])
+def test_dashes_are_counted_before_any_is_drawn(rows, columns, end):
+    text = changed(ATLAS, rows=rows, columns=columns, end_deg=end, step_deg=5)
+    key, words = refusal(changed(text, dash_deg=0.5))
+    if "points" in words.split(";")[1]:
+        most = int(re.search(r"at most (\d+) points", words)[1])
+        parse(changed(text, dash_deg=90, rows=1 + (most - 1) // 50, columns=min(50, most)))
+        return
+    assert key == "grid.dash_deg"
+    parse(changed(text, dash_deg=advised(words)))
+    assert refusal(changed(text, dash_deg=0.99 * advised(words)))[0] == key
+
+
+def test_more_points_than_the_widest_dashes_allow_are_refused_with_their_number():
+    text = changed(ATLAS, start_deg=-3600, end_deg=3600, step_deg=90, dash_deg=90)
+    key, words = refusal(changed(text, rows=50, columns=50))
+    most = int(re.search(r"at most (\d+) points", words)[1])
+    assert key == "grid.dash_deg" and most == 125
+    parse(changed(text, rows=5, columns=25))
+    assert refusal(changed(text, rows=6, columns=21))[0] == key
+
+
+def test_cells_of_an_atlas_are_counted():
+    text = changed(ATLAS, rows=50, columns=50, dash_deg=90)
+    key, words = refusal(changed(text, step_deg=0.1))
+    assert key == "drive.step_deg" and "5001 columns" in words
+    parse(changed(text, step_deg=advised(words)))
+
+
+def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatch):
+    linkage, points, steps = gk.FourBar(100, 30, 90, 70), [40 + 25j, 60, 20 - 50j], np.radians(np.arange(0, 361, 15))
+    monkeypatch.setattr(atlas, "MOST_POINTS", 2000)
+    looked, real = [], atlas.coupler_curves
+    monkeypatch.setattr(atlas, "coupler_curves", lambda *a: looked.append(real(*a)) or looked[-1])
+    with pytest.raises(gk.DesignError, match="tolerance: found 1e-09 mm") as caught:
+        atlas.dashes(linkage, points, steps, 1e-9)
+    assert max(curves.size for curves in looked) <= 2000
+    least = advised(caught.value.remedy)
+    assert sum(map(len, atlas.dashes(linkage, points, steps, least))) == 3 * 12
+    with pytest.raises(gk.DesignError, match="tolerance"):
+        atlas.dashes(linkage, points, steps, 0.999 * least)
+
+
+def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
+    from geomkin.cam import lift_rows
+
+    (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
+    monkeypatch.setattr(lift_rows.csv, "reader", lambda *a: pytest.fail("taken apart"))
+    (tmp_path / "r.toml").write_text(
+        template("disk-cam", ["program=table"])
+        .replace("rows = [", "# rows = [")
+        .replace("# file = ", 'file = "lift.csv" #')
+    )
+    with pytest.raises(gk.RecipeError, match="20,001 lines; give at most 10,000 rows"):
+        gk.load(tmp_path / "r.toml")
+
+
+def test_what_is_rounded_up_is_never_below_and_hardly_above():
+    for value in 10 ** np.random.default_rng(3).uniform(-12, 12, 2000):
+        up = rounded_up(value)
+        assert value <= up <= 1.0011 * value and float(f"{up:g}") == up
+    assert rounded_up(0.0072) == 0.0072 and rounded_up(45) == 45
+
+
+# Sizes that may be 0, and those that may not.
+LENGTHS = [("four-bar", "crank", False), ("four-bar", "clearance", True), ("spur-gear", "module", False),
+           ("spur-gear", "kerf", True), ("spur-gear", "thinning", True), ("disk-cam", "base_radius", False),
+           ("gear-pair", "centre_distance", False), ("rack-and-pinion", "distance", False),
+           ("shaking-force", "weight_density", False)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "key", "may_be_0"), LENGTHS)
+@pytest.mark.parametrize("value", ["5e-324", "1e-300", "9.9e-13"])
+def test_a_size_near_nothing_is_refused_with_the_least_there_is(name, key, may_be_0, value):
+    found, words = refusal(changed(template(name), **{key: value}).replace(f"{key} = {value}", f"{key} = {value}", 1))
+    assert found.endswith(key) and f"found {float(value)!r}" in words
+    assert f"give {'0 or ' if may_be_0 else ''}at least 1e-12" in words
+
+
+def test_the_least_size_works_and_a_tenth_of_a_micrometre_does_all_it_should():
+    gk.FourBar(100, SMALLEST, 90, 90)
+    assert gk.FourBar(1e-7, 1e-7, 1e-7, 1e-7).ground == 1e-7
+    small, plain = (gk.move(gk.FourBar(*(size * np.array([100, 30, 90, 70]))), [0.3]) for size in (1e-9, 1))
+    assert small.transmission_angle == pytest.approx(plain.transmission_angle, rel=1e-12)
+    with pytest.raises(gk.DesignError, match="below what counts as a size; give at least 1e-12 mm"):
+        gk.FourBar(100, 1e-13, 90, 90)
+    assert SMALLEST < 1e-7 < FARTHEST
+
+
+def test_a_point_s_rounded_zero_is_zero_and_a_signed_size_may_be_one():
+    recipe = parse(template("four-bar").replace("# coupler_point = [0, 0]", "coupler_point = [6e-17, 5e-324]"))
+    assert recipe.linkage.coupler_point == 0
+    assert parse(changed(template("slider-crank"), offset="6e-17")).linkage.offset == 6e-17
+    assert tomllib.loads("x = 5e-324")["x"] > 0
