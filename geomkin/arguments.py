@@ -34,14 +34,18 @@ class Sort:
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
     names = function.__code__.co_varnames  # type: ignore[attr-defined]
+    kept: dict[str, Sort] = {}
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        sorts = _sorts(function)
-        for name, value in (*zip(names, args), *kwargs.items()):
-            sort = sorts.get(name)
-            if sort is not None and not sort.fits(value):
-                raise refused(name, value, sort)
+        if not kept:
+            kept.update(_sorts(function))
+        for name, value in zip(names, args):
+            if name in kept and not kept[name].fits(value):
+                raise refused(name, value, kept[name])
+        for name, value in kwargs.items():
+            if name in kept and not kept[name].fits(value):
+                raise refused(name, value, kept[name])
         return function(*args, **kwargs)
 
     return call
@@ -62,7 +66,6 @@ def refused(name: str, value: object, sort: Sort) -> DesignError:
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 
-@cache
 def _sorts(function: Callable[..., Any]) -> dict[str, Sort]:
     hints = get_type_hints(function, include_extras=True)
     return {name: sort for name, hint in hints.items() if (sort := sort_of(hint)) and name != "return"}
@@ -182,11 +185,12 @@ def _bounded(array: np.ndarray | None, gaps: bool = False) -> bool:
     """Whether all is finite and of bearable size; `gaps`: or nan."""
     if array is None:
         return False
-    if array.dtype.kind == "c":
-        return _bounded(array.real, gaps) and _bounded(array.imag, gaps)
     if gaps:
         return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
-    return not array.size or bool(array.max() < LARGEST and array.min() > -LARGEST)
+    if array.dtype.kind in "iu":
+        return True
+    # The sum of squares, in one pass: nan and infinity show in it as well.
+    return bool(np.vdot(array, array).real < LARGEST**2)
 
 
 def are_reals(value: Any) -> bool:
