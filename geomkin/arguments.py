@@ -56,7 +56,7 @@ def check_fields(thing: Any) -> None:
 
     Call it from `__post_init__`.
     """
-    for name, sort in _field_sorts(type(thing)):
+    for name, sort in _field_sorts(type(thing)):  # type: ignore[arg-type]
         value = getattr(thing, name)
         if not sort.fits(value):
             raise refused(name, value, sort)
@@ -152,14 +152,14 @@ def is_real(value: Any) -> bool:
 
 def is_whole(value: Any) -> bool:
     """Whether this is one whole number of bearable size; 3.0 is none."""
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and abs(value) < LARGEST
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(abs(value) < LARGEST)
 
 
 def is_complex(value: Any) -> bool:
     """Whether this is one finite number, real or complex, of bearable size."""
     value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
     if isinstance(value, COMPLEX):
-        return -LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST
+        return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return is_real(value)
 
 
@@ -213,7 +213,8 @@ def is_place(value: Any, gaps: bool = False) -> bool:
     return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
 
 
-REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
+REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
+COMPLEX: tuple[type, ...] = (complex, np.complexfloating)
 NOTHING = Sort(lambda value: value is None, "nothing")
 PLAIN = {
     float: Sort(is_real, "a finite number"),
@@ -231,6 +232,7 @@ Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "n
 # Of a field that is one place, or one for each of many linkages.
 Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
 # The points that a curve is made of, in a row.
+RealRow = Annotated[np.ndarray, Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers")]
 Row = Annotated[
     np.ndarray, Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj")
 ]

@@ -6,6 +6,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import geomkin as gk
+from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.derived import Mirrored, Moved, Reversed
