@@ -105,7 +105,8 @@ def sort_of(hint: Any) -> Sort | None:
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
-        return Sort(lambda value: isinstance(value, hint), f"a {hint.__name__}")
+        article = "an" if hint.__name__[0] in "AEIOU" else "a"
+        return Sort(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
     return None
 
 
@@ -152,7 +153,7 @@ def is_real(value: Any) -> bool:
 
 def is_whole(value: Any) -> bool:
     """Whether this is one whole number of bearable size; 3.0 is none."""
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(abs(value) < LARGEST)
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and -LARGEST < int(value) < LARGEST
 
 
 def is_complex(value: Any) -> bool:
@@ -213,8 +214,7 @@ def is_place(value: Any, gaps: bool = False) -> bool:
     return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
 
 
-REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
-COMPLEX: tuple[type, ...] = (complex, np.complexfloating)
+REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
 NOTHING = Sort(lambda value: value is None, "nothing")
 PLAIN = {
     float: Sort(is_real, "a finite number"),
