@@ -34,14 +34,18 @@ class Sort:
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
     names = function.__code__.co_varnames  # type: ignore[attr-defined]
+    kept: dict[str, Sort] = {}
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        sorts = _sorts(function)
-        for name, value in (*zip(names, args), *kwargs.items()):
-            sort = sorts.get(name)
-            if sort is not None and not sort.fits(value):
-                raise refused(name, value, sort)
+        if not kept:
+            kept.update(_sorts(function))
+        for name, value in zip(names, args):
+            if name in kept and not kept[name].fits(value):
+                raise refused(name, value, kept[name])
+        for name, value in kwargs.items():
+            if name in kept and not kept[name].fits(value):
+                raise refused(name, value, kept[name])
         return function(*args, **kwargs)
 
     return call
@@ -52,7 +56,7 @@ def check_fields(thing: Any) -> None:
 
     Call it from `__post_init__`.
     """
-    for name, sort in _field_sorts(type(thing)):
+    for name, sort in _field_sorts(type(thing)):  # type: ignore[arg-type]
         value = getattr(thing, name)
         if not sort.fits(value):
             raise refused(name, value, sort)
@@ -62,7 +66,6 @@ def refused(name: str, value: object, sort: Sort) -> DesignError:
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 
-@cache
 def _sorts(function: Callable[..., Any]) -> dict[str, Sort]:
     hints = get_type_hints(function, include_extras=True)
     return {name: sort for name, hint in hints.items() if (sort := sort_of(hint)) and name != "return"}
@@ -102,7 +105,8 @@ def sort_of(hint: Any) -> Sort | None:
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
-        return Sort(lambda value: isinstance(value, hint), f"a {hint.__name__}")
+        article = "an" if hint.__name__[0] in "AEIOU" else "a"
+        return Sort(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
     return None
 
 
@@ -149,14 +153,14 @@ def is_real(value: Any) -> bool:
 
 def is_whole(value: Any) -> bool:
     """Whether this is one whole number of bearable size; 3.0 is none."""
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and abs(value) < LARGEST
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and -LARGEST < int(value) < LARGEST
 
 
 def is_complex(value: Any) -> bool:
     """Whether this is one finite number, real or complex, of bearable size."""
     value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
     if isinstance(value, COMPLEX):
-        return -LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST
+        return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return is_real(value)
 
 
@@ -182,11 +186,12 @@ def _bounded(array: np.ndarray | None, gaps: bool = False) -> bool:
     """Whether all is finite and of bearable size; `gaps`: or nan."""
     if array is None:
         return False
-    if array.dtype.kind == "c":
-        return _bounded(array.real, gaps) and _bounded(array.imag, gaps)
     if gaps:
         return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
-    return not array.size or bool(array.max() < LARGEST and array.min() > -LARGEST)
+    if array.dtype.kind in "iu":
+        return True
+    # The sum of squares, in one pass: nan and infinity show in it as well.
+    return bool(np.vdot(array, array).real < LARGEST**2)
 
 
 def are_reals(value: Any) -> bool:
@@ -227,6 +232,7 @@ Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "n
 # Of a field that is one place, or one for each of many linkages.
 Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
 # The points that a curve is made of, in a row.
+RealRow = Annotated[np.ndarray, Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers")]
 Row = Annotated[
     np.ndarray, Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj")
 ]

@@ -153,8 +153,7 @@ def _quintic(knots: Array, values: Array, ends: Ends) -> Array:
         state[i + 1] = _times(_inverse(here[i]), rest)
     if ends is None:
         before, here, after, right = _links(width, step, np.array([0]))
-        links = (before[0], state[n - 1]), (here[0], state[0]), (after[0], state[1])
-        around = sum(_times(link, at) for link, at in links)
+        around = _times(before[0], state[n - 1]) + _times(here[0], state[0]) + _times(after[0], state[1])
         around_ends = around[:, first : first + 2] + around[:, last : last + 2]
         start = end = _times(_inverse(around_ends), right[0] - around[:, :columns])
     else:

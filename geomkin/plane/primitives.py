@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Positive, Reals, Row, check_fields, checked
+from ..arguments import Points, Positive, RealRow, Row, check_fields, checked
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Moved
@@ -118,7 +118,7 @@ class Polyline(AbstractCurve):
     """
 
     vertices: Row
-    bulges: Reals | None = None
+    bulges: RealRow | None = None
     is_closed: bool = True
 
     def __post_init__(self) -> None:
@@ -184,15 +184,16 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
 
 
 @checked
-def rounded_hull(centres: Row, radius: Positive) -> AbstractCurve:
+def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
     """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
 
     centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
     centre gives a circle, two a slot.
     """
-    if not len(centres):
-        raise DesignError("centres", "found none", "give at least one")
-    corners = _convex_hull(np.atleast_1d(np.asarray(centres, dtype=complex)))
+    z = np.atleast_1d(np.asarray(centres, dtype=complex))
+    if z.ndim > 1 or not z.size:
+        raise DesignError("centres", f"found shape {z.shape}", "give a row (n,) of at least one")
+    corners = _convex_hull(z)
     if len(corners) == 1:
         return Circle(corners[0], radius)
     pieces: list[AbstractCurve] = []
