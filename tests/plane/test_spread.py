@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.spread import AIM, MOST_TURN, spread
+from geomkin.plane.spread import MOST_TURN, spread
 
 DENSITIES = {
     "even": lambda t: t,
@@ -34,8 +34,8 @@ def test_intervals_are_as_few_as_can_be_and_alike(name, tolerance, order):
     error, _ = judge(edges)
     assert error.max() <= tolerance
     fewest = (density(BREAKS[-1]) - density(BREAKS[0])) / tolerance ** (1 / order)
-    # The aim below the tolerance, half a percent that looks are spared for, and whole numbers of intervals.
-    assert len(error) <= np.ceil(fewest / AIM ** (1 / order) * 1.005) + 1
+    # An aim of 0.2 % below the tolerance, half a percent that looks are spared for, and whole numbers of intervals.
+    assert len(error) <= np.ceil(fewest * 1.007) + 1
     shares = error ** (1 / order)
     assert shares.max() < 1.1 * shares.min() or len(error) < 5
 
