@@ -60,6 +60,13 @@ def gap(a: Array, b: Array) -> float:
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
+def thinned(loop: Array, tolerance: float) -> Array:
+    """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from what they leave out."""
+    return shapely.get_coordinates(shapely.LinearRing(xy(loop)).simplify(tolerance, preserve_topology=False)).view(
+        complex
+    )[:-1, 0]
+
+
 def spacing(loops: Sequence[Array], radii: Sequence[float]) -> float:
     """Least distance, mm, between the boundaries of a plate and its openings; inf where there is but one.
 
@@ -107,7 +114,7 @@ def neck(loops: Sequence[Array], tried: Sequence[int], within: float) -> float:
     sought = index[index - start < np.asarray(tried)[loop]]
     least = within
     # So many at a time that a place's neighbours fit into memory, however far the neck reaches.
-    for some in np.array_split(sought, len(sought) // 256 + 1):
+    for some in np.array_split(sought, len(sought) // 64 + 1):
         v, e = tree.query(shapely.points(xy(z[some])), predicate="dwithin", distance=least)
         v = some[v]
         own = (loop[v] == loop[e]) & (v != e) & (v != after[e])

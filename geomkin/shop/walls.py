@@ -12,9 +12,8 @@ from ..plane import region
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
-from ..plane.measure import signed_area
 from ..plane.primitives import Circle
-from ..plane.vec import Array
+from ..plane.vec import Array, cross
 
 # Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 of it between holes and to an
 # edge; below the least of them none takes the part.
@@ -67,9 +66,12 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
 
     Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.
     """
-    z = flatten(curve, tolerance)
+    z = flatten(curve, tolerance / 2)
+    if not isinstance(curve, Ring):
+        # Outlines given point by point may have far more than their form asks for.
+        z = region.thinned(z, tolerance / 2)
     z = z[z != np.roll(z, 1)]
-    z = z if signed_area(curve, 1e-3) * sense > 0 else z[::-1]
+    z = z if cross(z - z[0], np.roll(z, -1) - z[0]).sum() * sense > 0 else z[::-1]
     following = np.roll(z, -1)
     long = np.flatnonzero(np.abs(following - z) > longest)
     return np.insert(z, long + 1, (z + following)[long] / 2)

@@ -194,6 +194,31 @@ def test_same_parts_give_the_same_bytes():
     assert stl(cut(GEAR, TOLERANCE)) == stl(cut(GEAR, TOLERANCE))
 
 
+@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize("kerf", [0.0, 0.3])
+def test_a_triangle_can_be_cut_and_be_a_hole(arcs, kerf):
+    """Three corners are the fewest that enclose anything."""
+    z = np.array([0, 60, 60 + 40j])
+    hole = 20 + 0.25 * z + 5j
+    made = cut(gk.Part("triangle", gk.Polyline(z), (gk.Polyline(hole),), 2), TOLERANCE, kerf, arcs)
+    grown, shrunk = (shapely.Polygon(gk.xy(w)).buffer(d / 2, quad_segs=99) for w, d in ((z, kerf), (hole, -kerf)))
+    assert made.area == pytest.approx(grown.area - shrunk.area, abs=TOLERANCE)
+    if not kerf:
+        assert [len(loop.points) for loop in made.loops] == [3, 3]
+
+
+def test_a_sheet_is_as_wide_as_its_parts_ask_for():
+    """25 squares in five rows of five; each takes its size and the gap after it, and the first the gap before it."""
+    squares = [gk.Part("square", gk.Polyline(20 * np.array([0, 1, 1 + 1j, 1j])), (), 1, count=25)]
+    sheet = sheet_of(squares)
+    assert (sheet.width, sheet.height) == (130, 130)
+    assert sheet.extents == (5 + 5j, 125 + 125j)
+    # A part longer than all others together are wide: the sheet holds it, and two clear edges.
+    long = gk.Part("long", gk.Polyline(np.array([0, 900.5, 900.5 + 4j, 4j])), (), 1)
+    assert (sheet_of([long]).width, sheet_of([long]).height) == (911, 14)
+    assert sheet_of([*squares, long]).width == 911
+
+
 @pytest.mark.parametrize(
     ("part", "words"),
     [

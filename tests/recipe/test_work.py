@@ -76,9 +76,6 @@ def test_columns_are_never_more_than_were_counted(monkeypatch, name):
 
 
 def test_a_wide_table_takes_fewer_rows():
-    bodies = "".join(
-        f"arm{k} = {{ O = [0, 0], " + ", ".join(f"p{k}_{j} = [{j}, 1]" for j in range(9)) + " }\n" for k in range(9)
-    )
     text = 'kind = "linkage"\n[linkage]\ndriver = "crank"\n[linkage.bodies]\n' + "ground = { O = [0, 0] }\n"
     points = ", ".join(f"p{j} = [{j}, 1]" for j in range(200))
     key, words = refusal(f"{text}crank = {{ O = [0, 0], {points} }}\n[drive]\nstep_deg = 0.05\n")

@@ -102,6 +102,24 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
     assert stack.layers["ground"] == 0 and not bridge or stack.layers["bridge"] == layers - 1
 
 
+@pytest.mark.parametrize("thickness", [3.0, 5.0])
+@pytest.mark.parametrize("name", [name for name, (*_, bridge) in BUILDABLE.items() if bridge])
+def test_discs_of_a_pile_fill_the_room_between_ground_and_bridge(name, thickness):
+    """Its pin is as long as ground, discs and bridge together, and so is any pin from the lowest to the top layer."""
+    linkage, branch, layers, _ = BUILDABLE[name]
+    stock = LinkStock(thickness=thickness)
+    motion = gk.move(linkage, TURN, branch)
+    stack = stack_links(motion, stock)
+    parts = {part.name: part for part in link_parts(motion, stock, stack)}
+    pins = {pin.name: pin for pin in stack.pins}
+    for pile in ("spacer_1", "spacer_2"):
+        height = sum(parts[name].thickness for name in ("ground", "bridge"))
+        height += parts["spacer"].count / 2 * parts["spacer"].thickness
+        assert pins[pile].length == pytest.approx(height) == pytest.approx(layers * thickness)
+    for pin in stack.pins:
+        assert pin.length == pytest.approx(thickness * len(range(pin.first, pin.last + 1)))
+
+
 def test_the_look_at_the_plates_would_see_a_wrong_layer():
     linkage, branch, _, _ = BUILDABLE["crank-rocker"]
     stack, model = built(linkage, branch)

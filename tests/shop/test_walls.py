@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from geomkin.plane import region
 from geomkin.plane.pose import Pose
 from geomkin.shop.keyway import keyed_bore
 from geomkin.shop.spokes import Web, openings
@@ -181,3 +182,21 @@ def test_what_would_break_out_fails_a_check(tmp_path, text, names, wall):
     failed = {c.name.removeprefix("thinnest wall of the "): c for c in walls if not c.passed}
     assert set(failed) == names
     assert all(c.value == pytest.approx(wall, abs=1e-3) and c.advice for c in failed.values())
+
+
+def test_a_hundred_thousand_points_are_thinned_to_what_their_form_asks_for(monkeypatch):
+    """Neighbours of all of them within reach of a neck would be two hundred million."""
+    seen = []
+    monkeypatch.setattr(region, "neck", lambda loops, *rest: seen.append(sum(map(len, loops))) or np.inf)
+    t = np.linspace(0, 2 * np.pi, 100_000, endpoint=False)
+    wavy = gk.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
+    assert thinnest_wall(part(wavy, gk.Circle(0, 48)), LIMIT) == pytest.approx(1.0, abs=2e-3)
+    assert seen[0] < 20_000
+
+
+def test_a_wheel_of_thousands_of_teeth_is_searched_one_tooth_long(monkeypatch):
+    seen = []
+    monkeypatch.setattr(region, "neck", lambda loops, tried, within: seen.append(list(tried)) or np.inf)
+    gear = gk.SpurGear(3000, 2)
+    assert thinnest_wall(part(gear.outline, gk.Circle(0, 2990)), LIMIT) == pytest.approx(7.5, abs=0.01)
+    assert seen[0][0] < 200 and seen[0][1] == 0
