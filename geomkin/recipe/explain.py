@@ -153,7 +153,7 @@ def tables_in(hint: Any) -> list[type]:
     """Dataclasses that a type hint names; of one that is written as the list of its segments, those."""
     if dataclasses.is_dataclass(hint):
         segments = "segments" in (f.name for f in dataclasses.fields(hint))
-        return tables_in(hints_of(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
+        return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
     return [table for part in get_args(hint) for table in tables_in(part)]
 
 
