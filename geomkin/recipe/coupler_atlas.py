@@ -26,7 +26,6 @@ from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
 
-
 # Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
 MOST_DASHES = 5_000
 

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterable
 from dataclasses import MISSING
 from difflib import get_close_matches
+from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
@@ -14,10 +15,22 @@ from ..errors import TOLD, DesignError, Problem, printable, shown
 from ..sizes import allowed
 from .slips import number_meant
 
+# Problems looked into: many more come of one slip or of a file that is no recipe, and each takes a while.
+EXPLAINED = 200
+
+
+@cache
+def hints_of(table: type) -> dict[str, Any]:
+    """Type hints of a dataclass's fields."""
+    return get_type_hints(table)
+
 
 def explain(error: ValidationError, recipe: type) -> list[Problem]:
     """One problem for each finding, in the file's order of keys."""
-    return [_problem(e, recipe, k < TOLD) for k, e in enumerate(error.errors(include_url=False))]
+    found = error.errors(include_url=False)
+    return [_problem(e, recipe, k < TOLD) for k, e in enumerate(found[:EXPLAINED])] + [
+        Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "mend it") for e in found[EXPLAINED:]
+    ]
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
@@ -98,7 +111,7 @@ def _homes(table: type, name: object, path: str = "") -> list[str]:
     """Headings of the tables in which a key of that name is known."""
     found = []
     for field in dataclasses.fields(table):
-        hint, key = get_type_hints(table)[field.name], path + field.name
+        hint, key = hints_of(table)[field.name], path + field.name
         for inner in tables_in(hint):
             if any(f.name == name for f in dataclasses.fields(inner)):
                 found.append(_heading(hint, key))
@@ -130,9 +143,9 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
         # Under a field of names that a person chooses, such as bodies, that field says what is wanted.
         if owners or not chosen:
             field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
-            hints = [get_type_hints(t)[part] for t in owners]
+            hints = [hints_of(t)[part] for t in owners]
             chosen, hint = any(get_origin(h) is dict for h in hints), hints[0] if hints else None
-        tables = [c for t in owners for c in tables_in(get_type_hints(t)[part])] or tables
+        tables = [c for t in owners for c in tables_in(hints_of(t)[part])] or tables
     return tables, field, hint, key
 
 

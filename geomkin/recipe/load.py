@@ -15,8 +15,8 @@ from .explain import explain, nearest
 from .kinds import KINDS, kind
 from .slips import slip
 
-# No recipe comes near this, in bytes; a larger file is something else by mistake, and its reading takes long.
-LARGEST = 2_000_000
+# No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
+LARGEST = 500_000
 # A key with so many parts, bare or quoted, that no recipe has it. A start inside a word or after a backslash would
 # read the same parts again and again.
 DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")

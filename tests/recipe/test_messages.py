@@ -113,9 +113,20 @@ def test_a_kind_under_a_table_is_told_where_it_belongs():
 
 
 def test_of_very_many_problems_only_those_that_are_read_get_a_hint(monkeypatch):
-    import geomkin.recipe.explain as explain
+    from geomkin.recipe import explain
 
     asked = []
     monkeypatch.setattr(explain, "nearest", lambda *a: asked.append(a) or "")
     found = told(BAR + "".join(f"k{i} = 1\n" for i in range(3000)))
     assert len(found) == 3000 and 0 < len(asked) < 100
+    assert found["linkage.k2999"]
+
+
+def test_of_very_many_problems_only_some_are_looked_into(monkeypatch):
+    from geomkin.recipe import explain
+
+    looked, real = [], explain._place
+    monkeypatch.setattr(explain, "_place", lambda *a: looked.append(a) or real(*a))
+    bodies = "".join(f'b{i} = {{ O = [0, ""] }}\n' for i in range(3000))
+    found = told('kind = "linkage"\n[linkage]\ndriver = "b1"\n[linkage.bodies]\n' + bodies)
+    assert len(found) == 3000 and len(looked) == explain.EXPLAINED

@@ -1,0 +1,124 @@
+"""Every number that a recipe may give, at its ends: `python tests/hostile/extremes.py [KIND...]`.
+
+Of each kind's template one number at a time is set to its declared least and greatest, to what is tiny and to
+what is huge. Each recipe is run in a process of its own with 2 GB of memory, 20 s, and warnings as errors. Told
+is every one that ends otherwise than made, or refused in lines that name a key; exit 1 where there is any.
+"""
+
+import os
+import re
+import resource
+import select
+import signal
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+# Seconds are of the processor, whatever else the machine does.
+MEMORY, SECONDS = 2 << 30, 20
+TINY_AND_HUGE = ("0", "5e-324", "1e-300", "1e-12", "1e-7", "1e9", "1e300")
+LINE = re.compile(r"^(?:# )?(\w+) +=\s*([^#]*?)\s*# (.*)$")
+LIMIT = re.compile(r"(?:at least|above|at most|below) (-?[\d.]+(?:e[+-]?\d+)?)")
+
+
+def cases(text):
+    """(key, value, text) for every number and point of a template."""
+    lines, table = text.splitlines(), ""
+    for k, line in enumerate(lines):
+        if line.startswith("["):
+            table = line.split("#")[0].strip(" []")
+        found = LINE.match(line)
+        if not found:
+            continue
+        key, shown, note = found.groups()
+        if "[x, y]" in note:
+            values = ["[1e9, -1e9]", "[5e-324, 0]", "[1e-300, 1e-300]", "[1e-7, 0]"]
+        elif LIMIT.search(note):
+            values = [*LIMIT.findall(note), *TINY_AND_HUGE]
+            values = list({float(value): value for value in values}.values())
+            if re.fullmatch(r"\d+", shown) and key in WHOLE:
+                values = LIMIT.findall(note)
+        else:
+            continue
+        for value in dict.fromkeys(values):
+            yield f"{table}.{key}", value, "\n".join([*lines[:k], f"{key} = {value}", *lines[k + 1 :]]) + "\n"
+
+
+WHOLE = {"teeth", "pins", "rows", "columns", "planets", "count", "spokes", "decimals", "degree", "intervals"}
+
+
+def attempt(text, folder):
+    """What became of a recipe, "" or how it failed, and the seconds it took."""
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(read)
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        warnings.simplefilter("error")
+        os.write(write, _made(text, folder).encode("utf-8", "replace")[:4000] or b"ok")
+        os._exit(0)
+    os.close(write)
+    ready = select.select([read], [], [], 10 * SECONDS)[0]
+    told = os.read(read, 4000).decode("utf-8", "replace") if ready else ""
+    os.close(read)
+    if not ready:
+        os.kill(child, signal.SIGKILL)
+    _, status, used = os.wait4(child, 0)
+    if not told:
+        told = f"more than {SECONDS} s" if not ready or used.ru_utime > SECONDS - 1 else f"died: {status}"
+    told = "" if told == "ok" else told
+    return told, used.ru_utime + used.ru_stime
+
+
+def _made(text, folder):
+    import geomkin as gk
+
+    file = Path(folder) / "r.toml"
+    file.write_text(text)
+    try:
+        gk.make(file, folder)
+    except gk.RecipeError as error:
+        bad = [line for line in str(error).splitlines() if not line.isprintable() or line.count(": ") < 2]
+        return f"odd message: {bad[0]}" if bad else ""
+    except MemoryError:
+        return f"more than {MEMORY >> 20} MB"
+    except BaseException as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def main(arguments):
+    from geomkin.recipe.kinds import KINDS, kind
+    from geomkin.recipe.template import template
+    from geomkin.recipe.variants import choices
+
+    failures = tried = 0
+    seen = set()  # the same line of the same table is the same code for every kind
+    for name in arguments or KINDS:
+        offered = choices(kind(name).recipe)
+        wishes = [[], *([f"{key}={which}" if which else key] for key in offered for which in offered[key])]
+        with tempfile.TemporaryDirectory() as folder:
+            _made(template(name), folder)  # loads what every child needs
+            for table, (key, value, spoiled) in ((w, case) for w in wishes for case in cases(template(name, w))):
+                shared = key.startswith(("files.", "stock.", "drive."))
+                place = (
+                    *(() if shared else (name, *(table if "program" in key or "follower" in key else ()))),
+                    key,
+                    value,
+                )
+                if place in seen:
+                    continue
+                seen.add(place)
+                told, seconds = attempt(spoiled, folder)
+                tried += 1
+                failures += bool(told)
+                if told or seconds > SECONDS / 2:
+                    print(f"{name} {' '.join(table)}: {key} = {value}: {told or 'made'} ({seconds:.1f} s)", flush=True)
+    print(f"{tried} recipes, {failures} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
