@@ -10,9 +10,10 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..sizes import FARTHEST, entry, quantity
 from .contact import AbstractFollower, Contact, on_face
 from .extremes import largest
+from .numbers import check_numbers
 from .pivot import Side, arm_direction, check_side, side_sign
 from .program import FollowerMotion, Program
 
@@ -28,7 +29,7 @@ class TranslatingFlat(AbstractFollower):
     oscillates: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_numbers(self)
 
     @property
     def tilt(self) -> float:
@@ -81,7 +82,7 @@ class OscillatingFlat(AbstractFollower):
     oscillates: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_numbers(self)
         check_side(self.side)
 
     def check(self, base_radius: float, program: Program, sense: int) -> None:

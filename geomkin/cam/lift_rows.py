@@ -30,10 +30,10 @@ def read_rows(segment: Pointed, folder: str | Path) -> tuple[str, Array, bool]:
     if field == "file":
         points, swings = _from_csv(getattr(segment, field), folder)
         return field, points, swings
-    return field, _checked(getattr(segment, field), field), field.endswith("_deg")
+    return field, checked_rows(getattr(segment, field), field), field.endswith("_deg")
 
 
-def _checked(rows: object, field: str) -> Array:
+def checked_rows(rows: object, field: str) -> Array:
     try:
         points = np.array(rows, dtype=float)
         fits = points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
@@ -83,4 +83,4 @@ def _from_csv(name: object, folder: str | Path) -> tuple[Array, bool]:
         except (ValueError, IndexError):
             problem = f"line {k} of {printable(path)} is {shown(','.join(line))}"
             raise DesignError("file", problem, "give a number in each of its columns") from None
-    return _checked(points, "file"), LIFTS[lifts[0]]
+    return checked_rows(points, "file"), LIFTS[lifts[0]]

@@ -10,9 +10,10 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..sizes import FARTHEST, entry, quantity
 from .contact import AbstractFollower, Contact, on_roller
 from .extremes import largest
+from .numbers import check_numbers
 from .pivot import Side, arm_direction, check_side, side_sign
 from .program import FollowerMotion, Program
 
@@ -33,7 +34,7 @@ class TranslatingRoller(AbstractFollower):
     oscillates: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_numbers(self)
 
     def check(self, base_radius: float, program: Program, sense: int) -> None:
         prime = base_radius + self.roller_radius
@@ -87,7 +88,7 @@ class OscillatingRoller(AbstractFollower):
     oscillates: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_numbers(self)
         check_side(self.side)
 
     def check(self, base_radius: float, program: Program, sense: int) -> None:

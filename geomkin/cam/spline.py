@@ -1,4 +1,4 @@
-"""Splines of lift: through given values, near given values, and the piecewise polynomial that carries them."""
+"""Splines of lift: through given values, and the piecewise polynomial that carries them."""
 
 from __future__ import annotations
 
@@ -42,47 +42,6 @@ def spline_through(x: Array, values: Array, ends: Ends) -> PiecewisePolynomial:
     first and last values.
     """
     return PiecewisePolynomial(x, _quintic(x, values[:, None], ends)[..., 0], np.array([0.0, 1.0]))
-
-
-# A least-squares spline of more intervals takes seconds and follows the rounding of its rows anyway.
-MOST_INTERVALS = 250
-
-
-def spline_near(x: Array, values: Array, ends: Ends, tolerance: float) -> PiecewisePolynomial:
-    """Quintic spline of few equal intervals that leaves values (n,) at rising x (n,) by at most `tolerance`.
-
-    Best in least squares for its intervals, whose number grows by an eighth until it fits; the first
-    and last values and `ends` are met. Where no such spline has half as many intervals as there are
-    values, the one through them.
-    """
-    count = 2
-    while count <= min(MOST_INTERVALS, (len(x) - 1) // 2):
-        knots = np.linspace(0, 1, count + 1)
-        inner = np.eye(count + 1)[:, 1:-1]
-        fixed = np.zeros((count + 1, 1))
-        fixed[0], fixed[-1] = values[0], values[-1]
-        # The free knot values move a spline with ends at rest; the fixed part alone has the ends asked for.
-        still: Ends = None if ends is None else ((0.0, 0.0), (0.0, 0.0))
-        basis = _at(knots, _quintic(knots, inner, still), x)
-        base = _quintic(knots, fixed, ends)
-        # Normal equations: a spline's own knot values are nearly the best already, so they lose no digits that matter.
-        rest = basis.T @ (values - _at(knots, base, x)[:, 0])
-        free = np.linalg.lstsq(basis.T @ basis, rest, rcond=None)[0]
-        coefficients = (base + _quintic(knots, (inner @ free)[:, None], still))[..., 0]
-        spline = PiecewisePolynomial(knots, coefficients, np.array([0.0, 1.0]))
-        if np.abs(spline(x)[0] - values).max() <= tolerance:
-            return spline
-        count += max(1, count // 8)
-    return spline_through(x, values, ends)
-
-
-def _at(knots: Array, coefficients: Array, x: Array) -> Array:
-    piece = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
-    u = (x - knots[piece])[:, None]
-    value = np.zeros((len(x), coefficients.shape[2]))
-    for coefficient in coefficients[::-1]:
-        value = value * u + coefficient[piece]
-    return value
 
 
 def _quintic(knots: Array, values: Array, ends: Ends) -> Array:

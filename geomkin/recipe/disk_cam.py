@@ -26,6 +26,10 @@ from .kind import Kind
 from .settings import Drive, Files
 
 
+# Share of the peak acceleration that the scatter of a table may add: more is felt and heard.
+NOISE = 0.1
+
+
 @dataclass(frozen=True)
 class DiskCamRecipe:
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
@@ -112,6 +116,12 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
         checks.append(Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice))
+    for k, fit in cam.program.tables.items():
+        # What cannot be told is no check.
+        if not np.isnan(fit.noise):
+            advice = f"the curve follows the scatter of the rows: give within = {_above(fit.wide)} in program[{k}]"
+            name = f"acceleration from scatter of the rows of program[{k}]"
+            checks.append(Check(name, fit.noise, "at most", NOISE, "of the peak", advice))
     if recipe.stock.bore:
         outline = recipe.cut.outline
         inner = np.abs(outline.point(np.linspace(outline.breaks[:-1], outline.breaks[1:], 65))).min()
@@ -132,6 +142,12 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         advice = "a sharp edge wears: give a larger base_radius"
         checks.append(Check("least convex radius of the profile", sharpest, "at least", 1, "mm", advice))
     return checks
+
+
+def _above(value: float) -> str:
+    """A little more, in two digits."""
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.ceil(value / step) * step:.2g}"
 
 
 def _parts(recipe: DiskCamRecipe) -> list[Part]:
