@@ -29,7 +29,7 @@ def crossings(curve: AbstractCurve, start: Array, low: Array, high: Array) -> Ar
         least[live[nearer]], best[live[nearer]] = np.abs(apart[nearer]), t[nearer]
         turned = cross(v[:, 0], v[:, 1])
         # At its limit Newton's step is rounding, and brings nothing nearer.
-        going = (least[live] > 0) & (turned != 0) & (nearer | (least[live] > 1e-12 * size))
+        going = (turned != 0) & (nearer | (least[live] > 1e-12 * size))
         live, t, apart, v, turned = live[going], t[going], apart[going], v[going], turned[going]
         if not len(live):
             break

@@ -103,9 +103,9 @@ def test_no_crossing_beyond_the_limits_is_found():
 
 
 def test_branches_that_run_the_same_way_have_no_crossing_and_no_step():
-    """Twice the same circle: everywhere in the same place, and nowhere crossing."""
-    twice = Drawn(lambda t: np.exp(2j * t) + 0.5 * np.floor(t / np.pi), lambda t: 2j * np.exp(2j * t))
-    assert np.isnan(found(twice, [0.4, 0.4 + np.pi])).all()
+    """Two lines, one beside the other, of one direction to the last bit."""
+    beside = Drawn(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
+    assert np.isnan(found(beside, [[0.4, 1.3], [0.5, 1.5]], 0.2)).all()
 
 
 def test_a_place_that_is_exact_already_stays_and_is_asked_for_once():
