@@ -67,7 +67,7 @@ def _table(recipe: DiskCamRecipe) -> Table:
         Column("pressure_angle", "deg", "between path and force", np.degrees(contact.pressure_angle)),
         *_pitch(cam, angle),
         *xy_columns("profile", "mm", "profile on the cam", cam.profile.point(angle)),
-        Column("profile_curvature", "1/mm", "curvature of the profile, convex +", _finite(_curvature(cam, angle))),
+        Column("profile_curvature", "1/mm", "curvature of the profile, convex +", _finite(_convex_curvature(cam, angle))),
         *xy_columns("contact", "mm", "where follower and cam touch, on the ground", contact.point),
         Column(
             "outline_radius", "mm", "outline of the cut cam in the direction of cam_angle from its x axis",
@@ -87,7 +87,7 @@ def _pitch(cam: Cam, angle: Array) -> Iterator[Column]:
         yield from xy_columns("pitch", "mm", "pitch curve on the cam", cam.pitch_curve.point(angle))
 
 
-def _curvature(cam: Cam, angle: Array) -> Array:
+def _convex_curvature(cam: Cam, angle: Array) -> Array:
     return -cam.sense * cam.profile.curvature(angle)
 
 
