@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Reals, checked
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
 from ..plane.vec import Array
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .contact import Contact
+from .contact import AbstractFollower, Contact
 from .follower import Follower, Roller, TranslatingRoller
 from .program import Dwell, Program, Return, Rise
+
+
+# Smooth stretches of a programme: of more, a search for undercut and least base circle takes over five seconds.
+MOST_STRETCHES = 500
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,18 @@ class Cam:
         check_sizes(self)
         if self.direction not in ("counterclockwise", "clockwise"):
             raise DesignError("direction", f"found {self.direction!r}", "give counterclockwise or clockwise")
+        if not isinstance(self.follower, AbstractFollower):
+            raise DesignError("follower", f"found {shown(self.follower)}", "give a follower, such as TranslatingRoller")
+        if not isinstance(self.program, Program):
+            raise DesignError("program", f"found {shown(self.program)}", "give a Program of segments")
         check_lifts(self.follower, self.program)
+        stretches = len(self.program.breaks) - 1
+        if stretches > MOST_STRETCHES:
+            raise DesignError(
+                "program",
+                f"found {stretches:,} stretches between joints, dwells in a row taken as one",
+                f"give at most {MOST_STRETCHES}, or a table in place of many segments",
+            )
         self.follower.check(self.base_radius, self.program, self.sense)
 
     @property

@@ -19,8 +19,8 @@ def crossings(curve: AbstractCurve, start: Array, low: Array, high: Array) -> Ar
 
     nan where there are none: where chords cross, the curve itself may pass by.
     """
-    breaks = curve.breaks[[0, -1]]
-    size = float(np.abs(curve.point(np.linspace(*breaks, 65))).max())
+    first, last = curve.breaks[[0, -1]].tolist()
+    size = float(np.abs(curve.point(np.linspace(first, last, 65))).max())
     best, least = np.array(start, dtype=float), np.full(len(start), np.inf)
     live, t = np.arange(len(start)), best
     for _ in range(STEPS):
@@ -29,13 +29,14 @@ def crossings(curve: AbstractCurve, start: Array, low: Array, high: Array) -> Ar
         least[live[nearer]], best[live[nearer]] = np.abs(apart[nearer]), t[nearer]
         turned = cross(v[:, 0], v[:, 1])
         # At its limit Newton's step is rounding, and brings nothing nearer.
-        going = (least[live] > 0) & (turned != 0) & (nearer | (least[live] > 1e-12 * size))
+        going = (turned != 0) & (nearer | (least[live] > 1e-12 * size))
         live, t, apart, v, turned = live[going], t[going], apart[going], v[going], turned[going]
         if not len(live):
             break
         step = np.stack([cross(apart, v[:, 1]), cross(apart, v[:, 0])], axis=1) / -turned[:, None]
         t = np.clip(t + step, low[live], high[live])
-    best[least >= 1e-12 * size] = np.nan
+    # A place is where it is itself.
+    best[(least >= 1e-12 * size) | (np.abs(best[:, 0] - best[:, 1]) <= 1e-12 * (last - first))] = np.nan
     return best
 
 
@@ -93,4 +94,5 @@ def _boxes_that_meet(a: Array, b: Array) -> tuple[Array, Array]:
         # Two that share several bands are told in the lowest of them.
         meet = (low[i] <= high[j]) & (low[j] <= high[i]) & (band[one] == np.maximum(first[i], first[j]))
         found.append(np.stack([i[meet], j[meet]]))
-    return tuple(np.concatenate([np.zeros((2, 0), int), *found], axis=1))
+    i, j = np.concatenate([np.zeros((2, 0), int), *found], axis=1)
+    return i, j

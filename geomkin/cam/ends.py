@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +12,14 @@ import numpy as np
 from ..errors import DesignError, shown
 from ..plane.vec import Array
 from ..sizes import check_quantities
-from .lift_rows import checked_rows, read_rows
+from .lift_rows import MOST_ROWS, checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
 # Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
 # thirds of a turn written with nine digits, more hides a real gap.
 SLIP = 1e-7
+# Segments of a programme: more take seconds to put together, and are more than a cam can have.
+MOST_SEGMENTS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +61,9 @@ def naming(place: str) -> Iterator[None]:
 def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
     """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
     made: list[Span] = []
-    angle, lift = 0.0, 0.0
+    angle, lift, rows = 0.0, 0.0, 0
+    if len(segments) > MOST_SEGMENTS:
+        raise DesignError("program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}")
     for k, segment in enumerate(segments):
         place = f"program[{k}]"
         with naming(place):
@@ -74,8 +78,14 @@ def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
                 span = Span(place, segment, angle, end, lift, end_lift, oscillates, _between(segment, angle, end))
         made.append(span)
         angle, lift = span.end, span.end_lift
+        rows += len(made[-1].points)
+        if rows > MOST_ROWS:
+            raise DesignError(place, f"with it, the programme has {rows:,} rows", f"give at most {MOST_ROWS:,} in all")
     _check_whole(made, angle, lift)
-    return made
+    # A slip in the last lift would be a jump at the end of the turn.
+    last = made[-1].points.copy()
+    last[-1:, 1:] = made[0].lift if isinstance(made[-1].segment, Pointed) else last[-1:, 1:]
+    return [*made[:-1], replace(made[-1], end_lift=made[0].lift, points=last)]
 
 
 def _check_whole(made: list[Span], angle: float, lift: float) -> None:
@@ -89,7 +99,7 @@ def _check_whole(made: list[Span], angle: float, lift: float) -> None:
             "give all in mm for a follower that slides, or all in degrees for one that swings",
         )
     unit = "deg" if True in swings else "mm"
-    if abs(lift - made[0].lift) > SLIP:
+    if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
         raise DesignError(
             "program",
             f"the lift ends at {lift:g} {unit}, not at {made[0].lift:g}",
@@ -178,26 +188,33 @@ def _given(place: str, segment: Pointed, before: float, lift: float | None, fold
         problem, _ = _apart(start, before)
         raise DesignError(field + row.format(0), problem, f"let the angles start at {before:g} deg")
     start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
-    slip = rounding(segment) or SLIP
+    slip = band(segment) or SLIP
     if lift is None:
         lift = float(points[0, 1])
     if abs(points[0, 1] - lift) > slip:
         problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
         raise DesignError(field + row.format(0), problem, "let the lifts agree")
     low = int(points[:, 1].argmin())
-    if points[low, 1] < 0:
+    # Measured rows of a dwell lie to both sides of it.
+    if points[low, 1] < -band(segment):
         problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
         raise DesignError(field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius")
     points[[0, -1], 0], points[0, 1] = (start, end), lift
     return Span(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
 
 
-def rounding(segment: Segment) -> float:
-    """How far a curve may leave a table's rows: 3/4 of the last decimal, 0 where it goes through them.
+def band(segment: Segment) -> float:
+    """How far a curve may leave a table's rows: as given, or 3/4 of the last decimal; 0 where it goes through them.
 
-    Half of it is the rounding itself; with less left over, the curve follows the rounding.
+    Half of the last decimal is the rounding itself; with less left over, the curve follows the rounding.
     """
-    return 0.75 * 10.0**-segment.decimals if isinstance(segment, LiftTable) and segment.decimals < 10 else 0.0
+    if not isinstance(segment, LiftTable):
+        return 0.0
+    if segment.within is not None:
+        return segment.within
+    if segment.decimals is None:
+        raise DesignError("decimals", "of decimals and within found neither", "give one of them")
+    return 0.75 * 10.0**-segment.decimals if segment.decimals < 10 else 0.0
 
 
 def _between(segment: Timed, start: float, end: float) -> Array:

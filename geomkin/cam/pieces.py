@@ -9,11 +9,12 @@ import numpy as np
 
 from ..errors import DesignError
 from .boundary import polynomial_from
-from .ends import Span, naming, rounding
+from .ends import Span, band, naming
 from .laws import Law, checked
 from .optimise import Optimum, optimal_polynomial, optimal_spline
-from .segments import Dwell, LiftPolynomial, OptimisedPolynomial, OptimisedSpline, Return, Rise
-from .spline import Ends, spline_near, spline_through
+from .segments import Dwell, LiftPolynomial, LiftTable, OptimisedPolynomial, OptimisedSpline, Return, Rise
+from .spline import Ends, spline_through
+from .table_fit import TableFit
 
 # Slope, curvature and jerk by radian.
 State = tuple[float, float, float]
@@ -24,13 +25,14 @@ REST: State = (0.0, 0.0, 0.0)
 class Piece:
     """Lift = span.lift + scale law(x), with x from 0 to 1 over the span; law None where it rests.
 
-    In the units of the span. optimum: by radian, where the segment is one.
+    In the units of the span. optimum: by radian, where the segment is one. fit: where it is a table.
     """
 
     span: Span
     law: Law | None
     scale: float
     optimum: Optimum | None = None
+    fit: TableFit | None = None
 
     def state(self, x: float) -> State:
         """Slope, curvature and jerk at x, by radian."""
@@ -91,8 +93,10 @@ def _meeting(span: Span, start: State, end: State, count: int) -> Piece:
     first, last = ((v * span.radians, a * span.radians**2) for v, a, _ in (start, end))
     # Alone, it is its own neighbour.
     ends: Ends = None if count == 1 else (first, last)
-    within = rounding(segment)
-    return Piece(span, spline_near(x, lifts, ends, within) if within else spline_through(x, lifts, ends), 1.0)
+    if not isinstance(segment, LiftTable):
+        return Piece(span, spline_through(x, lifts, ends), 1.0)
+    fit = TableFit(x, lifts, ends, band(segment))
+    return Piece(span, fit.law, 1.0, fit=fit)
 
 
 def _optimal(span: Span, segment: OptimisedPolynomial | OptimisedSpline, start: State, end: State) -> Piece:

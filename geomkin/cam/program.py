@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike
 
 from ..errors import DesignError, shown
 from ..plane.vec import Array
-from .ends import SLIP, rounding, spans
+from .ends import SLIP, band, spans
 from .laws import breaks_of
 from .optimise import Optimum
 from .pieces import Piece, pieces_of, reach
 from .segments import Dwell, OneSegment, Return, Rise, Segment
+from .table_fit import TableFit
 
 __all__ = ["Dwell", "FollowerMotion", "Program", "Return", "Rise", "Segment"]
 
@@ -67,10 +68,7 @@ class Program:
 
     @cached_property
     def _resolved(self) -> _Resolved:
-        made = spans(self.segments, self.folder)
-        # A slip in the last lift would be a jump at the end of the turn.
-        made[-1] = replace(made[-1], end_lift=made[0].lift)
-        return _Resolved(pieces_of(made))
+        return _Resolved(pieces_of(spans(self.segments, self.folder)))
 
     @property
     def oscillates(self) -> bool:
@@ -90,6 +88,11 @@ class Program:
         """
         pieces = self._resolved.pieces
         return {k: piece.optimum for k, piece in enumerate(pieces) if piece.optimum is not None}
+
+    @property
+    def tables(self) -> dict[int, TableFit]:
+        """Of each table, by its place in `segments`: its rows in mm or deg, and how much they scatter."""
+        return {k: piece.fit for k, piece in enumerate(self._resolved.pieces) if piece.fit is not None}
 
     @property
     def jumps(self) -> FollowerMotion:
@@ -174,8 +177,8 @@ class _Resolved:
         seen = [(piece, *reach(piece)) for piece in self.pieces]
         highest = max(high for *_, high in seen)
         for piece, low, angle, _ in seen:
-            # A curve near rounded rows may dip as far as they are rounded.
-            if low < -max(SLIP, DIP * highest, rounding(piece.span.segment)):
+            # A curve near rows may dip as far as it may leave them.
+            if low < -max(SLIP, DIP * highest, band(piece.span.segment)):
                 raise DesignError(
                     piece.span.place,
                     f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle",

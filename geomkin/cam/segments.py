@@ -133,27 +133,40 @@ class LiftSpline:
 
 @dataclass(frozen=True)
 class LiftTable:
-    """Many values from measurement or another program, in the recipe or in a CSV file, rounded to some decimals.
+    """Many values from measurement or another program, in the recipe or in a CSV file.
 
-    Two derivatives of rounded values are mostly rounding: a curve through all of 360 rows of a 20 mm rise
-    in 120 deg, rounded to 0.001 mm, misses the motion by 3 times its peak acceleration. So the curve is
-    a quintic spline of as few equal intervals as stay within 3/4 of the last decimal of every row; with
-    it the same rows give the acceleration to 0.1 % of the peak and the jerk to 1 %. What jumps is
-    rounded off: where rows a degree apart run on from a dwell into a cycloidal rise, the acceleration
-    is good to 5 % and the jerk, which jumps, to half its jump. So give dwells as dwells and tables for
-    what is between, or better the law itself. With ten decimals or more the curve goes through the rows.
+    Two derivatives of rounded or measured values are mostly rounding and noise: a curve through all of 360 rows of
+    a 20 mm rise in 120 deg, rounded to 0.001 mm, misses the motion by 3 times its peak acceleration. So the curve
+    is the smoothest that leaves no row by more than `within`: of all quintic splines the one with the least integral
+    of squared jerk. Rows rounded to some decimals need no `within`: it is 3/4 of the last of the `decimals`. The same
+    rows then give the acceleration to 0.2 % of the peak. What jumps is rounded off: where rows a degree apart
+    run on from a dwell into a cycloidal rise, the acceleration is good to 5 % and the jerk, which jumps, to half its
+    jump. So give dwells as dwells and tables for what is between, or better the law itself. With ten decimals or
+    more the curve goes through the rows.
 
     Ends as for a spline. Alone in a programme it closes on itself, and rows in equal steps may leave out
     that at 360 deg. The file is CSV with a first line that names the columns `cam_angle_deg` and `lift_mm`, or
     `lift_deg` for an arm; others are ignored. A relative name is looked for beside the recipe.
     """
 
-    decimals: int = quantity(
-        "decimal places to which the lifts are rounded", at_least=0, at_most=15, whole=True, example=3
+    decimals: int | None = quantity(
+        "decimal places to which the lifts are rounded",
+        default=None,
+        at_least=0,
+        at_most=15,
+        whole=True,
+        example=3,
     )
     rows: Rows | None = entry("values, as [cam angle in deg, lift in mm], from its start to its end", default=None)
     rows_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     file: str | None = entry("CSV file with columns cam_angle_deg and lift_mm or lift_deg", default=None)
+    within: float | None = quantity(
+        "how far the curve may stay from every row, as the rows are measured; deg for an arm",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
     kind: Literal["table"] = "table"
 
 

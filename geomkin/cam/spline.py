@@ -1,4 +1,4 @@
-"""Splines of lift: through given values, near given values, and the piecewise polynomial that carries them."""
+"""Splines of lift: through given values, and the piecewise polynomial that carries them."""
 
 from __future__ import annotations
 
@@ -44,66 +44,6 @@ def spline_through(x: Array, values: Array, ends: Ends) -> PiecewisePolynomial:
     return PiecewisePolynomial(x, _quintic(x, values[:, None], ends)[..., 0], np.array([0.0, 1.0]))
 
 
-# A least-squares spline of more intervals takes seconds and follows the rounding of its rows anyway.
-MOST_INTERVALS = 250
-
-
-def spline_near(x: Array, values: Array, ends: Ends, tolerance: float) -> PiecewisePolynomial:
-    """Quintic spline of few equal intervals that leaves values (n,) at rising x (n,) by at most `tolerance`.
-
-    Best in least squares for its intervals, whose number grows by an eighth until it fits; the first
-    and last values and `ends` are met. Where no such spline has half as many intervals as there are
-    values, the one through them.
-    """
-    count = 2
-    while count <= min(MOST_INTERVALS, (len(x) - 1) // 2):
-        knots = np.linspace(0, 1, count + 1)
-        inner = np.eye(count + 1)[:, 1:-1]
-        fixed = np.zeros((count + 1, 1))
-        fixed[0], fixed[-1] = values[0], values[-1]
-        # The free knot values move a spline with ends at rest; the fixed part alone has the ends asked for.
-        still: Ends = None if ends is None else ((0.0, 0.0), (0.0, 0.0))
-        basis = _at(knots, _quintic(knots, inner, still), x)
-        base = _quintic(knots, fixed, ends)
-        free = _nearest(basis, values - _at(knots, base, x)[:, 0])
-        coefficients = (base + _quintic(knots, np.pad(free, 1)[:, None], still))[..., 0]
-        spline = PiecewisePolynomial(knots, coefficients, np.array([0.0, 1.0]))
-        if np.abs(spline(x)[0] - values).max() <= tolerance:
-            return spline
-        count += max(1, count // 8)
-    return spline_through(x, values, ends)
-
-
-# Share of the largest row sum that is added to the diagonal of the normal equations: unknowns that no value tells of
-# stay near 0. Smaller, and their elimination may divide by rounding; larger shows in the spline's last digits.
-UNTOLD = 1e-14
-# Rows whose products are summed at a time: as many as stay in the processor's cache.
-AT_ONCE = 16
-
-
-def _nearest(basis: Array, values: Array) -> Array:
-    """The weights (m,) of the columns of basis (n, m) whose sum comes nearest to values (n,) in least squares.
-
-    By the normal equations: a spline's own knot values are nearly the best already, so they lose no digits that matter.
-    Summed and eliminated in a fixed order, without the linear-algebra library: its order hangs on the processor, and
-    the last digit of a jerk would with it.
-    """
-    m = basis.shape[1]
-    normal, right = np.zeros((m, m)), (basis * values[:, None]).sum(axis=0)
-    for start in range(0, len(basis), AT_ONCE):
-        rows = basis[start : start + AT_ONCE]
-        normal += (rows[:, :, None] * rows[:, None, :]).sum(axis=0)
-    normal[np.diag_indices(m)] += UNTOLD * np.abs(normal).sum(axis=0).max(initial=0.0)
-    for k in range(m - 1):
-        factor = normal[k + 1 :, k] / normal[k, k]
-        normal[k + 1 :, k + 1 :] -= factor[:, None] * normal[k, k + 1 :]
-        right[k + 1 :] -= factor * right[k]
-    for k in range(m - 1, -1, -1):
-        right[k] /= normal[k, k]
-        right[:k] -= normal[:k, k] * right[k]
-    return right
-
-
 def _times(a: Array, b: Array) -> Array:
     """Products of 2 x 2 matrices with matrices of two rows, in a fixed order."""
     return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
@@ -113,15 +53,6 @@ def _inverse(a: Array) -> Array:
     """Of a 2 x 2 matrix."""
     (p, q), (r, s) = a.tolist()
     return np.array([[s, -q], [-r, p]]) / (p * s - q * r)
-
-
-def _at(knots: Array, coefficients: Array, x: Array) -> Array:
-    piece = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
-    u = (x - knots[piece])[:, None]
-    value = np.zeros((len(x), coefficients.shape[2]))
-    for coefficient in coefficients[::-1]:
-        value = value * u + coefficient[piece]
-    return value
 
 
 def _quintic(knots: Array, values: Array, ends: Ends) -> Array:

@@ -27,6 +27,10 @@ from .kind import Kind
 from .settings import Drive, Files
 
 
+# Share of the peak acceleration that the scatter of a table may add: more is felt and heard.
+NOISE = 0.1
+
+
 @dataclass(frozen=True)
 class DiskCamRecipe:
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
@@ -67,7 +71,7 @@ def _table(recipe: DiskCamRecipe) -> Table:
         Column("pressure_angle", "deg", "between path and force", np.degrees(contact.pressure_angle)),
         *_pitch(cam, angle),
         *xy_columns("profile", "mm", "profile on the cam", cam.profile.point(angle)),
-        Column("profile_curvature", "1/mm", "curvature of the profile, convex +", _finite(_curvature(cam, angle))),
+        Column("profile_curvature", "1/mm", "curvature of the profile, convex +", _finite(_convex_curvature(cam, angle))),
         *xy_columns("contact", "mm", "where follower and cam touch, on the ground", contact.point),
         Column(
             "outline_radius", "mm", "outline of the cut cam in the direction of cam_angle from its x axis",
@@ -87,7 +91,7 @@ def _pitch(cam: Cam, angle: Array) -> Iterator[Column]:
         yield from xy_columns("pitch", "mm", "pitch curve on the cam", cam.pitch_curve.point(angle))
 
 
-def _curvature(cam: Cam, angle: Array) -> Array:
+def _convex_curvature(cam: Cam, angle: Array) -> Array:
     return -cam.sense * cam.profile.curvature(angle)
 
 
@@ -116,6 +120,12 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
         checks.append(Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice))
+    for k, table in cam.program.tables.items():
+        # What cannot be told is no check.
+        if not np.isnan(table.noise):
+            advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            name = f"acceleration from scatter of the rows of program[{k}]"
+            checks.append(Check(name, table.noise, "at most", NOISE, "of the peak", advice))
     roller = getattr(cam.follower, "roller_radius", 0.0)
     if roller:
         room = tightest_convex(cam)[0] / roller
@@ -131,6 +141,12 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         advice = "a sharp edge wears: give a larger base_radius"
         checks.append(Check("least convex radius of the profile", sharpest, "at least", 1, "mm", advice))
     return checks
+
+
+def _above(value: float) -> str:
+    """A little more, in two digits."""
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.ceil(value / step) * step:.2g}"
 
 
 def _parts(recipe: DiskCamRecipe) -> list[Part]:

@@ -1,0 +1,80 @@
+"""Very large programmes and tables: done in little, or refused with the number that would do."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.cam.program import Program
+from geomkin.cam.segments import LiftSpline
+from geomkin.recipe.settings import Drive
+
+
+def waves(count):
+    ends = (360 * np.arange(1, count + 1) / count).tolist()
+    return [
+        gk.Rise("harmonic", rise=1e-3, end_deg=end) if k % 2 == 0 else gk.Return("harmonic", end_deg=end)
+        for k, end in enumerate(ends)
+    ]
+
+
+def test_dwells_in_a_row_are_one():
+    program = Program([gk.Dwell(end_deg=360 * k / 10_000) for k in range(1, 10_001)])
+    assert program.breaks.tolist() == [0, 2 * np.pi]
+    mixed = Program([gk.Dwell(end_deg=10), gk.Dwell(end_deg=40), gk.Rise("harmonic", rise=3, end_deg=90),
+                     gk.Dwell(end_deg=100), gk.Dwell(end_deg=200), gk.Return("harmonic", end_deg=360)])  # fmt: skip
+    whole = Program([gk.Dwell(end_deg=40), gk.Rise("harmonic", rise=3, end_deg=90), gk.Dwell(end_deg=200),
+                     gk.Return("harmonic", end_deg=360)])  # fmt: skip
+    angle = np.linspace(0, 7, 500)
+    assert (mixed.breaks == whole.breaks).all()
+    assert (mixed.motion(angle).lift == whole.motion(angle).lift).all()
+
+
+def test_as_many_stretches_as_advised_make_a_cam_and_more_are_refused():
+    with pytest.raises(gk.DesignError, match="502 stretches .* at most 500") as refused:
+        gk.Cam(gk.TranslatingFlat(), Program(waves(502)), 40)
+    assert refused.value.field == "program"
+    assert not gk.undercut(gk.Cam(gk.TranslatingRoller(2), Program(waves(500)), 4000)).found
+
+
+def test_as_many_segments_and_rows_as_advised_make_a_programme_and_more_are_refused():
+    with pytest.raises(gk.DesignError, match="10,001 segments; give at most 10,000"):
+        Program([gk.Dwell(end_deg=360)] * 10_001)
+    angles = np.linspace(0, 180, 6001)
+    one = LiftSpline(points=tuple(zip(angles.tolist(), (10 - 10 * np.cos(np.radians(angles))).tolist())))
+    for rest, refused in ((4001, True), (3999, False)):
+        angles = np.linspace(180, 360, rest)
+        lifts = 10 - 10 * np.cos(np.radians(angles))
+        lifts[0], lifts[-1] = one.points[-1][1], 0
+        segments = [one, LiftSpline(points=tuple(zip(angles.tolist(), lifts.tolist())))]
+        if refused:
+            with pytest.raises(gk.DesignError, match="10,002 rows; give at most 10,000 in all") as error:
+                Program(segments)
+            assert error.value.field == "program[1]"
+        else:
+            assert Program(segments).motion(np.pi / 2).lift == pytest.approx(10)
+
+
+def test_steps_of_the_table_are_as_fine_as_advised_and_no_finer():
+    assert len(Drive(step_deg=0.01).angles) == 36_001
+    with pytest.raises(gk.DesignError, match="at least 0.01"):
+        Drive(step_deg=0.009)
+
+
+def test_radii_in_many_directions_and_lost_lift_at_many_angles_take_little_memory():
+    cut = gk.undercut(gk.Cam(gk.TranslatingFlat(), Program([
+        gk.Rise("harmonic", rise=5, end_deg=9 * k) if k % 2 else gk.Return("harmonic", end_deg=9 * k)
+        for k in range(1, 41)
+    ]), 40))  # fmt: skip
+    assert cut.found
+    angles = np.linspace(0, 2 * np.pi, 36_001)
+    tracemalloc.start()
+    radii = gk.polar_radius(cut.outline, angles)
+    lost = cut.lost_lift(angles)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 150e6
+    few = slice(None, None, 3000)
+    assert radii[few] == pytest.approx(gk.polar_radius(cut.outline, angles[few]), rel=1e-14)
+    assert lost[few] == pytest.approx(np.array([cut.lost_lift(a) for a in angles[few]]), abs=1e-14)
