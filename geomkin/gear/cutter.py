@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
+from .given import check_given
 from .involute import Corner, inverse_involute, involute_function, largest_rounding, tip_corner
 
 
@@ -29,7 +30,7 @@ class PinionCutter:
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
             raise DesignError(
                 "addendum",

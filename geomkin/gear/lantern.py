@@ -12,7 +12,8 @@ from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path
 from ..plane.pose import Pose
 from ..plane.primitives import Arc, Circle, Segment
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
+from .given import check_given, size
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class LanternPinion:
     pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
             raise DesignError(
@@ -64,6 +65,8 @@ class LanternPinion:
         backlash / (2 pitch_radius), and joined by arcs about it. The pin itself touches where its turned half does,
         when the pinion has turned less by that angle, counterclockwise, for the right-hand half, and more for the left.
         """
+        size("clearance", clearance)
+        size("backlash", backlash)
         if backlash >= self.most_backlash:
             raise DesignError(
                 "backlash",

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import DesignError
+from .given import instance, number, size
 from .involute import inverse_involute, roll_at
 from .ring import RingGear
 from .spur import SpurGear
@@ -43,6 +44,7 @@ class Chord(NamedTuple):
 
 def base_pitch(gear: SpurGear | RingGear) -> float:
     """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
+    instance("gear", gear, SpurGear, RingGear)
     return 2 * np.pi * gear.base_radius / gear.teeth
 
 
@@ -52,6 +54,9 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
     teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
     DesignError where the jaws would touch beside the involute.
     """
+    instance("gear", gear, SpurGear)
+    if teeth is not None:
+        number("teeth", teeth, "give a whole number, or nothing")
     start, end = gear.flank_lengths
 
     def length(k: float) -> float:
@@ -75,6 +80,9 @@ def over_pins(gear: SpurGear | RingGear, pin: float | None = None) -> OverPins:
     pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
     Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
     """
+    instance("gear", gear, SpurGear, RingGear)
+    if pin is not None:
+        size("pin", pin)
     sign = -1 if isinstance(gear, RingGear) else 1
     base = gear.base_radius
     half_space = np.pi / gear.teeth - gear.thickness(base) / (2 * base)
@@ -109,6 +117,9 @@ def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
 
 def chord(gear: SpurGear, radius: float | None = None) -> Chord:
     """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
+    instance("gear", gear, SpurGear)
+    if radius is not None:
+        number("radius", radius, "give a radius in mm, or nothing")
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:

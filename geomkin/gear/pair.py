@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
+from .given import check_given, numbers
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function
 from .limit import last_fit
@@ -36,7 +37,7 @@ class GearPair:
     centre_distance: float = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         first, second = self.first, self.second
         if abs(first.module - second.module) > 1e-9 * first.module:
             raise DesignError(
@@ -124,10 +125,10 @@ class GearPair:
         Sliding speed over the speed of a gear's own contact point along its flank; 0 where the pitch circles
         touch, negative where a gear's flank is slower than its mate's; -inf at its own base circle.
         """
-        s1 = np.asarray(along, dtype=float)
+        s1 = numbers("along", along)
         # Speeds along the flanks over the first gear's speed.
         v1, v2 = s1, self._across(s1) * self.first.teeth / self.second.teeth
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (v1 - v2) / v1, (v2 - v1) / v2
 
     @property
@@ -195,7 +196,7 @@ class GearPair:
         The contact lies on +y of the first: a spur gear stands above it, a ring's axis below. The teeth
         of each stand in the middle of the other's spaces, so backlash is shared by both sides.
         """
-        t = np.asarray(turn, dtype=float)
+        t = numbers("turn", turn)
         turned, half = t / self.ratio, np.pi / self.second.teeth
         where = -1j if self.is_internal else 1j
         second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))

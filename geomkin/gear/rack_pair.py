@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from .gear_rack import GearRack
+from .given import check_given, numbers
 from .spur import SpurGear
 
 # Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along
@@ -34,7 +35,7 @@ class RackPair:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         pinion, rack = self.pinion, self.rack
         if abs(pinion.module - rack.module) > 1e-9 * pinion.module:
             raise DesignError(
@@ -86,9 +87,9 @@ class RackPair:
 
     def sliding(self, along: ArrayLike) -> tuple[Array, Array]:
         """Specific sliding of the pinion and of the rack at places on the line of action, mm, any shape."""
-        s = np.asarray(along, dtype=float)
+        s = numbers("along", along)
         still = self.pinion.pitch_radius * np.sin(self.pinion.pressure_angle)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (s - still) / s, (still - s) / still
 
     @property
@@ -126,7 +127,7 @@ class RackPair:
 
         The rack lies below, teeth up, and moves along +x. Teeth stand in the middle of spaces.
         """
-        t = np.asarray(turn, dtype=float)
+        t = numbers("turn", turn)
         # A tooth on +y has one opposite where the teeth are even, and there the rack needs a space.
         along = self.pinion.pitch_radius * t + (0.0 if self.pinion.teeth % 2 else self.rack.pitch / 2)
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(

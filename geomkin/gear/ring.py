@@ -12,8 +12,9 @@ from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.pose import Pose
 from ..plane.roulettes import Involute
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from .cutter import PinionCutter
+from .given import check_given, number
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function, roll_at
 from .ring_root import RingTrochoid
@@ -43,7 +44,7 @@ class RingGear:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         z, z0 = self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
@@ -143,6 +144,7 @@ class RingGear:
 
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
+        number("radius", radius)
         return 2 * radius * (np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius)))
 
     @property

@@ -10,8 +10,9 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
 from .flank_gear import FlankGear
+from .given import check_given
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class StraightSidedGear:
     dedendum: float = quantity("depth of the spaces below the pitch circle", "modules", default=1.2, above=0, at_most=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
             raise DesignError(
