@@ -13,8 +13,8 @@ from ..errors import DesignError, shown
 from ..plane.vec import Array
 from ..sizes import FARTHEST, allowed, check_sizes
 
-# Least of a size that must be above 0, in its unit: a million times less than the least that works is a slip. Smaller,
-# and squares and quotients leave the range of numbers.
+# Least of a size that must be above 0, in its unit. Less is a slip of units; with far less, squares and quotients
+# leave the range of numbers.
 LEAST = 1e-12
 # Most of an angle or a length that is asked for; what is farther has lost the digits of a tooth.
 MOST = 1e12

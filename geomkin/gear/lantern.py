@@ -14,6 +14,7 @@ from ..plane.pose import Pose
 from ..plane.primitives import Arc, Circle, Segment
 from ..sizes import quantity
 from .given import check_given, size
+from .limit import rounded_down
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class LanternPinion:
             raise DesignError(
                 "pin_diameter",
                 f"found {self.pin_diameter:g} mm, but neighbouring pins are {chord:.4g} mm apart",
-                f"give less than {chord:.4g} mm, about {chord / 2:.3g}",
+                f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
             )
 
     @property

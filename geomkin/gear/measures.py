@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import DesignError
 from .given import instance, number, size
 from .involute import inverse_involute, roll_at
+from .limit import rounded_down, rounded_up
 from .ring import RingGear
 from .spur import SpurGear
 
@@ -123,7 +124,9 @@ def chord(gear: SpurGear, radius: float | None = None) -> Chord:
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
-        raise DesignError("radius", f"found {r:g} mm, beside the involute", f"give {low:.5g} to {high:.5g} mm")
+        raise DesignError(
+            "radius", f"found {r:g} mm, beside the involute", f"give {rounded_up(low)} to {rounded_down(high)} mm"
+        )
     arc = gear.thickness(r)
     half = arc / (2 * r)
     return Chord(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))

@@ -48,6 +48,12 @@ class PointToothGear:
         if len(points) > MOST:
             raise DesignError("points", f"found {len(points)}", f"give at most {MOST}")
         most = FARTHEST_OUT * self.pitch_radius
+        if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
+            raise DesignError(
+                "points",
+                f"none lies outside the pitch circle of {self.pitch_radius:.5g} mm",
+                "give them from the bottom land out to the tip, across the pitch circle",
+            )
         far = [k for k, z in enumerate(points) if abs(z) > most]
         if far:
             raise DesignError(

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import DesignError
 from ..sizes import quantity
 from .given import check_given
+from .limit import rounded_down
 
 
 @dataclass(frozen=True)
@@ -37,14 +38,14 @@ class Rack:
             raise DesignError(
                 "dedendum",
                 f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules",
-                "give less, or a smaller pressure_angle_deg",
+                f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg",
             )
         largest = narrowest * np.cos(slope) / (1 - np.sin(slope))
         if self.tip_radius > largest:
             raise DesignError(
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
-                f"give at most {largest:.4g}, or a smaller dedendum",
+                f"give at most {rounded_down(largest)}, or a smaller dedendum",
             )
 
     @property

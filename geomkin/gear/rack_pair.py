@@ -13,6 +13,7 @@ from ..plane.vec import Array
 from ..sizes import entry, quantity
 from .gear_rack import GearRack
 from .given import check_given, numbers
+from .limit import rounded_down, rounded_up
 from .spur import SpurGear
 
 # Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along
@@ -55,14 +56,14 @@ class RackPair:
             raise DesignError(
                 "distance",
                 f"found {self.distance:g} mm, at which the teeth jam",
-                f"give at least {np.ceil(least * 1e4) / 1e4:.7g} mm",
+                f"give at least {rounded_up(least)} mm",
             )
         start, end = self.contact_lengths
         if end <= start:
             raise DesignError(
                 "distance",
                 f"found {self.distance:g} mm, at which no flanks meet",
-                f"give at most {self._farthest():.7g} mm, where the contact ratio is 1"
+                f"give at most {rounded_down(self._farthest())} mm, where the contact ratio is 1"
                 if self._farthest() >= tight
                 else "give taller teeth",
             )
@@ -145,4 +146,4 @@ class RackPair:
         a = self.pinion.pressure_angle
         start = self.pinion.flank_lengths[1] - self.rack.pitch * np.cos(a)
         room = (start - self.pinion.pitch_radius * np.sin(a)) * np.sin(a)
-        return float(np.floor((self.pinion.pitch_radius + self.rack.tip_height + room) * 1000) / 1000)
+        return float(self.pinion.pitch_radius + self.rack.tip_height + room)

@@ -13,7 +13,7 @@ from ..plane.curve import AbstractCurve
 from ..sizes import entry, quantity
 from .given import LEAST, check_given, number
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
-from .limit import last_fit
+from .limit import last_fit, rounded_down
 from .rack import Rack
 from .tooth import Tooth, outline
 
@@ -151,7 +151,7 @@ class SpurGear:
             raise DesignError(
                 name,
                 f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
-                f"give at most {np.floor(most / self.module * 1e4) / 1e4:g}",
+                f"give at most {rounded_down(most / self.module)}",
             )
 
     @property
