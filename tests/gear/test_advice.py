@@ -214,9 +214,14 @@ def test_the_largest_cutter_that_does_is_found_however_many_do_not(monkeypatch):
     """Every cutter is looked at once: what one more tooth needs is no longer doubled by it."""
     looks, gap = [], gk.RingGear._cutting.fget
     monkeypatch.setattr(gk.RingGear, "_cutting", property(lambda ring: looks.append(1) or gap(ring)))
-    sizes = {"profile_shift": 0.0, "addendum": 1.0}
+
+    def cut_by(teeth):
+        return gk.RingGear(200, 2, cutter=gk.PinionCutter(teeth, 14.5, 1.0, 0.1), addendum=0.8)
+
     with pytest.raises(gk.DesignError) as caught:
-        gk.RingGear(200, 2, cutter=gk.PinionCutter(196, addendum=1.3, tip_radius=0.1), **sizes)
-    assert caught.value.field == "cutter.teeth" and len(looks) < 200
+        cut_by(198)
+    assert caught.value.field == "cutter.teeth" and len(looks) < 50
     named = int(re.search(r"give (\d+)", caught.value.remedy)[1])
-    assert gk.RingGear(200, 2, cutter=gk.PinionCutter(named, addendum=1.3, tip_radius=0.1), **sizes)
+    assert cut_by(named)
+    with pytest.raises(gk.DesignError):
+        cut_by(named + 1)
