@@ -14,6 +14,8 @@ from .settings import Files
 MOST = 200_000
 # What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
 IN_A_RING = 3
+# Width of a gear, mm, beyond which it is too large to be written at all.
+LARGEST = 1e5
 # Step from one tolerance to the next that is looked at, and how many: to a thousand times the one given.
 WIDER, LOOKS = 1.25, 31
 
@@ -23,7 +25,8 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
     if not {"dxf", "svg", "stl"} & set(files.write):
         return
     weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
-    toothed = [(curve, weight) for curve, weight in weights if isinstance(curve, Ring)]
+    # What is larger than any sheet is refused for that.
+    toothed = [(c, weight) for c, weight in weights if isinstance(c, Ring) and abs(c.point(0.0)) < LARGEST / 2]
 
     def points(tolerance: float) -> int:
         # Each pitch ends where the next begins.
