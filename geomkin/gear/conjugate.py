@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import checked
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Reversed
 from ..plane.joined import Path, Ring
 from ..plane.pose import Pose
 from ..plane.primitives import Arc
+from ..sizes import FARTHEST
 from .conjugate_curve import Contact
 from .envelope import GRID, Step, sweep
+from .given import LEAST, instance, number, numbers, whole_number
 from .untouched import Untouched, touched, untouched
 
 
@@ -56,7 +58,7 @@ class Conjugate:
 
     def contact(self, t: ArrayLike) -> Contact:
         """Where and when the tooth's points at parameters t (...,) touch; nan where never. Corners are left out."""
-        t = np.asarray(t, dtype=float)
+        t = numbers("t", t)
         empty = (np.nan, *3 * (complex(np.nan, np.nan),), np.nan, np.nan)
         values = [np.full(t.shape, nothing) for nothing in empty]
         for curve, low, high in touched(self.steps):
@@ -67,6 +69,8 @@ class Conjugate:
 
     def contact_ratio(self, start: float, end: float) -> float:
         """Turn of the gear during which the tooth touches between two of its parameters, in pitches."""
+        number("start", start)
+        number("end", end)
         angles = [
             curve.contact(curve.parameter_of(np.clip([low, high], start, end))).angle
             for curve, low, high in touched(self.steps)
@@ -94,6 +98,7 @@ def conjugate(
     The gear is taken as the tool: the mate's roots are what its tips leave, and what is swept is trimmed where
     its curves cross. Points of the tooth that then touch nothing are told in `.untouched`.
     """
+    instance("tooth", tooth, AbstractCurve)
     _check(teeth, pitch_radius, mate_teeth, addendum, internal)
     ring_gear, ring_mate = internal and mate_teeth < teeth, internal and mate_teeth > teeth
     radius = pitch_radius * mate_teeth / teeth
@@ -125,11 +130,13 @@ def conjugate(
 
 def _check(teeth: int, pitch_radius: float, mate_teeth: int, addendum: float, internal: bool) -> None:
     for name, count in (("teeth", teeth), ("mate_teeth", mate_teeth)):
-        if isinstance(count, bool) or count != int(count) or not 2 <= count <= 10_000:
-            raise DesignError(name, f"found {count}", "give a whole number from 2 to 10000")
+        whole_number(name, count, 2, 10_000)
     for name, size in (("pitch_radius", pitch_radius), ("addendum", addendum)):
-        if not 0 < size < np.inf:
-            raise DesignError(name, f"found {size}", "give a number above 0, in mm")
+        number(name, size, "give a number above 0, in mm")
+        if not LEAST <= size <= FARTHEST:
+            raise DesignError(name, f"found {size:g}", f"give a number from {LEAST} to {FARTHEST:g}, in mm")
+    if not isinstance(internal, (bool, np.bool_)):
+        raise DesignError("internal", f"found {shown(internal)}", "give True or False")
     if internal and teeth == mate_teeth:
         raise DesignError("mate_teeth", f"found {mate_teeth}, as many as the gear has", f"give at least {teeth + 1}")
 

@@ -226,7 +226,9 @@ class ConjugateCurve(AbstractCurve):
             with np.errstate(divide="ignore"):
                 limit = self.root * stretch * np.sqrt(2 * (self.last - self.first) / (r * grows))
             ratio = np.where((m.b**2 < NEAR_FOLD * r**2) & self._at_fold(u), limit, ratio)
-        return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
+        with np.errstate(invalid="ignore"):
+            # Endless where nothing is left of a piece too small to tell its points apart.
+            return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
 
     def curvature(self, t: ArrayLike) -> Array:
         u = np.asarray(t, dtype=float)

@@ -8,8 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
+from .given import check_given
 from .involute import Corner, inverse_involute, involute_function, largest_rounding, tip_corner
+from .limit import rounded_down
 
 
 @dataclass(frozen=True)
@@ -29,19 +31,19 @@ class PinionCutter:
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
             raise DesignError(
                 "addendum",
                 f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
-                f"give at most {self._largest_addendum:.4g} modules, or other teeth or profile_shift",
+                f"give at most {rounded_down(self._largest_addendum)} modules, or other teeth or profile_shift",
             )
         largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
         if self.tip_radius > largest:
             raise DesignError(
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
-                f"give at most {np.floor(largest * 1000) / 1000:g}, or a smaller addendum",
+                f"give at most {rounded_down(largest)}, or a smaller addendum",
             )
 
     @property
@@ -78,4 +80,4 @@ class PinionCutter:
         if self.half_angle_at_base <= 0:
             return 0.0
         point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
-        return float(np.floor((point - self.teeth / 2 - self.profile_shift) * 1000) / 1000)
+        return float(point - self.teeth / 2 - self.profile_shift)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arguments import Positive, check_fields
+from ..arguments import Positive
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved
@@ -16,7 +16,11 @@ from ..plane.joined import Ring
 from ..plane.pose import Pose
 from ..plane.primitives import Segment
 from ..plane.spread import direction
+from .given import LEAST, instance, number, size, whole_number
 from .tooth import toothed
+
+# Pitch radii from the axis that a flank may reach. More is no tooth, and its chords could be without number.
+FARTHEST_OUT = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +36,12 @@ class FlankGear:
     pitch_radius: Positive
 
     def __post_init__(self) -> None:
-        check_fields(self)
-        if not 2 <= self.teeth <= 10_000:
-            raise DesignError("teeth", f"found {self.teeth}", "give a whole number from 2 to 10000")
+        instance("flank", self.flank, AbstractCurve)
+        whole_number("teeth", self.teeth, 2, 10_000)
+        number("pitch_radius", self.pitch_radius)
+        if self.pitch_radius < LEAST:
+            raise DesignError("pitch_radius", f"found {self.pitch_radius:g} mm", f"give at least {LEAST}")
+        self._check_reach()
         z = flatten(self.flank, 1e-4 * self.pitch_radius)
         angle = np.angle(1j / z)
         if not self.root_radius < self.pitch_radius < self.tip_radius:
@@ -54,6 +61,20 @@ class FlankGear:
                 "flank",
                 f"it lies up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch",
                 f"keep it within {180 / self.teeth:.4g} deg of +y: thinner teeth or fewer",
+            )
+
+    def _check_reach(self) -> None:
+        """Far beyond the pitch circle there is no tooth, and no end to what it would take to look at it."""
+        b = self.flank.breaks
+        z = self.flank.point(np.concatenate([b, 0.5 * (b[:-1] + b[1:])]))
+        if self.flank.closed or not np.isfinite(z).all():
+            raise DesignError("flank", "it is closed, or not finite", "give one open side of a tooth")
+        most = FARTHEST_OUT * self.pitch_radius
+        if (far := float(np.abs(z).max())) > most:
+            raise DesignError(
+                "flank",
+                f"it reaches {far:.5g} mm from the axis, with a pitch circle of {self.pitch_radius:.5g} mm",
+                f"keep it within {most * (1 - 1e-5):.6g} mm of the axis",
             )
 
     @property
@@ -85,6 +106,8 @@ class FlankGear:
         either runs at the same constant ratio. The gear's own flank touches where the cutter's does, when the gear
         has turned less by that angle, counterclockwise, for the right-hand flank, and more for the left.
         """
+        size("clearance", clearance)
+        size("backlash", backlash)
         if clearance == 0 and backlash == 0:
             return self.outline.piece
         if backlash > self.most_backlash:

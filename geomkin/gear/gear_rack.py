@@ -9,7 +9,8 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
+from .given import check_given
 from .rack import Rack
 
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
@@ -27,13 +28,15 @@ class GearRack:
     teeth: int = quantity("number of teeth", whole=True, at_least=1, at_most=10_000, example=12)
     module: float = quantity("pitch by pi", "mm", above=0, at_most=1e5, example=2)
     rack: Rack = entry("the rack that cuts its mating gears, and gives its proportions", default=Rack())
-    height: float = quantity("of the bar, from its back to the reference line", "modules", default=5.0, above=0)
+    height: float = quantity(
+        "of the bar, from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
+    )
     thinning: float = quantity(
         "how much thinner each tooth is along the reference line, for backlash", "mm", default=0.0, at_least=0
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         if self.height <= self.rack.dedendum:
             raise DesignError(
                 "height",

@@ -12,25 +12,30 @@ from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path
 from ..plane.pose import Pose
 from ..plane.primitives import Arc, Circle, Segment
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
+from .given import check_given, size
+from .limit import rounded_down
+
+# The hole of each pin is held against every other's, so that the work grows with the square of their number.
+MOST_PINS = 300
 
 
 @dataclass(frozen=True)
 class LanternPinion:
     """Round pins on a circle about the origin, one of them on +y, held between two discs."""
 
-    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
+    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=MOST_PINS, example=12)
     module: float = quantity("pin circle's diameter per pin", "mm", above=0, at_most=1e5, example=4)
     pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
             raise DesignError(
                 "pin_diameter",
                 f"found {self.pin_diameter:g} mm, but neighbouring pins are {chord:.4g} mm apart",
-                f"give less than {chord:.4g} mm, about {chord / 2:.3g}",
+                f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
             )
 
     @property
@@ -64,6 +69,8 @@ class LanternPinion:
         backlash / (2 pitch_radius), and joined by arcs about it. The pin itself touches where its turned half does,
         when the pinion has turned less by that angle, counterclockwise, for the right-hand half, and more for the left.
         """
+        size("clearance", clearance)
+        size("backlash", backlash)
         if backlash >= self.most_backlash:
             raise DesignError(
                 "backlash",

@@ -8,7 +8,9 @@ import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
+from .given import instance, number, size
 from .involute import inverse_involute, roll_at
+from .limit import rounded_down, rounded_up
 from .ring import RingGear
 from .spur import SpurGear
 
@@ -45,6 +47,7 @@ class Chord(NamedTuple):
 @checked
 def base_pitch(gear: SpurGear | RingGear) -> float:
     """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
+    instance("gear", gear, SpurGear, RingGear)
     return 2 * np.pi * gear.base_radius / gear.teeth
 
 
@@ -55,6 +58,9 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
     teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
     DesignError where the jaws would touch beside the involute.
     """
+    instance("gear", gear, SpurGear)
+    if teeth is not None:
+        number("teeth", teeth, "give a whole number, or nothing")
     start, end = gear.flank_lengths
 
     def length(k: float) -> float:
@@ -79,6 +85,9 @@ def over_pins(gear: SpurGear | RingGear, pin: float | None = None) -> OverPins:
     pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
     Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
     """
+    instance("gear", gear, SpurGear, RingGear)
+    if pin is not None:
+        size("pin", pin)
     sign = -1 if isinstance(gear, RingGear) else 1
     base = gear.base_radius
     half_space = np.pi / gear.teeth - gear.thickness(base) / (2 * base)
@@ -114,10 +123,15 @@ def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
 @checked
 def chord(gear: SpurGear, radius: float | None = None) -> Chord:
     """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
+    instance("gear", gear, SpurGear)
+    if radius is not None:
+        number("radius", radius, "give a radius in mm, or nothing")
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
-        raise DesignError("radius", f"found {r:g} mm, beside the involute", f"give {low:.5g} to {high:.5g} mm")
+        raise DesignError(
+            "radius", f"found {r:g} mm, beside the involute", f"give {rounded_up(low)} to {rounded_down(high)} mm"
+        )
     arc = gear.thickness(r)
     half = arc / (2 * r)
     return Chord(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))

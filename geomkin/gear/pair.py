@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
+from .given import check_given, numbers
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function
-from .limit import last_fit
+from .limit import last_fit, rounded_down, rounded_up
 from .ring import RingGear
 from .spur import SpurGear
 from .tips import tip_margin
@@ -36,7 +37,7 @@ class GearPair:
     centre_distance: float = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         first, second = self.first, self.second
         if abs(first.module - second.module) > 1e-9 * first.module:
             raise DesignError(
@@ -85,9 +86,25 @@ class GearPair:
             raise DesignError(
                 "second.profile_shift",
                 f"found {x2:g} with {x1:g}: no distance brings the teeth together",
-                f"give at least {np.ceil((least + x2 - shift) * 1000) / 1000:g}",
+                f"give {self._nearest_shift(least + x2 - shift)}",
             )
         return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
+
+    def _nearest_shift(self, least: float) -> str:
+        """The least profile shift of the second gear, beyond one that brings the teeth together, with contact."""
+
+        def meets(shift: float) -> bool:
+            try:
+                return GearPair(self.first, replace(self.second, profile_shift=shift)).contact_ratio > 0
+            except DesignError:
+                return False
+
+        # At the very least there is no line of action yet, and rounding decides on which side of it a shift lies.
+        least += 1e-9
+        for step in np.arange(0.05, 2, 0.05).tolist():
+            if meets(least + step):
+                return f"at least {rounded_up(last_fit(meets, least + step, least))}"
+        return "more, or gears of other numbers of teeth"
 
     @property
     def working_pressure_angle(self) -> float:
@@ -124,10 +141,10 @@ class GearPair:
         Sliding speed over the speed of a gear's own contact point along its flank; 0 where the pitch circles
         touch, negative where a gear's flank is slower than its mate's; -inf at its own base circle.
         """
-        s1 = np.asarray(along, dtype=float)
+        s1 = numbers("along", along)
         # Speeds along the flanks over the first gear's speed.
         v1, v2 = s1, self._across(s1) * self.first.teeth / self.second.teeth
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (v1 - v2) / v1, (v2 - v1) / v2
 
     @property
@@ -195,7 +212,7 @@ class GearPair:
         The contact lies on +y of the first: a spur gear stands above it, a ring's axis below. The teeth
         of each stand in the middle of the other's spaces, so backlash is shared by both sides.
         """
-        t = np.asarray(turn, dtype=float)
+        t = numbers("turn", turn)
         turned, half = t / self.ratio, np.pi / self.second.teeth
         where = -1j if self.is_internal else 1j
         second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))
@@ -244,8 +261,8 @@ class GearPair:
         tight = self._distance_of_backlash()
         jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
         if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
-            most = f"from {self._base_distance:.7g} to {np.floor(tight * 1e4) / 1e4:.7g} mm"
-            least = f"at least {np.ceil(tight * 1e4) / 1e4:.7g} mm"
+            most = f"from {rounded_up(self._base_distance)} to {rounded_down(tight)} mm"
+            least = f"at least {rounded_up(tight)} mm"
             raise DesignError(
                 "centre_distance",
                 f"found {self.centre_distance:g} mm, at which the teeth jam",
@@ -282,6 +299,5 @@ class GearPair:
                 return False
 
         good = last_fit(meets, good, bad)
-        way = "at least" if bad < good else "at most"
-        rounded = (np.ceil if bad < good else np.floor)(good * 1000) / 1000
-        return problem, f"give {way} {rounded:.7g} mm, where the contact ratio is 1"
+        way = f"at least {rounded_up(good)}" if bad < good else f"at most {rounded_down(good)}"
+        return problem, f"give {way} mm, where the contact ratio is 1"

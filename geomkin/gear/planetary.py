@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
+from .given import check_given, number, numbers
 from .pair import GearPair
 from .ring import RingGear
 from .spur import SpurGear
@@ -27,7 +28,7 @@ class PlanetarySet:
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         inner, outer = self.inner.centre_distance, self._outer_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
@@ -77,6 +78,8 @@ class PlanetarySet:
         if len(held) != 2 or not set(held) <= set(weights):
             raise DesignError("held", f"found {', '.join(held)}", "give two of sun, ring and carrier")
         (missing,) = set(weights) - set(held)
+        for name, speed in held.items():
+            number(name, speed)
         known = sum(weights[name] * speed for name, speed in held.items())
         speeds = held | {missing: -known / weights[missing]}
         planet = speeds["carrier"] - (speeds["sun"] - speeds["carrier"]) * z_s / z_p
@@ -87,7 +90,7 @@ class PlanetarySet:
 
         The first planet starts on +y. Any shape.
         """
-        t = np.asarray(turn, dtype=float)
+        t = numbers("turn", turn)
         carrier = t / self.ratios["sun to carrier"]
         still = np.zeros(t.shape, complex)
         planets = [self._planet(t, carrier + 2 * np.pi * k / self.planets) for k in range(self.planets)]

@@ -8,14 +8,18 @@ from typing import Annotated
 
 import numpy as np
 
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.curve import AbstractCurve
 from ..plane.spline import Spline
-from ..sizes import PointXY, check_sizes, entry, quantity
-from .flank_gear import FlankGear
+from ..sizes import PointXY, entry, quantity
+from .flank_gear import FARTHEST_OUT, FlankGear
+from .given import check_given
 
 # A flank that runs out a little, stays steep and rounds over towards the tip.
 EXAMPLE = (3.4 + 33.2j, 2.9 + 34.4j, 2.35 + 36j, 1.75 + 37.6j, 1.0 + 39j)
+
+# Points of a flank. More, each with its own bend, take minutes to shape a mate.
+MOST = 100
 
 
 @dataclass(frozen=True)
@@ -29,8 +33,35 @@ class PointToothGear:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
+        self._check_points()
         self.gear  # refuses points that make no tooth
+
+    def _check_points(self) -> None:
+        """A list of points, neither so many nor so far off that no tooth could have them."""
+        points = self.points
+        if not isinstance(points, (tuple, list, np.ndarray)) or np.ndim(np.asarray(points, dtype=object)) != 1:
+            raise DesignError("points", f"found {shown(points)}", "give a list of points, complex, in mm")
+        for k, z in enumerate(points):
+            if isinstance(z, bool) or not isinstance(z, (int, float, complex, np.number)) or not np.isfinite(z):
+                raise DesignError("points", f"point {k + 1} is {shown(z)}", "give complex numbers, x + iy in mm")
+        if len(points) > MOST:
+            raise DesignError("points", f"found {len(points)}", f"give at most {MOST}")
+        most = FARTHEST_OUT * self.pitch_radius
+        if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
+            raise DesignError(
+                "points",
+                f"none lies outside the pitch circle of {self.pitch_radius:.5g} mm",
+                "give them from the bottom land out to the tip, across the pitch circle",
+            )
+        far = [k for k, z in enumerate(points) if abs(z) > most]
+        if far:
+            raise DesignError(
+                "points",
+                f"point {far[0] + 1} lies {abs(points[far[0]]):.5g} mm from the axis, with a pitch circle of "
+                f"{self.pitch_radius:.5g} mm",
+                f"give points within {most * (1 - 1e-5):.6g} mm of the axis",
+            )
 
     @property
     def pitch_radius(self) -> float:

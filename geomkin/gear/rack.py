@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
+from .given import check_given
+from .limit import rounded_down
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Rack:
     tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         slope = np.radians(self.pressure_angle_deg)
         # The rounding grows until the two corners of a tip meet in its middle.
         narrowest = np.pi / 4 - self.dedendum * np.tan(slope)
@@ -36,14 +38,14 @@ class Rack:
             raise DesignError(
                 "dedendum",
                 f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules",
-                "give less, or a smaller pressure_angle_deg",
+                f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg",
             )
         largest = narrowest * np.cos(slope) / (1 - np.sin(slope))
         if self.tip_radius > largest:
             raise DesignError(
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
-                f"give at most {largest:.4g}, or a smaller dedendum",
+                f"give at most {rounded_down(largest)}, or a smaller dedendum",
             )
 
     @property

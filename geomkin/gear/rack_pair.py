@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from .gear_rack import GearRack
+from .given import check_given, numbers
+from .limit import rounded_down, rounded_up
 from .spur import SpurGear
 
 # Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along
@@ -34,7 +36,7 @@ class RackPair:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         pinion, rack = self.pinion, self.rack
         if abs(pinion.module - rack.module) > 1e-9 * pinion.module:
             raise DesignError(
@@ -54,14 +56,14 @@ class RackPair:
             raise DesignError(
                 "distance",
                 f"found {self.distance:g} mm, at which the teeth jam",
-                f"give at least {np.ceil(least * 1e4) / 1e4:.7g} mm",
+                f"give at least {rounded_up(least)} mm",
             )
         start, end = self.contact_lengths
         if end <= start:
             raise DesignError(
                 "distance",
                 f"found {self.distance:g} mm, at which no flanks meet",
-                f"give at most {self._farthest():.7g} mm, where the contact ratio is 1"
+                f"give at most {rounded_down(self._farthest())} mm, where the contact ratio is 1"
                 if self._farthest() >= tight
                 else "give taller teeth",
             )
@@ -86,9 +88,9 @@ class RackPair:
 
     def sliding(self, along: ArrayLike) -> tuple[Array, Array]:
         """Specific sliding of the pinion and of the rack at places on the line of action, mm, any shape."""
-        s = np.asarray(along, dtype=float)
+        s = numbers("along", along)
         still = self.pinion.pitch_radius * np.sin(self.pinion.pressure_angle)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (s - still) / s, (still - s) / still
 
     @property
@@ -126,7 +128,7 @@ class RackPair:
 
         The rack lies below, teeth up, and moves along +x. Teeth stand in the middle of spaces.
         """
-        t = np.asarray(turn, dtype=float)
+        t = numbers("turn", turn)
         # A tooth on +y has one opposite where the teeth are even, and there the rack needs a space.
         along = self.pinion.pitch_radius * t + (0.0 if self.pinion.teeth % 2 else self.rack.pitch / 2)
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
@@ -144,4 +146,4 @@ class RackPair:
         a = self.pinion.pressure_angle
         start = self.pinion.flank_lengths[1] - self.rack.pitch * np.cos(a)
         room = (start - self.pinion.pitch_radius * np.sin(a)) * np.sin(a)
-        return float(np.floor((self.pinion.pitch_radius + self.rack.tip_height + room) * 1000) / 1000)
+        return float(self.pinion.pitch_radius + self.rack.tip_height + room)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -12,10 +13,12 @@ from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.pose import Pose
 from ..plane.roulettes import Involute
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from .cutter import PinionCutter
+from .given import check_given, number
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function, roll_at
+from .limit import rounded_down, rounded_up
 from .ring_root import RingTrochoid
 from .tooth import toothed, with_land
 
@@ -43,7 +46,7 @@ class RingGear:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         z, z0 = self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
@@ -56,7 +59,7 @@ class RingGear:
             raise DesignError(
                 "profile_shift",
                 f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth",
-                f"give at least {np.ceil(least * 1000) / 1000:g}, or a cutter with fewer teeth",
+                f"give {self._wider(least)}",
             )
         self._check_tip()
         if self.root_radius <= self.tip_radius or self._flank_rolls[1] <= self._flank_rolls[0]:
@@ -79,7 +82,7 @@ class RingGear:
         if self.tip_radius >= least:
             return
         addendum = self.teeth / 2 + self.profile_shift - least / self.module
-        remedy = f"give at most {np.floor(addendum * 1000) / 1000:g} modules" if addendum >= 1e-3 else "give"
+        remedy = f"give at most {rounded_down(addendum)} modules" if addendum >= 1e-3 else "give"
         joint = ", or more profile_shift" if addendum >= 1e-3 else " a larger profile_shift"
         raise DesignError(
             "addendum",
@@ -143,6 +146,7 @@ class RingGear:
 
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
+        number("radius", radius)
         return 2 * radius * (np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius)))
 
     @property
@@ -242,14 +246,48 @@ class RingGear:
             self._base,
         )
 
+    def _wider(self, least: float) -> str:
+        """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make a ring."""
+        for step in (1e-9, *np.arange(0.05, 2, 0.05).tolist()):
+            shift = rounded_up(least + step)
+            if self._stands(profile_shift=float(shift)):
+                return f"at least {shift}, or a cutter with fewer teeth"
+        for teeth in range(self.cutter.teeth - 1, 3, -1):
+            try:
+                cutter = replace(self.cutter, teeth=teeth)
+            except DesignError:
+                continue
+            if self._stands(cutter=cutter):
+                return f"a cutter of {teeth} teeth"
+        return "a cutter with fewer teeth and a larger profile_shift"
+
+    def _stands(self, **changes: Any) -> bool:
+        """Whether the ring can be made with other sizes."""
+        ring = self._unchecked(**changes)
+        # What these refuse looks for other cutters.
+        if ring._working_involute < 0 or ring._cutting.trochoid_gap < 0:
+            return False
+        try:
+            ring.__post_init__()
+        except DesignError:
+            return False
+        return True
+
+    def _unchecked(self, **changes: Any) -> RingGear:
+        ring = object.__new__(RingGear)
+        ring.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | changes)
+        return ring
+
     def _gentler(self) -> str:
         """The largest smaller cutter, of the same tips, that cuts these teeth."""
         for teeth in range(self.cutter.teeth - 1, 3, -1):
             try:
-                replace(self, cutter=replace(self.cutter, teeth=teeth))
-            except DesignError as error:
-                if error.field == "cutter.teeth":
-                    continue
+                cutter = replace(self.cutter, teeth=teeth)
+            except DesignError:
+                break
+            if self._unchecked(cutter=cutter)._cutting.trochoid_gap < 0:
+                continue
+            if not self._stands(cutter=cutter):
                 break
             return f"{teeth}, or a smaller addendum"
         return "a smaller addendum"

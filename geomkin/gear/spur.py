@@ -10,9 +10,10 @@ import numpy as np
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
+from .given import LEAST, check_given, number
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
-from .limit import last_fit
+from .limit import last_fit, rounded_down
 from .rack import Rack
 from .tooth import Tooth, outline
 
@@ -58,7 +59,7 @@ class SpurGear:
     diametral_pitch: float = quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         self._settle_module()
         if not self._leaves_teeth():
             self._refuse()
@@ -77,6 +78,12 @@ class SpurGear:
                 "give one of them",
             )
         object.__setattr__(self, "module", module)
+        if not LEAST <= module <= 1e5:
+            raise DesignError(
+                "diametral_pitch",
+                f"found {self.diametral_pitch:g}, which makes a module of {module:.6g} mm",
+                f"give {INCH / 1e5:g} to 1e5",
+            )
 
     def _leaves_teeth(self, **changes: float) -> bool:
         """Whether a rack leaves whole teeth on this gear, with other sizes; tips are taken as sharp."""
@@ -144,7 +151,7 @@ class SpurGear:
             raise DesignError(
                 name,
                 f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
-                f"give at most {np.floor(most / self.module * 1e4) / 1e4:g}",
+                f"give at most {rounded_down(most / self.module)}",
             )
 
     @property
@@ -204,6 +211,7 @@ class SpurGear:
 
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
+        number("radius", radius)
         return 2 * radius * self._half_angle(radius)
 
     @property

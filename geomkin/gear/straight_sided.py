@@ -10,8 +10,10 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..sizes import check_sizes, quantity
+from ..sizes import quantity
 from .flank_gear import FlankGear
+from .given import check_given
+from .limit import rounded_down
 
 
 @dataclass(frozen=True)
@@ -31,24 +33,26 @@ class StraightSidedGear:
     dedendum: float = quantity("depth of the spaces below the pitch circle", "modules", default=1.2, above=0, at_most=5)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_given(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
             raise DesignError(
                 "addendum",
                 f"found {self.addendum:g}, but the flanks meet {largest:.4g} modules above the pitch circle",
-                f"give at most {np.floor(largest * 1000) / 1000:g}, or a smaller flank_angle_deg",
+                f"give at most {rounded_down(largest)}, or a smaller flank_angle_deg",
             )
         if self.dedendum >= self.teeth / 2:
             raise DesignError(
-                "dedendum", f"found {self.dedendum:g} with {self.teeth} teeth", "give less, or more teeth"
+                "dedendum",
+                f"found {self.dedendum:g} with {self.teeth} teeth",
+                f"give less than {self.teeth / 2:g}, or more teeth",
             )
         half = np.arctan2(self.root_thickness / 2, self.pitch_radius - self.dedendum * self.module)
         if half > np.pi / self.teeth:
             raise DesignError(
                 "dedendum",
                 f"found {self.dedendum:g}, at which neighbouring teeth run into each other",
-                f"give at most {self._deepest():g}, or a smaller flank_angle_deg",
+                f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg",
             )
 
     @property
@@ -58,7 +62,7 @@ class StraightSidedGear:
     def _deepest(self) -> float:
         """The dedendum at which the bottom lands vanish, modules: where a flank meets the line between two teeth."""
         a = np.tan(np.pi / self.teeth)
-        return float(np.floor((self.teeth / 2 * a - np.pi / 4) / (self._slope + a) * 1000) / 1000)
+        return float((self.teeth / 2 * a - np.pi / 4) / (self._slope + a) * (1 - 1e-12))
 
     @property
     def pitch_radius(self) -> float:

@@ -17,11 +17,13 @@ from ..gear.point_tooth import PointToothGear
 from ..gear.straight_sided import StraightSidedGear
 from ..gear.untouched import BEYOND
 from ..part import Part
+from ..plane.curve import AbstractCurve
 from ..shop.conjugates import LanternStock, PairStock, lantern_parts, pair_parts
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files
+from .tooth_points import check_tooth_points
 
 # Rows of the table: half a percent of a flank apart.
 ROWS = 201
@@ -185,7 +187,14 @@ def _pair_checks(recipe: Any) -> list[Check]:
 
 
 def _pair_parts(recipe: Any) -> list[Part]:
+    _check_points(recipe, [recipe.gear.outline])
     return pair_parts(recipe.gear.gear, recipe.shaped, recipe.stock)
+
+
+def _check_points(recipe: Any, gears: list[AbstractCurve]) -> None:
+    """Whether the teeth of gears and their mate can be drawn in time."""
+    mate = [recipe.shaped.outline]
+    check_tooth_points(recipe.files, gears if recipe.shaped.is_ring else gears + mate, mate * recipe.shaped.is_ring)
 
 
 def _lantern_checks(recipe: LanternRecipe) -> list[Check]:
@@ -194,6 +203,7 @@ def _lantern_checks(recipe: LanternRecipe) -> list[Check]:
 
 
 def _lantern_parts(recipe: LanternRecipe) -> list[Part]:
+    _check_points(recipe, [])
     return lantern_parts(recipe.pinion, recipe.shaped, recipe.stock)
 
 

@@ -21,6 +21,7 @@ from ..table import Column, Table
 from .kind import Kind
 from .settings import Files
 from .spur_gear import gear_checks, gear_notes, shown
+from .tooth_points import check_tooth_points
 
 # Places along the path of contact that a table tells of: enough to draw its curves.
 ROWS = 101
@@ -162,6 +163,7 @@ def _pair_checks(recipe: GearPairRecipe) -> list[Check]:
 
 
 def _pair_parts(recipe: GearPairRecipe) -> list[Part]:
+    check_tooth_points(recipe.files, [gear.outline for _, gear, _ in recipe.gears])
     parts = [part for name, gear, stock in recipe.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
     holes = [recipe.first_stock.hole_diameter, recipe.second_stock.hole_diameter]
     if all(holes):
@@ -185,6 +187,7 @@ def _rack_checks(recipe: RackAndPinionRecipe) -> list[Check]:
 
 
 def _rack_parts(recipe: RackAndPinionRecipe) -> list[Part]:
+    check_tooth_points(recipe.files, [recipe.pinion.outline])
     return [*gear_parts(recipe.pinion, recipe.stock, "pinion"), rack_part(recipe.rack, recipe.stock.thickness)]
 
 

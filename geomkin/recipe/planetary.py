@@ -18,6 +18,7 @@ from .kind import Kind
 from .ring_gear import ring_checks
 from .settings import Drive, Files
 from .spur_gear import gear_checks, gear_notes, shown
+from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ def _checks(recipe: PlanetaryRecipe) -> list[Check]:
 
 def _parts(recipe: PlanetaryRecipe) -> list[Part]:
     gears, sun, planet = recipe.gears, recipe.sun_stock, recipe.planet_stock
+    check_tooth_points(recipe.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
     parts = gear_parts(gears.sun, sun, "sun", "sun_stock")
     parts += gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets)
     parts.append(ring_part(gears.ring, recipe.ring_stock))

@@ -15,6 +15,7 @@ from ..table import Table
 from .kind import Kind
 from .settings import Files
 from .spur_gear import gear_notes, tip_check, tooth_table
+from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ def _checks(recipe: RingGearRecipe) -> list[Check]:
 
 def _parts(recipe: RingGearRecipe) -> list[Part]:
     """The ring."""
+    check_tooth_points(recipe.files, [], [recipe.gear.outline])
     return [ring_part(recipe.gear, recipe.stock)]
 
 

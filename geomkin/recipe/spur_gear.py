@@ -23,6 +23,7 @@ from ..sizes import entry
 from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files
+from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,7 @@ def _checks(recipe: SpurGearRecipe) -> list[Check]:
 
 def _parts(recipe: SpurGearRecipe) -> list[Part]:
     """The gear."""
+    check_tooth_points(recipe.files, [recipe.cut_gear.outline])
     return gear_parts(recipe.cut_gear, recipe.stock)
 
 

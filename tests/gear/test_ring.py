@@ -197,9 +197,7 @@ def test_the_nearest_values_named_in_refusals_work():
     teeth = named(lambda: gk.RingGear(60, 2, 0, wide), "give ")
     assert gk.RingGear(60, 2, 0, gk.PinionCutter(int(teeth)))
     least = named(lambda: gk.RingGear(60, 2, -3), "at least ")
-    with pytest.raises(gk.DesignError) as caught:
-        gk.RingGear(60, 2, least)  # the cutter now fits; its way out is another matter
-    assert caught.value.field == "cutter.teeth"
+    assert gk.RingGear(60, 2, least).profile_shift == least
     assert gk.PinionCutter(tip_radius=named(lambda: gk.PinionCutter(tip_radius=1), "at most "))
     assert gk.PinionCutter(tip_radius=0, addendum=named(lambda: gk.PinionCutter(addendum=4), "at most "))
 

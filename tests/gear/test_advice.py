@@ -1,0 +1,227 @@
+"""Every number named in a refusal: it works at first go, at every size, and a little more is refused again."""
+
+import re
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+GEAR = gk.SpurGear(24, 2)
+
+
+def ring(teeth=60, module=2, cutter=24, **sizes):
+    return gk.RingGear(teeth, module, cutter=gk.PinionCutter(cutter), **sizes)
+
+
+def flank_gear(m):
+    return gk.StraightSidedGear(40, m, 25, 0.8, 1.2).gear
+
+
+def mate(m, addendum, internal=False, clearance=0.0):
+    gear = flank_gear(m)
+    return gk.conjugate(gear.cutter(clearance * m), 40, gear.pitch_radius, 64, addendum, internal)
+
+
+def pinion_of_ring(m, addendum):
+    gear = ring(module=m)
+    return gk.conjugate(gk.Reversed(gk.Reversed(gear.outline.piece)), 60, gear.pitch_radius, 24, addendum, True)
+
+
+# What is made of a module and a size, a size that is too much or too little, and in which unit: of 1 or of modules.
+AT_MOST = {
+    "spur thinning": (lambda m, x: gk.SpurGear(24, m, thinning=x), 3.0, True, "thinning"),
+    "spur rounding": (lambda m, x: gk.SpurGear(24, m, tip_rounding=x), 2.0, False, "tip_rounding"),
+    "spur chamfer": (lambda m, x: gk.SpurGear(24, m, tip_chamfer=x), 2.0, False, "tip_chamfer"),
+    "spur shift": (lambda m, x: gk.SpurGear(24, m, x), 2.5, False, "profile_shift"),
+    "rack rounding": (lambda m, x: gk.Rack(tip_radius=x), 0.5, False, "tip_radius"),
+    "rack rounding of a deep rack": (lambda m, x: gk.Rack(25, 1.0, 1.2, x), 1.0, False, "tip_radius"),
+    "rack dedendum": (lambda m, x: gk.Rack(dedendum=x, tip_radius=0), 3.0, False, "dedendum"),
+    "cutter addendum": (lambda m, x: gk.PinionCutter(12, addendum=x, tip_radius=0), 3.0, False, "addendum"),
+    "cutter rounding": (lambda m, x: gk.PinionCutter(12, tip_radius=x), 1.0, False, "tip_radius"),
+    "ring thinning": (lambda m, x: ring(module=m, thinning=x), 3.0, True, "thinning"),
+    "ring addendum": (lambda m, x: ring(36, m, 12, addendum=x), 2.0, False, "addendum"),
+    "gear rack thinning": (lambda m, x: gk.GearRack(5, m, thinning=x), 1.5, True, "thinning"),
+    "straight addendum": (lambda m, x: gk.StraightSidedGear(40, m, 25, x), 3.0, False, "addendum"),
+    "straight dedendum": (lambda m, x: gk.StraightSidedGear(40, m, 25, 1, x), 2.0, False, "dedendum"),
+    "flank backlash": (lambda m, x: flank_gear(m).cutter(0.1 * m, x), 2.0, True, "backlash"),
+    "flank clearance": (lambda m, x: flank_gear(m).cutter(x), 3.0, True, "clearance"),
+    "lantern backlash": (lambda m, x: gk.LanternPinion(12, m, 1.4 * m).cutter(0, x), 3.0, True, "backlash"),
+    "mate's depth": (lambda m, x: mate(m, x, True), 2.0, True, "addendum"),
+    "depth of a ring's mate": (pinion_of_ring, 2.0, True, "addendum"),
+    "point tooth reach": (
+        lambda m, x: gk.PointToothGear(24, m, (m * (1 + 11j), m * 0.01 + 1j * x)),
+        60,
+        True,
+        "points",
+    ),
+}
+AT_LEAST = {
+    "spur shift": (lambda m, x: gk.SpurGear(6, m, x), -1.0, False, "profile_shift"),
+    "gear rack height": (lambda m, x: gk.GearRack(5, m, height=x), 1.0, False, "height"),
+    "rack and pinion too near": (lambda m, x: gk.RackPair(gk.SpurGear(24, m), gk.GearRack(9, m), x), 11.9, True, ""),
+    "pair too near": (lambda m, x: gk.GearPair(gk.SpurGear(24, m), gk.SpurGear(30, m), x), 26.9, True, ""),
+    "thinned pair too near": (
+        lambda m, x: gk.GearPair(gk.SpurGear(24, m, thinning=0.1 * m), gk.SpurGear(30, m), x),
+        26.5,
+        True,
+        "",
+    ),
+    "ring's shift beside its pinion": (
+        lambda m, x: gk.GearPair(gk.SpurGear(20, m, 0.5), ring(60, m, profile_shift=x, addendum=0.6)),
+        -0.5,
+        False,
+        "",
+    ),
+}
+MODULES = [1e-7, 0.7, 100.0, 7777.7]
+
+
+def refusal(make, m, x):
+    with pytest.raises(gk.DesignError) as caught:
+        make(m, x)
+    return caught.value
+
+
+@pytest.mark.parametrize("m", MODULES)
+@pytest.mark.parametrize("name", AT_MOST)
+def test_the_most_that_is_named_works_and_a_little_more_is_refused(name, m):
+    make, wrong, in_mm, field = AT_MOST[name]
+    unit = m if in_mm else 1.0
+    error = refusal(make, m, wrong * unit)
+    assert field in (error.field, "")
+    named = float(re.search(r"(?:at most|within|give) ([\d.e+-]+)", error.remedy)[1])
+    make(m, named)
+    # Shifts are advised in thousandths.
+    refusal(make, m, named * (1 + 1e-4) + 1e-3 * (name == "spur shift"))
+
+
+@pytest.mark.parametrize("m", MODULES)
+@pytest.mark.parametrize("name", AT_LEAST)
+def test_the_least_that_is_named_works_and_a_little_less_is_refused(name, m):
+    make, wrong, in_mm, field = AT_LEAST[name]
+    unit = m if in_mm else 1.0
+    error = refusal(make, m, wrong * unit)
+    assert field in (error.field, "")
+    found = re.search(r"(at least|more than) (-?[\d.e+-]+)", error.remedy)
+    named = float(found[2]) * (1 + 1e-12 * (found[1] == "more than"))
+    make(m, named)
+    refusal(make, m, named - 1e-4 * abs(named) - 1e-3 * (name == "spur shift"))
+
+
+@pytest.mark.parametrize("m", MODULES)
+def test_the_farthest_distance_named_has_a_contact_ratio_of_one(m):
+    for make, wrong in (
+        (lambda x: gk.RackPair(gk.SpurGear(24, m), gk.GearRack(9, m), x), 14.5 * m),
+        (lambda x: gk.GearPair(gk.SpurGear(24, m), gk.SpurGear(30, m), x), 29.5 * m),
+    ):
+        with pytest.raises(gk.DesignError) as caught:
+            make(wrong)
+        named = re.search(r"at most ([\d.e+-]+) mm, where the contact ratio is 1", caught.value.remedy)[1]
+        assert 1 <= make(float(named)).contact_ratio < 1 + 1e-4
+
+
+@pytest.mark.parametrize("m", MODULES)
+def test_the_range_of_an_internal_pair_s_distance_works_at_both_ends(m):
+    def make(distance):
+        return gk.GearPair(gk.SpurGear(20, m), ring(60, m, addendum=0.8), distance)
+
+    with pytest.raises(gk.DesignError) as caught:
+        make(20.5 * m)
+    least, most = (float(n) for n in re.search(r"from ([\d.e+-]+) to ([\d.e+-]+)", caught.value.remedy).groups())
+    assert make(most).contact_ratio > 1 and most > least
+    with pytest.raises(gk.DesignError):
+        make(most * 1.0001)
+
+
+@pytest.mark.parametrize("m", MODULES)
+@pytest.mark.parametrize("gear", [(20, 0.0), (31, 0.4), (60, -0.2)])
+def test_measures_name_what_can_be_measured(gear, m):
+    """A span as near to the one asked for as there is, radii on the involute, a pin that fits."""
+    gear = gk.SpurGear(gear[0], m, gear[1])
+    spanned = []
+    for teeth in range(1, gear.teeth):
+        try:
+            spanned.append(gk.span(gear, teeth).teeth)
+        except gk.DesignError:
+            continue
+    for teeth in (1, gear.teeth - 1, gear.teeth + 50):
+        if teeth in spanned:
+            continue
+        with pytest.raises(gk.DesignError) as caught:
+            gk.span(gear, teeth)
+        named = int(caught.value.remedy.removeprefix("give "))
+        assert named in spanned and abs(named - teeth) == min(abs(n - teeth) for n in spanned)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.chord(gear, 3 * gear.tip_radius)
+    low, high = (float(n) for n in re.search(r"give ([\d.e+-]+) to ([\d.e+-]+)", caught.value.remedy).groups())
+    assert gk.chord(gear, low).arc > gk.chord(gear, high).arc > 0
+    for beyond in (low * (1 - 1e-5), high * (1 + 1e-5)):
+        with pytest.raises(gk.DesignError):
+            gk.chord(gear, beyond)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.over_pins(gear, 9 * m)
+    assert gk.over_pins(gear, float(re.search(r"about ([\d.e+-]+)", caught.value.remedy)[1])).radius > 0
+
+
+def test_whole_numbers_named_in_refusals_work():
+    with pytest.raises(gk.DesignError, match="at least 25"):
+        ring(24)
+    assert ring(40, cutter=25, addendum=0.3).teeth == 40
+    with pytest.raises(gk.DesignError) as caught:
+        gk.GearPair(gk.SpurGear(60, 2), ring(60, addendum=0.5))
+    assert caught.value.remedy == "give at least 61"
+    with pytest.raises(gk.DesignError) as caught:
+        gk.conjugate(flank_gear(2).outline.piece, 40, 40.0, 40, 1.0, True)
+    named = int(caught.value.remedy.split()[-1])
+    assert gk.conjugate(flank_gear(2).outline.piece, 40, 40.0, named, 0.3, True).teeth == named
+
+
+@pytest.mark.parametrize("module", [0.1, 0.5, 2.0, 10.0, 100.0])
+@pytest.mark.parametrize(("addendum", "found"), [(1.0, ()), (1.0002, ()), (1.0004, ("pinion root",))])
+def test_a_rack_and_pinion_get_the_same_verdict_at_every_module(module, addendum, found):
+    """Straight flanks of the pinion end 0.99997 modules deep: tips that reach 0.6 and 1.2 thousandths of a module on."""
+    pair = gk.RackPair(gk.SpurGear(24, module), gk.GearRack(9, module, gk.Rack(addendum=addendum)))
+    assert pair.interferences == found
+
+
+@pytest.mark.parametrize(
+    "gear", [ring(), ring(41, 3, 20, profile_shift=0.4), ring(80, 0.5, addendum=0.7, thinning=0.02)]
+)
+def test_the_flank_of_a_ring_ends_where_its_root_begins(gear):
+    """Tangent lengths by Pythagoras from the tip circle and from the end of the root curve, which rolls off by itself."""
+    root = complex(gear.root_curve.point(gear.root_curve.breaks[-1]))
+    lengths = np.sqrt(np.array([gear.tip_radius, abs(root)]) ** 2 - gear.base_radius**2)
+    assert np.array(gear.flank_lengths) == pytest.approx(lengths, rel=1e-9)
+    assert gear.form_radius == pytest.approx(abs(root), rel=1e-12)
+
+
+@pytest.mark.parametrize(("teeth", "cutter"), [(26, 24), (27, 24), (30, 24), (20, 16), (40, 36)])
+def test_a_ring_into_which_the_cutter_does_not_fit_is_refused_with_what_makes_one(teeth, cutter):
+    """The shift or the cutter named makes the ring at first go, though cutters nearly as large as it hit its tips."""
+    with pytest.raises(gk.DesignError) as caught:
+        ring(teeth, 2, cutter, profile_shift=-2.0, addendum=0.5)
+    shift, smaller = (re.search(p, caught.value.remedy) for p in (r"at least (-?[\d.e+-]+)", r"of (\d+) teeth"))
+    if shift:
+        assert ring(teeth, 2, cutter, profile_shift=float(shift[1]), addendum=0.5)
+    elif smaller:
+        assert ring(teeth, 2, int(smaller[1]), profile_shift=-2.0, addendum=0.5)
+    else:
+        assert "fewer teeth and a larger profile_shift" in caught.value.remedy
+
+
+def test_the_largest_cutter_that_does_is_found_however_many_do_not(monkeypatch):
+    """Every cutter is looked at once: what one more tooth needs is no longer doubled by it."""
+    looks, gap = [], gk.RingGear._cutting.fget
+    monkeypatch.setattr(gk.RingGear, "_cutting", property(lambda ring: looks.append(1) or gap(ring)))
+
+    def cut_by(teeth):
+        return gk.RingGear(200, 2, cutter=gk.PinionCutter(teeth, 14.5, 1.0, 0.1), addendum=0.8)
+
+    with pytest.raises(gk.DesignError) as caught:
+        cut_by(198)
+    assert caught.value.field == "cutter.teeth" and len(looks) < 50
+    named = int(re.search(r"give (\d+)", caught.value.remedy)[1])
+    assert cut_by(named)
+    with pytest.raises(gk.DesignError):
+        cut_by(named + 1)
