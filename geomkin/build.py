@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any, get_args
 
 from .check import Check
-from .errors import DesignError, Problem, RecipeError
+from .errors import DesignError, Problem, RecipeError, shown
+from .names import file_name_flaw
 from .part import Part
 from .plane.measure import area
 from .recipe.kinds import kind
@@ -20,6 +21,8 @@ from .recipe.settings import Format
 
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
+# Bytes of a summary that is read back: those of ours stay far below it.
+LARGEST_SUMMARY = 10_000_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,8 +71,11 @@ def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None =
 def _name(file: str | Path) -> str:
     """The recipe's name, which names its folder and files."""
     name = Path(file).stem
-    if name in ("", ".", ".."):
-        raise RecipeError(str(file), [Problem("", "its name would name another folder", "rename the file")])
+    flaw = file_name_flaw(name)
+    if flaw and len(os.fsencode(name)) <= LONGEST_NAME:
+        raise RecipeError(
+            str(file), [Problem("", f"its name cannot name a folder and files: {flaw}", "rename the file")]
+        )
     if len(os.fsencode(name)) > LONGEST_NAME:
         raise RecipeError(str(file), [Problem("", "its name is too long for the files named after it", "shorten it")])
     return name
@@ -78,9 +84,17 @@ def _name(file: str | Path) -> str:
 def _written(folder: Path) -> set[str]:
     """Names of the files that the summary in a folder tells of; none where there is no sound one."""
     try:
-        names = json.loads((folder / "summary.json").read_text("utf-8"))["files"]
-        return {name for name in names if name == Path(name).name and Path(name).suffix[1:] in get_args(Format)}
-    except (OSError, ValueError, KeyError, TypeError):
+        summary = folder / "summary.json"
+        # What stands there may be anything: a pipe would be waited on, a device or a huge file fill the memory.
+        if not summary.is_file():
+            return set()
+        with summary.open("rb") as file:
+            content = file.read(LARGEST_SUMMARY + 1)
+        if len(content) > LARGEST_SUMMARY:
+            return set()
+        names = json.loads(content)["files"]
+        return {name for name in names if not file_name_flaw(name) and Path(name).suffix[1:] in get_args(Format)}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return set()
 
 
@@ -110,9 +124,11 @@ class _naming:
 
 
 def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Part]]:
+    from .shop.walls import wall_checks
+
     with _naming(file, recipe):
         parts = kind(recipe.kind).parts(recipe)
-        return tuple(kind(recipe.kind).checks(recipe)), parts
+        return (*kind(recipe.kind).checks(recipe), *wall_checks(parts, recipe.files.kerf)), parts
 
 
 def _cuts(recipe: Any, parts: list[Part], wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
@@ -146,16 +162,19 @@ def _contents(
     if "svg" in wanted:
         from .export.svg import svg
 
-        contents[f"{name}.svg"] = svg(sheet, name, recipe.files.tolerance)
+        contents[f"{name}.svg"] = svg(sheet, name)
     if "stl" in wanted:
         from .export.stl import stl
 
-        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in solids}
+        for cut in solids:
+            if f"{cut.part.name}.stl" in contents:
+                raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+            contents[f"{cut.part.name}.stl"] = stl(cut)
     if "csv" in wanted:
         from .export.csv import csv
 
         contents[f"{name}.csv"] = csv(kind(recipe.kind).table(recipe))
-    contents["summary.json"] = _summary(recipe, name, parts, checks, contents)
+    contents["summary.json"] = _summary(recipe, name, parts, checks, contents, _as_written(wanted, flats, solids))
     return contents
 
 
@@ -166,11 +185,33 @@ def _libraries(contents: dict[str, bytes]) -> list[str]:
     return [library for library, used in (hands | {"trimesh": endings & {".stl"}}).items() if used]
 
 
-def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...], contents: dict[str, bytes]) -> bytes:
+def _as_written(wanted: Sequence[str], flats: list[Any], solids: list[Any]) -> dict[Part, dict[str, float]]:
+    """Sizes of the parts as files have them, which differ from the exact ones by the tolerance.
+
+    The area is that within the beam's path, half a kerf off the part, as DXF and SVG have it; the volume the STL's.
+    """
+    sizes: dict[Part, dict[str, float]] = {}
+    if {"dxf", "svg"} & set(wanted):
+        sizes = {cut.part: {"written_area_mm2": float(f"{cut.area:.10g}")} for cut in flats}
+    if "stl" in wanted:
+        for cut in solids:
+            volume = cut.chord_area * cut.part.thickness
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume:.10g}")}
+    return sizes
+
+
+def _summary(
+    recipe: Any,
+    name: str,
+    parts: list[Part],
+    checks: tuple[Check, ...],
+    contents: dict[str, bytes],
+    written: dict[Part, dict[str, float]],
+) -> bytes:
     from . import __version__
 
     def part_summary(part: Part) -> dict[str, Any]:
-        exact = abs(area(part.outline)) - sum(abs(area(hole)) for hole in part.holes)
+        exact = area(part.outline) - sum(area(hole) for hole in part.holes)
         return {
             "name": part.name,
             "count": part.count,
@@ -178,6 +219,7 @@ def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...
             "thickness_mm": part.thickness,
             "area_mm2": float(f"{exact:.10g}"),
             "volume_mm3": float(f"{exact * part.thickness:.10g}"),
+            **written.get(part, {}),
         }
 
     summary = {

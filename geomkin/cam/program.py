@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.vec import Array
 from .ends import SLIP, rounding, spans
 from .laws import breaks_of
@@ -38,11 +39,11 @@ class FollowerMotion:
 class Program:
     """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0.
 
-    folder: where a table's file is looked for, unless its name says.
+    folder: where a table's file must lie, there or below, as for a recipe's; a script's, without one, may lie anywhere.
     """
 
     segments: Sequence[Segment]
-    folder: str = ""
+    folder: str | Path | None = None
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
@@ -50,7 +51,7 @@ class Program:
         from pydantic_core import core_schema
 
         return core_schema.with_info_after_validator_function(
-            lambda segments, info: cls(segments, (info.context or {}).get("folder", "")),
+            lambda segments, info: cls(segments, (info.context or {}).get("folder", ".")),
             handler.generate_schema(tuple[OneSegment, ...]),
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda program: [_plain(segment) for segment in program.segments]
@@ -58,6 +59,10 @@ class Program:
         )
 
     def __post_init__(self) -> None:
+        if not isinstance(self.segments, (tuple, list)):
+            raise DesignError("segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell")
+        if not isinstance(self.folder, (str, Path, type(None))):
+            raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder")
         self._resolved  # refuses what does not add up
 
     @cached_property
@@ -111,8 +116,11 @@ class _Resolved:
         self.pieces = pieces
         self.oscillates = any(piece.span.oscillates for piece in pieces)
         self._check_base()
+        # Where one dwell follows another nothing changes: they are one.
+        resting = [piece.law is None for piece in pieces]
+        pieces = [piece for k, piece in enumerate(pieces) if not (k and resting[k] and resting[k - 1])]
         unit = np.radians(1) if self.oscillates else 1.0
-        limits = np.radians([0.0, *(piece.span.end for piece in pieces)])
+        limits = np.radians([*(piece.span.start for piece in pieces), 360.0])
         self.starts, self.widths = limits[:-1], np.diff(limits)
         self.lifts = np.array([piece.span.lift for piece in pieces]) * unit
         rises = np.array([piece.scale for piece in pieces])

@@ -8,14 +8,13 @@ import numpy as np
 
 from ..errors import DesignError
 from ..part import Part
-from ..plane import region
+from ..plane import measure, region
 from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
-from ..plane.measure import area
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Array
+from ..plane.vec import Array, rounded
 
 # A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
 LARGEST = 1e5
@@ -36,20 +35,67 @@ class Loop:
     points: Array
     layer: str
 
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of the shape, mm, arcs as far as they reach between their ends."""
+        if isinstance(self.shape, Circle):
+            corner = self.shape.radius * (1 + 1j)
+            return self.shape.centre - corner, self.shape.centre + corner
+        z = np.asarray(self.shape.vertices)
+        if self.shape.bulges is not None:
+            z = np.append(z, _tops(self.shape))
+        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+
+    def moved(self, shift: complex, digits: int) -> Loop:
+        """The same elsewhere. Rounded once more, since the sum of two short decimals is seldom one."""
+        points = rounded(self.points + shift, digits)
+        if isinstance(self.shape, Circle):
+            centre = rounded(np.asarray(self.shape.centre + shift), digits).item()
+            return Loop(Circle(centre, self.shape.radius), points, self.layer)
+        vertices = rounded(np.asarray(self.shape.vertices) + shift, digits)
+        return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
+
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A part ready for its files. loops: the cuts, outline first, then the holes; marks: what is engraved."""
+    """A part ready for its files.
+
+    loops: the cuts, outline first, then the holes; marks: what is engraved. digits: decimals of mm that its numbers
+    carry.
+    """
 
     part: Part
     loops: tuple[Loop, ...]
-    marks: tuple[Loop, ...] = ()
+    marks: tuple[Loop, ...]
+    digits: int
+
+    @property
+    def area(self) -> float:
+        """Area within the cuts as they are written, mm2: the outline's less the holes'."""
+        outline, *holes = (measure.area(loop.shape) for loop in self.loops)
+        return outline - sum(holes)
+
+    @property
+    def chord_area(self) -> float:
+        """The same of the chords that solids are made of."""
+        outline, *holes = (signed_area(loop.points) for loop in self.loops)
+        return outline - sum(holes)
 
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the outline, mm."""
-        z = self.loops[0].points
-        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+        return self.loops[0].box
+
+
+def _tops(shape: Polyline) -> Array:
+    """Places on arcs where they run along either axis."""
+    edges = np.arange(len(shape.breaks) - 1)
+    chord = shape.point(edges + 1) - shape.point(edges)
+    sweep = 4 * np.arctan(np.asarray(shape.bulges))
+    # Along an arc the direction turns evenly, from half its sweep before the chord's to half of it beyond.
+    share = 0.5 + np.angle(np.outer([1, 1j, -1, -1j], chord.conj())) / np.where(sweep == 0, np.inf, sweep)
+    axis, edge = np.nonzero((0 < share) & (share < 1) & (sweep != 0))
+    return shape.point(edge + share[axis, edge])
 
 
 def decimals(tolerance: float) -> int:
@@ -64,7 +110,7 @@ def decimals(tolerance: float) -> int:
 def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
-    arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
+    arcs: polylines keep arcs instead of chords, unless the kerf closes a gap or a bend, which leaves chords.
     Marks are always chords, and stay where they are whatever the kerf.
     """
     _check_scale(part, tolerance)
@@ -80,7 +126,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
         for other in holes[:k]:
             if region.overlap([hole.points], [other.points]) > 0:
                 raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
-    return Cut(part, (outline, *holes), _marks(part, tolerance))
+    return Cut(part, (outline, *holes), _marks(part, tolerance), decimals(tolerance))
 
 
 def _check_scale(part: Part, tolerance: float) -> None:
@@ -118,14 +164,14 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
 
 def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     digits = decimals(tolerance)
-    points = _round(flatten(curve, tolerance), digits)
+    points = rounded(flatten(curve, tolerance), digits)
     kept = np.append(True, points[1:] != points[:-1])
     kept[-1] &= not (curve.closed and points[-1] == points[0])
     points = points[kept]
     if len(points) < (3 if curve.closed else 2):
         raise DesignError(part.name, "a mark is smaller than files can tell", "make it larger")
     if isinstance(curve, Circle):
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(curve.radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(curve.radius, digits).item())
         return Loop(circle, points, "ENGRAVE")
     return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
 
@@ -144,22 +190,21 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
         if round(radius, digits) <= 0:
             raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
-    moved = _moved(curve, grow)
-    points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
-    if grow and not _is_outline(points):
+    sense = float(np.sign(measure.signed_area(curve, 1e-3)))
+    moved = parallel(curve, grow * sense) if grow else curve
+    points = flatten(moved, tolerance) if moved else np.empty(0)
+    # What a slot narrower than the beam leaves runs the other way round.
+    turned = grow != 0 and (len(points) < 3 or signed_area(points) * sense <= 0)
+    points = _rounded_loop(points, digits)
+    if grow and (turned or not _is_outline(points)):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if not _is_outline(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
-
-
-def _moved(curve: AbstractCurve, grow: float) -> AbstractCurve | None:
-    """The curve grown by a distance, exact, where a parallel curve can be drawn."""
-    return parallel(curve, grow * float(np.sign(area(curve, 1e-3)))) if grow else curve
 
 
 def _is_outline(points: Array) -> bool:
@@ -169,7 +214,7 @@ def _is_outline(points: Array) -> bool:
 def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
     digits = decimals(tolerance)
-    z = _round(np.asarray(exact.vertices), digits)
+    z = rounded(exact.vertices, digits)
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
     # An arc that no file can tell from a point would be an edge without direction.
     seen = np.abs(np.roll(z, -1) - z) > tolerance / 100
@@ -178,7 +223,7 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     # Twelve decimals of a bulge lie below the last decimal of any vertex.
     bulges = np.where(flat, 0.0, np.round(bulges, 12))
     shape = Polyline(z, bulges)
-    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
+    return shape if measure.signed_area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
 def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
@@ -200,14 +245,11 @@ def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
 
 def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
-    z = _round(z, digits)
+    if not len(z):
+        return z
+    z = rounded(z, digits)
     z = z[z != np.roll(z, 1)]
     return z if signed_area(z) >= 0 else z[::-1]
-
-
-def _round(z: Array, digits: int) -> Array:
-    # Adding zero turns -0.0, which prints differently, into 0.0.
-    return np.round(z, digits) + 0.0
 
 
 def signed_area(z: Array) -> float:

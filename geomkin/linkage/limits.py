@@ -6,21 +6,23 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .closure import Driven
 from .dyads import Dyad
 from .loops import Loops
 from .plan import plan
-from .solve import Branch, Named, move
+from .solve import Branch, Named, OneLinkage, move
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
 
 
+@checked
 def driver_limits(
-    linkage: Named, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
 ) -> tuple[tuple[float, float], ...]:
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
@@ -49,8 +51,9 @@ def driver_limits(
     return tuple((low, high) for low, high in parts)
 
 
+@checked
 def dead_centres(
-    linkage: Named, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
 ) -> Array:
     """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke."""
     general = linkage.linkage

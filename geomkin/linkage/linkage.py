@@ -5,11 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..errors import DesignError
+from ..arguments import Place, Sort, check_fields, is_place
+from ..errors import DesignError, shown
+from ..names import check_names
 from ..plane.vec import Array, direction_deg
+
+
+def _are_bodies(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(
+        isinstance(body, str) and isinstance(points, Mapping) and all(is_place(z, gaps=True) for z in points.values())
+        for body, points in value.items()
+    )
+
+
+# That the points are finite is said with their names.
+Bodies = Annotated[
+    Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +39,13 @@ class Slider:
     name: str
     body: str
     along: str
-    point: complex = 0j
-    through: complex = 0j
+    point: Place = 0j
+    through: Place = 0j
     direction_deg: float = 0.0
     angle_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def direction(self) -> Array:
@@ -45,19 +64,25 @@ class Linkage:
     Points may be arrays (linkages,): many linkages of one make.
     """
 
-    bodies: Mapping[str, Mapping[str, complex]]
+    bodies: Bodies
     driver: str
     sliders: tuple[Slider, ...] = ()
-    origin: complex = 0j
+    origin: Place = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         names = list(self.bodies)
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
+        check_names("bodies", names, "a body")
+        check_names("bodies", (point for points in self.bodies.values() for point in points), "a point")
+        check_names("sliders", (slider.name for slider in self.sliders), "a slider")
+        if len({slider.name for slider in self.sliders}) < len(self.sliders):
+            raise DesignError("sliders", "two have the same name", "give each a name of its own")
         if self.driver not in names[1:]:
-            raise DesignError("driver", f"found {self.driver!r}", f"give one of {', '.join(names[1:])}")
+            raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(names[1:])}")
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not np.isfinite(place).all():
@@ -65,12 +90,19 @@ class Linkage:
         for slider in self.sliders:
             for body in (slider.body, slider.along):
                 if body not in names:
-                    raise DesignError("sliders", f"{slider.name} names {body!r}", f"give one of {', '.join(names)}")
+                    raise DesignError(
+                        "sliders", f"{slider.name} names {shown(body)}", f"give one of {', '.join(names)}"
+                    )
 
     @property
     def linkage(self) -> Linkage:
         """Itself, as every named linkage has it."""
         return self
+
+    @cached_property
+    def many(self) -> bool:
+        """Whether sizes are arrays: many linkages of one make."""
+        return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
 
     @cached_property
     def ground(self) -> str:

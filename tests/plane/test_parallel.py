@@ -48,7 +48,7 @@ def test_parallel_encloses_what_a_polygon_grown_as_far_does(name):
     moved = parallel(curve, distance)
     expected = polygon(curve).buffer(distance, quad_segs=500)
     assert moved.closed
-    assert np.isclose(measure.area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
+    assert np.isclose(measure.signed_area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
     # Everywhere at the distance from the outline, corner arcs included.
     middles = moved.point((moved.breaks[1:] + moved.breaks[:-1]) / 2)
@@ -60,8 +60,8 @@ def test_convex_outline_grows_by_steiners_formula(name):
     """Area + length d + pi d^2 and length + 2 pi d, with no polygon in between."""
     curve, distance = GROWN[name]
     moved = parallel(curve, distance)
-    grown = measure.area(curve) + measure.length(curve) * distance + np.pi * distance**2
-    assert np.isclose(measure.area(moved), grown, rtol=1e-10)
+    grown = measure.signed_area(curve) + measure.length(curve) * distance + np.pi * distance**2
+    assert np.isclose(measure.signed_area(moved), grown, rtol=1e-10)
     assert np.isclose(measure.length(moved), measure.length(curve) + 2 * np.pi * distance, rtol=1e-10)
 
 
@@ -75,37 +75,59 @@ def test_parallel_has_no_corner(name):
     assert np.abs(np.angle(np.roll(into, -1) / out)).max() < 1e-4
 
 
-@pytest.mark.parametrize(
-    "curve, distance",
-    [
-        (SQUARE, -0.5),
-        (Reversed(SQUARE), 0.5),
-        (BULGED, -0.1),
-        (STAR, 0.1),
-        (STAR, -0.1),
-        (GEAR, -0.1),
-        (GROWN["lens"][0], -0.1),
-        (Polyline(np.array([0, 4, 4 + 4j, 2 + 1j, 4j])), 0.1),
-        (Path((Arc(0j, 3 + 0j, np.pi), Segment(-3 + 0j, 3 + 0j))), -0.1),
-    ],
+KEYED = Polyline(
+    np.array([3 + 1j, 3 - 1j, 5 - 1j, 5 + 1j]), np.array([np.tan((np.pi - np.arctan(1 / 3)) / 2), 0, 0, 0])
 )
-def test_none_where_a_corner_closes(curve, distance):
-    assert parallel(curve, distance) is None
+CLOSING = [
+    (SQUARE, -0.5),
+    (Reversed(SQUARE), 0.5),
+    (BULGED, -0.1),
+    (STAR, 0.1),
+    (STAR, -0.1),
+    (GEAR, -0.1),
+    (GROWN["lens"][0], -0.1),
+    (Polyline(np.array([0, 4, 4 + 4j, 2 + 1j, 4j])), 0.1),
+    (Path((Arc(0j, 3 + 0j, np.pi), Segment(-3 + 0j, 3 + 0j))), -0.1),
+    (KEYED, -0.2),
+    (KEYED, 0.2),
+    (Moved(KEYED, Pose(2 - 3j, np.exp(2j))), -0.2),
+]
+
+
+@pytest.mark.parametrize("curve, distance", CLOSING)
+def test_sides_of_a_corner_that_closes_end_where_they_meet(curve, distance):
+    moved = parallel(curve, distance)
+    sense = np.sign(measure.signed_area(curve))
+    expected = polygon(curve).buffer(distance * sense, quad_segs=500, join_style="round")
+    assert moved.closed
+    assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
+    # The ends meet to rounding, and no end stands nearer to the outline than the distance.
+    ends = moved.point(moved.breaks)
+    assert np.allclose(measure.nearest(curve, ends)[1], abs(distance), rtol=1e-9)
+
+
+@pytest.mark.parametrize("curve, distance", [(SQUARE, -2.5), (STAR, -3.0), (KEYED, -1.2), (slot(0j, 1j, 1.0), -3.0)])
+def test_nothing_or_what_is_no_outline_where_a_side_is_trimmed_away(curve, distance):
+    moved = parallel(curve, distance)
+    if moved is not None:
+        loop = shapely.LinearRing(xy(flatten(moved, 1e-3)))
+        assert not loop.is_simple or shapely.is_ccw(loop) != (measure.signed_area(curve) > 0)
 
 
 def test_reversed_outline_grows_with_the_other_sign():
     for curve, distance in GROWN.values():
         back = parallel(Reversed(curve), -distance)
-        assert np.isclose(measure.area(back), -measure.area(parallel(curve, distance)), rtol=1e-9)
+        assert np.isclose(measure.signed_area(back), -measure.signed_area(parallel(curve, distance)), rtol=1e-9)
 
 
 def test_outline_whose_only_corner_is_its_start():
     """A drop: one smooth stretch that comes back to its start at an angle."""
     drop = Path((Segment(0j, 3 - 3j), Arc(6 + 0j, 3 - 3j, 1.5 * np.pi), Segment(3 + 3j, 0j)))
     moved = parallel(drop, 0.5)
-    expected = measure.area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
-    assert moved.closed and np.isclose(measure.area(moved), expected, rtol=1e-10)
-    assert parallel(drop, -0.5) is None
+    expected = measure.signed_area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
+    assert moved.closed and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
+    inward = parallel(drop, -0.5)
+    assert np.isclose(measure.area(inward), polygon(drop).buffer(-0.5, quad_segs=500).area, rtol=1e-5)
 
 
 def test_smooth_outline_is_kept_as_one_exact_curve():
