@@ -27,7 +27,8 @@ def driver_limits(
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
     A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
-    the whole span is reached. Empty where nothing is.
+    the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
+    the span, where its estimate holds, to its first limit.
     """
     start, end = span
     if not end > start:

@@ -201,7 +201,8 @@ class LoopEquations:
                 two = sum(np.abs(w[:, 1]) ** 2 for w in ways)
                 both = sum(np.real(np.conj(w[:, 0]) * w[:, 1]) for w in ways)
                 square = 0.5 * (one + two) + np.hypot(0.5 * (one - two), both)
-                found.append(np.arctan2(np.sqrt(2 / square - 1 / square**2), np.maximum(1 - 1 / square, 0)))
+                sine = np.sqrt(np.maximum(2 - 1 / square, 0) / square)
+                found.append(np.where(square <= 1, 0.5 * np.pi, np.arctan2(sine, 1 - 1 / square)))
             first += len(chain) - 1
         return found
 

@@ -11,9 +11,9 @@ from ..errors import DesignError
 from ..plane.vec import Array, direction_deg
 from .linkage import Linkage
 from .loop_equations import LoopEquations, State
-from .newton import newton_raphson, solved
+from .newton import solved
 from .steps import Pass, Step
-from .trace import Equations, Trace
+from .trace import Equations, Trace, polished
 
 # How far drives may be from the first one, rad, or sizes of the linkage where the driver slides: a path is followed
 # in steps of about a twentieth of that unit, a millisecond each.
@@ -57,6 +57,10 @@ class Loops(Step):
                 "give roughly where each of these pins is when the driver is at its first position",
             )
 
+    def __getstate__(self) -> dict[str, object]:
+        # A path holds functions, which no copy in another process can have.
+        return {name: value for name, value in self.__dict__.items() if name != "_traced"}
+
     @cached_property
     def equations(self) -> LoopEquations:
         """What the joints ask of the waiting bodies."""
@@ -97,22 +101,23 @@ class Loops(Step):
         key = (float(p0.drive[0]), here[0].tobytes(), here[1].tobytes(), *row)
         if self.__dict__.get("_traced", (None,))[0] == key:
             return self.__dict__["_traced"][1]
-        root = newton_raphson(
-            lambda u: self.equations.conditions(0, [self.equations.posed(here, u[None])])[0],
-            lambda u: self.equations.jacobian(self.equations.posed(here, u[None]))[0],
-            self._start(here),
-        )
-        trace = None
-        if root.converged and root.residual <= 1e-9:
-            trace = Trace(self._between(p0), np.append(root.value, p0.drive[0] / self._unit))
+        equations, drive = self._between(p0), p0.drive[:1] / self._unit
+        start = polished(equations, np.append(self._start(here), drive)[None])
+        # Angles may have gone round and round on the way.
+        turning = [axis == "angle" for _, axis in self.equations.columns]
+        start[:, turning] = np.angle(np.exp(1j * start[:, turning]))
+        start = polished(equations, np.append(start, drive)[None])
+        trace = Trace(equations, np.append(start, drive)) if np.isfinite(start).all() else None
         self.__dict__["_traced"] = key, trace
         return trace
 
     def _between(self, p0: Pass) -> Equations:
         """The conditions and their slopes by unknowns and drive, whatever the drive."""
+        elsewhere = p0.elsewhere
+        assert elsewhere is not None
 
         def at(points: Array) -> tuple[Array, Array]:
-            passes = p0.elsewhere(points[:, -1] * self._unit)
+            passes = elsewhere(points[:, -1] * self._unit)
             states = [self.equations.gathered(p, k, len(points)) for k, p in enumerate(passes)]
             states[0] = self.equations.posed(states[0], points[:, :-1])
             by_drive = self._unit * self.equations.conditions(1, states)

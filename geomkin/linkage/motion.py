@@ -37,7 +37,7 @@ class Solution(ABC):
     @property
     @abstractmethod
     def transmission_angle(self) -> Array:
-        """Least over the dyads, rad."""
+        """Least over the joints that it is told of, rad; nan where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,14 +193,17 @@ class Motion:
     def transmission_angle(self) -> Array:
         """Acute angle between coupler and rocker at their pin, rad: pi/2 at best, 0 at a dead centre.
 
-        Of other dyads the angle between the ways in which their two members let the joint move; the least
-        of all dyads.
+        Of other dyads, and of loops that are solved together, the angle between the ways in which their two members
+        let a joint move; the least of all. nan where the driver drives nothing else.
         """
         return self.solution.transmission_angle
 
     @property
     def condition(self) -> Array:
-        """How many times an error of sizes or drive is seen in the pose: 1/sin(transmission angle), inf at a limit."""
+        """How many times an error of sizes or drive is seen in where the joint with the least transmission angle stands.
+
+        1/sin of that angle: inf at a limit, nan where there is none.
+        """
         with np.errstate(divide="ignore"):
             return 1 / np.sin(self.transmission_angle)
 

@@ -31,7 +31,7 @@ class Pass:
     turn: dict[str, Array] = field(default_factory=dict)
     drive: Array = field(default_factory=lambda: np.zeros(()))
     kept: dict[Any, Any] = field(default_factory=dict)
-    elsewhere: Callable[[Array], list[Pass]] = lambda q: []
+    elsewhere: Callable[[Array], list[Pass]] | None = None
 
     @cached_property
     def half(self) -> tuple[Array, Array]:

@@ -22,6 +22,28 @@ CROSSED, STRAIGHT = 3e-5, 1e-3
 SHORTEST = 1e-13
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit.
 STEPS = 60
+# Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
+MOST = 12_000
+
+
+def polished(equations: Equations, points: Array) -> Array:
+    """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found."""
+    points = points.copy()
+    moving, last = np.arange(len(points)), np.full(len(points), np.inf)
+    for _ in range(STEPS):
+        value, slopes = equations(points[moving])
+        step = solved(slopes[..., :-1], value)
+        size = np.abs(step).max(axis=1)
+        # Close to a limit steps go on halving until rounding takes over; a step made of that leads away.
+        on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
+        moving, size = moving[on], size[on]
+        points[moving, :-1] -= step[on]
+        rough = size > 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
+        moving, last = moving[rough], size[rough]
+        if not moving.size:
+            break
+    closes = np.abs(equations(points)[0]).max(axis=1, initial=0.0) <= 1e-10
+    return np.where(closes[:, None], points[:, :-1], np.nan)
 
 
 class Trace:
@@ -34,7 +56,8 @@ class Trace:
     def __init__(self, equations: Equations, start: Array):
         self._equations = equations
         _, slopes = equations(start[None])
-        along = np.linalg.svd(slopes[0])[2][-1]
+        # At a limit of a dyad before the loops no direction is known: there the path ends both ways.
+        along = np.linalg.svd(slopes[0])[2][-1] if np.isfinite(slopes).all() else np.zeros(len(start))
         along = along * np.copysign(1.0, along[-1])
         self._arms = [_Arm(equations, start, slopes[0], way * along, way) for way in (-1, 1)]
 
@@ -47,28 +70,8 @@ class Trace:
         ways = np.array([*(-t for t in back.ways[:0:-1]), *forth.ways])
         inside = (points[0, -1] <= drive) & (drive <= points[-1, -1])
         found = np.full((len(drive), points.shape[1] - 1), np.nan)
-        found[inside] = self._polished(_between(points, ways, drive[inside]))
+        found[inside] = polished(self._equations, _between(points, ways, drive[inside]))
         return found
-
-    def _polished(self, points: Array) -> Array:
-        """Unknowns at the drives of points beside the path, to rounding; nan where there are none."""
-        points = points.copy()
-        moving, last = np.arange(len(points)), np.full(len(points), np.inf)
-        for _ in range(STEPS):
-            value, slopes = self._equations(points[moving])
-            step = solved(slopes[..., :-1], value)
-            size = np.abs(step).max(axis=1)
-            # Close to a limit steps go on halving until rounding takes over; a step made of that leads away.
-            on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
-            moving, size = moving[on], size[on]
-            points[moving, :-1] -= step[on]
-            last = size
-            rough = size > 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
-            moving, last = moving[rough], last[rough]
-            if not moving.size:
-                break
-        closes = np.abs(self._equations(points)[0]).max(axis=1, initial=0.0) <= 1e-10
-        return np.where(closes[:, None], points[:, :-1], np.nan)
 
 
 class _Arm:
@@ -95,12 +98,14 @@ class _Arm:
             grew = np.abs(found[2] - along).max() < 0.3 * MOST_TURN
             if self.way * found[2][-1] <= 0:
                 found, self._ended = self._limit(found), True
-            self.points.append(found[0])
-            self.ways.append(found[2])
+            # A start at the limit itself may be a last bit beyond it.
+            if self.way * found[0][-1] > self.way * here[-1]:
+                self.points.append(found[0])
+                self.ways.append(found[2])
             self._step = min(LONGEST, self._step * (2.0 if grew else 1.0))
         else:
             self._step *= 0.5
-            self._ended = self._step < SHORTEST
+            self._ended = self._step < SHORTEST or len(self.points) > MOST
 
     def _is_next(self, point: Array, slopes: Array, along: Array) -> bool:
         """Whether a point, with its slopes and the path's direction there, is the next one of this path."""
@@ -115,7 +120,7 @@ class _Arm:
         # A drive that turned back and forth again within the step: the least slope of the cubic through both ends.
         ends = self.way * before[-1], self.way * along[-1]
         middle = 1.5 * self.way * step[-1] / length - 0.25 * (ends[0] + ends[1])
-        return bool(ends[1] <= 0 or middle > 0)
+        return bool(ends[1] <= 0 or (middle > 0 and self.way * step[-1] > 0))
 
     def _corrected(self, guess: Array, along: Array) -> tuple[Array, Array, Array] | None:
         """The point of the path straight beside a guess, its slopes and the path's direction; None if none is found."""

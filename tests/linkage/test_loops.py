@@ -1,5 +1,6 @@
 """Linkages that are no chain of dyads: limits, transmission angle and motion by second roads."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -222,6 +223,18 @@ def test_a_recipe_at_a_lock_does_not_pass(tmp_path):
     assert checks["least transmission angle"].value < 1 and not checks["least transmission angle"].passed
 
 
+def test_a_driver_that_drives_nothing_has_no_transmission_angle(tmp_path):
+    lone = gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0, "pen": 30}}, "crank")
+    motion = gk.move(lone, [0.0, 1.0])
+    assert motion.closed.all() and np.isnan(motion.transmission_angle).all() and np.isnan(motion.condition).all()
+    bodies = "[linkage.bodies]\nground = { O = [0, 0] }\ncrank = { O = [0, 0], pen = [30, 0] }"
+    (tmp_path / "lone.toml").write_text(f'kind = "linkage"\n[linkage]\ndriver = "crank"\n{bodies}\n')
+    checks = gk.make(tmp_path / "lone.toml", out=tmp_path, only=["csv"]).checks
+    assert "pin hole to thickness" in [c.name for c in checks] and "least transmission angle" not in [
+        c.name for c in checks
+    ]
+
+
 def test_a_parallelogram_stays_one_through_its_change_points():
     drive = np.linspace(0.4, 0.4 + 4 * np.pi, 200)
     first = gk.move(gk.FourBar(3, 2, 3, 2), drive[:1])
@@ -274,6 +287,22 @@ def test_many_linkages_at_once_are_refused_where_iteration_is_needed():
     with pytest.raises(gk.DesignError, match="arrays") as caught:
         gk.move(gk.Linkage(bodies, "crank", estimate=linkage.estimate), [start])
     assert caught.value.field == "bodies" and "one at a time" in caught.value.remedy
+
+
+def test_a_start_at_the_lock_itself_is_closed():
+    linkage, start, _ = triad(3)
+    ((_, limit),) = gk.driver_limits(linkage, span=(start, start + 6))
+    at_lock = gk.move(linkage, [start, limit])
+    again = replace(linkage, estimate={pin: at_lock.point(pin).position[1] for pin in "BDF"})
+    assert gk.move(again, [limit, limit - 0.01, limit + 1e-9]).closed.tolist() == [True, True, False]
+
+
+def test_a_motion_of_loops_can_be_sent_to_another_process():
+    linkage, drive = locked()
+    motion = gk.move(linkage, drive)
+    assert motion.closed.all()
+    again = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(again.point("D").velocity, motion.point("D").velocity)
 
 
 def test_no_frames_are_no_fault():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.motion import Solution
 from tests.linkage.examples import ALL, FOUR_BAR, TURN, locked
 
 
@@ -239,7 +238,7 @@ def test_a_drive_that_is_no_row_of_numbers_is_refused(drive):
         gk.move(FOUR_BAR, TURN, speed=[1.0, 2.0])
 
 
-class Shifted(Solution):
+class Shifted:
     """A solution with one body moved off, mm, from where its joints want it."""
 
     def __init__(self, solution, body, by):
@@ -248,12 +247,8 @@ class Shifted(Solution):
     def origin(self, body, order):
         return self.solution.origin(body, order) + (self.by if body == self.body and order == 0 else 0)
 
-    def turn(self, body, order):
-        return self.solution.turn(body, order)
-
-    closed = property(lambda self: self.solution.closed)
-    branches = property(lambda self: self.solution.branches)
-    transmission_angle = property(lambda self: self.solution.transmission_angle)
+    def __getattr__(self, name):
+        return getattr(self.solution, name)
 
 
 @pytest.mark.parametrize(
