@@ -285,19 +285,14 @@ class GearPair:
         """What is wrong with a distance at which no flanks meet, and the nearest one with a contact ratio of 1."""
         problem = f"found {self.centre_distance:.7g} mm, at which no flanks meet"
         good, bad = self.tight_distance, self.centre_distance
-        try:
-            fine = abs(good - bad) > 1e-9 * good and replace(self, centre_distance=good).contact_ratio > 1
-        except DesignError:
-            fine = False
-        if not fine:
+        if abs(good - bad) <= 1e-9 * good or self._ratio_at(good) <= 1:
             return problem, "give gears with taller teeth or other profile shifts"
-
-        def meets(distance: float) -> bool:
-            try:
-                return replace(self, centre_distance=distance).contact_ratio >= 1
-            except DesignError:
-                return False
-
-        good = last_fit(meets, good, bad)
+        good = last_fit(lambda distance: self._ratio_at(distance) >= 1, good, bad)
         way = f"at least {rounded_up(good)}" if bad < good else f"at most {rounded_down(good)}"
         return problem, f"give {way} mm, where the contact ratio is 1"
+
+    def _ratio_at(self, distance: float) -> float:
+        """Contact ratio at another distance; 0 or less where no flanks meet."""
+        pair = object.__new__(GearPair)  # not checked, or each distance refused would look for another
+        pair.__dict__.update(first=self.first, second=self.second, centre_distance=distance)
+        return pair.contact_ratio

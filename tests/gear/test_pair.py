@@ -191,3 +191,17 @@ def test_a_thinned_ring_lets_its_pinion_farther_out_up_to_the_distance_named():
         gk.GearPair(pinion, ring, 30.5)
     named = float(caught.value.remedy.split("to ")[1].split(" mm")[0])
     assert 30 < named and gk.GearPair(pinion, ring, named).backlash == pytest.approx(0, abs=1e-4)
+
+
+@pytest.mark.parametrize("far", [53.0, 1e3, 1e9])
+def test_a_distance_at_which_no_flanks_meet_is_refused_at_once_with_the_nearest(far, monkeypatch):
+    """Each distance looked at must not look for one in its turn: sixty to the power of thirty."""
+    made = []
+    settle = gk.GearPair.__post_init__
+    monkeypatch.setattr(gk.GearPair, "__post_init__", lambda pair: (made.append(pair), settle(pair)))
+    with pytest.raises(gk.DesignError, match="no flanks meet") as caught:
+        gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), far)
+    assert len(made) == 1
+    most = float(caught.value.remedy.split("at most ")[1].split()[0])
+    pair = gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), most)
+    assert pair.contact_ratio == pytest.approx(1, abs=1e-5) and pair.contact_ratio >= 1
