@@ -116,17 +116,23 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
     _check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
     holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name) for h in part.holes]
-    for k, hole in enumerate(holes):
-        if not region.contains(outline.points, hole.points) or region.gap(outline.points, hole.points) < tolerance:
-            raise DesignError(
-                part.name,
-                f"hole {k + 1} reaches the outline, or comes nearer than the tolerance of {tolerance:g} mm",
-                "make the hole smaller or the part larger",
-            )
-        for other in holes[:k]:
-            if region.overlap([hole.points], [other.points]) > 0:
-                raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
+    _check_holes(part, outline, holes, tolerance)
     return Cut(part, (outline, *holes), _marks(part, tolerance), decimals(tolerance))
+
+
+def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float) -> None:
+    """Holes must lie within the outline and apart; the first that does not is told."""
+    inside = region.apart_inside(outline.points, [hole.points for hole in holes], tolerance)
+    meeting = region.overlapping([hole.points for hole in holes])[:, 1]
+    out = int(np.argmin(inside)) if not inside.all() else len(holes)
+    if out < len(holes) and out <= meeting.min(initial=out):
+        raise DesignError(
+            part.name,
+            f"hole {out + 1} reaches the outline, or comes nearer than the tolerance of {tolerance:g} mm",
+            "make the hole smaller or the part larger",
+        )
+    if len(meeting):
+        raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
 
 
 def _check_scale(part: Part, tolerance: float) -> None:

@@ -16,15 +16,11 @@ from ..sizes import quantity
 from .given import check_given, size
 from .limit import rounded_down
 
-# The hole of each pin is held against every other's, so that the work grows with the square of their number.
-MOST_PINS = 300
-
-
 @dataclass(frozen=True)
 class LanternPinion:
     """Round pins on a circle about the origin, one of them on +y, held between two discs."""
 
-    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=MOST_PINS, example=12)
+    pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
     module: float = quantity("pin circle's diameter per pin", "mm", above=0, at_most=1e5, example=4)
     pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
 

@@ -50,9 +50,27 @@ def overlap(a: Loops, b: Loops) -> float:
     return float(_polygon(a).intersection(_polygon(b)).area)
 
 
-def contains(outer: Array, inner: Array) -> bool:
-    """Whether polygon `inner` lies wholly inside polygon `outer` without touching it."""
-    return bool(shapely.Polygon(xy(outer)).contains_properly(shapely.Polygon(xy(inner))))
+def apart_inside(outer: Array, inner: Sequence[Array], distance: float) -> Array:
+    """Of each inner polygon, whether it lies wholly inside the outer one, at least so far, mm, from its boundary."""
+    if not inner:
+        return np.empty(0, bool)
+    area, boundary = shapely.Polygon(xy(outer)), shapely.LinearRing(xy(outer))
+    shapes = np.array([shapely.Polygon(xy(loop)) for loop in inner])
+    shapely.prepare([area, boundary])
+    inside = shapely.contains_properly(area, shapes)
+    # The index of the boundary finds which are near, a little too many; the distance itself, without one, tells.
+    near = inside & shapely.dwithin(boundary, shapes, distance * (1 + 1e-9))
+    inside[near] = shapely.distance(boundary, shapely.get_exterior_ring(shapes[near])) >= distance
+    return inside
+
+
+def overlapping(loops: Sequence[Array]) -> Array:
+    """All pairs (n, 2) of simple polygons that have area in common, by index, the smaller first."""
+    shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
+    one, two = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    one, two = one[one < two], two[one < two]
+    common = shapely.area(shapely.intersection(shapes[one], shapes[two])) > 0
+    return np.stack([one[common], two[common]], axis=1)
 
 
 def gap(a: Array, b: Array) -> float:

@@ -129,10 +129,13 @@ def test_overlap():
     assert np.isclose(region.overlap(plate, [square(3, 2 + 2j)]), 5), "the hole is not part of the plate"
 
 
-def test_contains():
-    assert region.contains(square(4), square(2, 1 + 1j)) and region.contains(square(4)[::-1], square(2, 1 + 1j))
-    for outside in (square(2, 2), square(2, 2 + 2j), square(2, 5), square(4), square(6, -1 - 1j), square(2, 1)):
-        assert not region.contains(square(4), outside)
+def test_what_lies_apart_inside():
+    outside = [square(2, 2), square(2, 2 + 2j), square(2, 5), square(4), square(6, -1 - 1j), square(2, 1)]
+    for outer in (square(4), square(4)[::-1]):
+        assert region.apart_inside(outer, [square(2, 1 + 1j), *outside], 0).tolist() == [True] + [False] * 6
+        assert region.apart_inside(outer, [square(2, 1 + 1j)] * 2, 1).all()
+        assert not region.apart_inside(outer, [square(2, 1 + 1j)], 1 + 1e-12).any()
+    assert region.apart_inside(square(4), [], 1).tolist() == []
 
 
 def test_what_crosses_itself_is_refused():
