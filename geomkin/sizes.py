@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import MISSING
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Any
 
 import numpy as np
@@ -82,12 +83,23 @@ def check_quantities(thing: Any, many: bool = False) -> None:
             raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
 
 
-def rounded_up(value: float, digits: int = 4) -> float:
-    """The least number of so many digits that is not below a positive value: what a refusal names, and what works."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
-    steps = np.ceil(value / unit)
-    # A unit such as 1e-5 is no exact number, so what is printed decides.
-    return next(x for k in range(3) if (x := float(f"{(steps + k) * unit:.{digits}g}")) >= value)
+# Digits of a number that is advised: fewer than are told in messages, more than are set in a workshop.
+DIGITS = 7
+
+
+def rounded_up(least: float, digits: int = DIGITS) -> str:
+    """The least number of so many digits that is not below `least`, as text: what a refusal names, and what works."""
+    return _rounded(least, digits, ROUND_CEILING)
+
+
+def rounded_down(most: float, digits: int = DIGITS) -> str:
+    """The largest number of so many digits that is not above `most`, as text."""
+    return _rounded(most, digits, ROUND_FLOOR)
+
+
+def _rounded(value: float, digits: int, way: str) -> str:
+    # As it is written: in full, 0.0072 is a little less than its own digits say.
+    return f"{float(Context(digits, way).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
 
 
 _TESTS = {"gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal}
@@ -116,6 +128,8 @@ def _is_tiny(value: Any, about: Any) -> bool:
     return bool(((number > 0) & (number < SMALLEST)).any())
 
 
+# Width of a part that is written, mm: a hundred metres. Larger is a slip of units, and its points would fill the disk.
+WIDEST = 1e5
 # A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
 FARTHEST = 1e9
 

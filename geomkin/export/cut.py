@@ -15,9 +15,8 @@ from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array, rounded
+from ..sizes import WIDEST
 
-# A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
-LARGEST = 1e5
 # Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
 # and takes minutes.
 FINEST = 1e-7
@@ -137,16 +136,16 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
 
 def _check_scale(part: Part, tolerance: float) -> None:
     size = reach(part.outline)
-    if not 10 * tolerance < size < LARGEST:
+    if not 10 * tolerance < size < WIDEST:
         raise DesignError(
             part.name,
             f"it is about {size:.3g} mm across",
-            f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {LARGEST:g} mm",
+            f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {WIDEST:g} mm",
         )
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
-    if far > LARGEST:
+    if far > WIDEST:
         # The digits left there tell no corner of it from another.
-        raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {LARGEST:g} mm")
+        raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm")
     if tolerance < FINEST * size:
         raise DesignError(
             "tolerance",

@@ -8,10 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import quantity
+from ..sizes import quantity, rounded_down
 from .given import check_given
 from .involute import Corner, inverse_involute, involute_function, largest_rounding, tip_corner
-from .limit import rounded_down
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path
 from ..plane.pose import Pose
 from ..plane.primitives import Arc, Circle, Segment
-from ..sizes import quantity
+from ..sizes import quantity, rounded_down
 from .given import check_given, size
-from .limit import rounded_down
+
 
 @dataclass(frozen=True)
 class LanternPinion:

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
+from ..sizes import rounded_down, rounded_up
 from .given import instance, number, size
 from .involute import inverse_involute, roll_at
-from .limit import rounded_down, rounded_up
 from .ring import RingGear
 from .spur import SpurGear
 

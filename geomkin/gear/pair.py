@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import entry, quantity
+from ..sizes import entry, quantity, rounded_down, rounded_up
 from .given import check_given, numbers
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function
-from .limit import last_fit, rounded_down, rounded_up
+from .limit import last_fit
 from .ring import RingGear
 from .spur import SpurGear
 from .tips import tip_margin

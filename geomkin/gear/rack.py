@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import quantity
+from ..sizes import quantity, rounded_down
 from .given import check_given
-from .limit import rounded_down
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import entry, quantity
+from ..sizes import entry, quantity, rounded_down, rounded_up
 from .gear_rack import GearRack
 from .given import check_given, numbers
-from .limit import rounded_down, rounded_up
 from .spur import SpurGear
 
 # Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along

@@ -13,12 +13,11 @@ from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.pose import Pose
 from ..plane.roulettes import Involute
-from ..sizes import entry, quantity
+from ..sizes import entry, quantity, rounded_down, rounded_up
 from .cutter import PinionCutter
 from .given import check_given, number
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function, roll_at
-from .limit import rounded_down, rounded_up
 from .ring_root import RingTrochoid
 from .tooth import toothed, with_land
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..sizes import entry, quantity
+from ..sizes import entry, quantity, rounded_down
 from .given import LEAST, check_given, number
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
-from .limit import last_fit, rounded_down
+from .limit import last_fit
 from .rack import Rack
 from .tooth import Tooth, outline
 

@@ -10,10 +10,9 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..sizes import quantity
+from ..sizes import quantity, rounded_down
 from .flank_gear import FlankGear
 from .given import check_given
-from .limit import rounded_down
 
 
 @dataclass(frozen=True)

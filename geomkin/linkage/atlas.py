@@ -123,7 +123,7 @@ def _drawn(
     raise DesignError(
         "tolerance",
         f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
-        f"give at least {rounded_up(worst / AIM):g} mm, or fewer points or dashes",
+        f"give at least {rounded_up(worst / AIM, 4)} mm, or fewer points or dashes",
     )
 
 

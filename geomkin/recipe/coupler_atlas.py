@@ -67,7 +67,7 @@ class Grid:
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
             most = MOST_DASHES // points
-            remedy = f"give at least {rounded_up(turn / (2 * most)):g} deg"
+            remedy = f"give at least {rounded_up(turn / (2 * most), 4)} deg"
             if turn > 180 * most:
                 remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
             raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy)

@@ -38,7 +38,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
         raise DesignError(
             key,
             f"found {step:g} {unit} for a way of {way:g} {unit}, which takes {way / step:,.0f} rows{cells}",
-            f"give at least {rounded_up(way / most):g} {unit}",
+            f"give at least {rounded_up(way / most, 4)} {unit}",
         )
 
 

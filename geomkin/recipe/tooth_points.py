@@ -8,14 +8,13 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
+from ..sizes import WIDEST
 from .settings import Files
 
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000
 # What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
-IN_A_RING = 3
-# Width of a gear, mm, beyond which it is too large to be written at all.
-LARGEST = 1e5
+IN_A_RING = 2
 # Step from one tolerance to the next that is looked at, and how many: to a thousand times the one given.
 WIDER, LOOKS = 1.25, 31
 
@@ -26,7 +25,7 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
         return
     weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
     # What is larger than any sheet is refused for that.
-    toothed = [(c, weight) for c, weight in weights if isinstance(c, Ring) and abs(c.point(0.0)) < LARGEST / 2]
+    toothed = [(c, weight) for c, weight in weights if isinstance(c, Ring) and abs(c.point(0.0)) < WIDEST / 2]
 
     def points(tolerance: float) -> int:
         # Each pitch ends where the next begins.

@@ -13,7 +13,7 @@ from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.load import parse
 from geomkin.recipe.motion_table import motion_table
 from geomkin.recipe.template import template
-from geomkin.sizes import FARTHEST, SMALLEST, rounded_up
+from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
 
 
 def changed(text, **values):
@@ -143,11 +143,15 @@ def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path,
         gk.load(tmp_path / "r.toml")
 
 
-def test_what_is_rounded_up_is_never_below_and_hardly_above():
+@pytest.mark.parametrize("digits", [4, 7])
+def test_what_is_rounded_is_never_on_the_wrong_side_and_hardly_off(digits):
+    share = 1 + 1.1 * 10.0 ** (1 - digits)
     for value in 10 ** np.random.default_rng(3).uniform(-12, 12, 2000):
-        up = rounded_up(value)
-        assert value <= up <= 1.0011 * value and float(f"{up:g}") == up
-    assert rounded_up(0.0072) == 0.0072 and rounded_up(45) == 45
+        up, down = rounded_up(value, digits), rounded_down(value, digits)
+        assert value <= float(up) <= share * value and value / share <= float(down) <= value
+        assert float(f"{float(up):.{digits}g}") == float(up)
+    assert rounded_up(0.0072, digits) == rounded_down(0.0072, digits) == "0.0072" and rounded_up(45, digits) == "45"
+    assert rounded_up(12341, 4) == "12350" and rounded_down(-0.3) == "-0.3"
 
 
 # Sizes that may be 0, and those that may not.
