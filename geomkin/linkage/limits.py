@@ -80,10 +80,12 @@ def _exact(linkage: Named, span: tuple[float, float]) -> list[float]:
     for step in plan(linkage.linkage):
         if isinstance(step, Driven):
             for limit in step.limits():
-                turns = np.arange(
-                    np.floor((span[0] - limit) / (2 * np.pi)), np.ceil((span[1] - limit) / (2 * np.pi)) + 1
-                )
-                found += [q for q in (limit + 2 * np.pi * turns).tolist() if span[0] < q < span[1]]
+                turns = np.zeros(1)
+                if step.period:
+                    turns = np.arange(
+                        np.floor((span[0] - limit) / step.period), np.ceil((span[1] - limit) / step.period) + 1
+                    )
+                found += [q for q in (limit + step.period * turns).tolist() if span[0] < q < span[1]]
     return found
 
 

@@ -48,7 +48,7 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
     fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
     if slides:
         fields.append(
-            ("stroke", Stroke | None, entry("how the driver slides, where a sliding body drives", default=None))
+            ("stroke", Stroke | None, entry("how the driver slides, where a slide drives", default=None))
         )
     fields += [
         ("stock", LinkStock, entry("what the links are cut from", default=LinkStock())),
@@ -70,11 +70,9 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
 
 
 def _agree(recipe: Any) -> None:
-    sliding = getattr(recipe.linkage, "driver", "") in ("slider", "shuttle") or (
-        isinstance(recipe.linkage, DyadList) and recipe.linkage.driver_slides
-    )
+    sliding = recipe.linkage.linkage.driven_slider is not None
     if sliding and recipe.stroke is None:
-        raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
+        raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
     if not sliding and getattr(recipe, "stroke", None) is not None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
 
@@ -104,11 +102,11 @@ def _checks(recipe: Any) -> list[Check]:
     # An open linkage has no least angle: what it never reaches is nan, and fails.
     angle = np.degrees(motion.transmission_angle)
     least = angle.min() if motion.closed.all() else np.nan
-    driver = motion.linkage.driver
+    driver, turns = motion.linkage.driver, motion.linkage.driven_slider is None
     return [
         Check(
-            f"share of the {driver}'s turn reached", reached, "at least", 100, "%",
-            f"shorten the {driver} or give a shorter way",
+            f"share of the {driver}'s {'turn' if turns else 'stroke'} reached", reached, "at least", 100, "%",
+            f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke",
         ),
         Check(
             "least transmission angle", least, "at least", 40, "deg",
