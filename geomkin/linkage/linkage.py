@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Slider:
         """The line's direction in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
 
-    def seen(self, body: str, place: complex, displacement: float) -> Array:
+    def seen(self, body: str, place: complex, displacement: float) -> Any:
         """A point of one of its two bodies in the frame of the other, mm."""
         turn = self.direction * direction_deg(self.angle_deg)
         start = self.through + displacement * self.direction
@@ -96,7 +97,8 @@ class Linkage:
         turning = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
         raise DesignError(
             "driver",
-            f"{self.driver} slides on {other} and no pin holds it to the {self.ground}: its angle or its displacement?",
+            f"{self.driver} slides on {other} and is not pinned to the {self.ground}, so its angle may be meant or its "
+            "displacement",
             f"give {name}, the slider, for its displacement{turning}",
         )
 

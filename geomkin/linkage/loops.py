@@ -58,7 +58,14 @@ class Loops(Step):
 
     @cached_property
     def _names(self) -> list[str]:
-        return list(self.linkage.bodies)
+        """The bodies, and last the drive of an actuator among them, which counts as placed: its origin is q."""
+        return [*self.linkage.bodies, *([self._driven.name] if self._driven else [])]
+
+    @cached_property
+    def _driven(self) -> Slider | None:
+        """The driven slider where both its bodies are here."""
+        slider = self.linkage.driven_slider
+        return slider if slider and {slider.body, slider.along} <= set(self.waiting) else None
 
     @cached_property
     def _columns(self) -> list[tuple[int, str]]:
@@ -85,7 +92,7 @@ class Loops(Step):
     def _rails(self) -> list[tuple[int, complex, int, complex, complex, complex, bool]]:
         """Sliders here: body, its point, guide, the line's point and direction, the body's turn, if it is unknown.
 
-        The driven one, if it is here, comes last.
+        The driven one comes last.
         """
         return [
             (
@@ -97,22 +104,9 @@ class Loops(Step):
         ]  # fmt: skip
 
     @cached_property
-    def _driven(self) -> Slider | None:
-        """The driven slider where it is here: its displacement is one condition more, the last."""
-        slider = self.linkage.driven_slider
-        return slider if slider and {slider.body, slider.along} <= set(self.waiting) else None
-
-    @cached_property
     def _rows(self) -> list[str]:
         rails = [r for rail in self._rails for r in ["off"] + ["turn"] * rail[-1]]
-        return ["x", "y"] * len(self._pins) + rails + (["along"] if self._driven else [])
-
-    def _ahead(self, order: int, drive: Array) -> Array:
-        """What each condition, or its derivative of an order, is to be, (frames, rows): the drive of a driven slider."""
-        ahead = np.zeros((len(drive), len(self._rows)))
-        if self._driven and order < 2:
-            ahead[:, -1] = drive if order == 0 else 1
-        return ahead
+        return ["x", "y"] * len(self._pins) + rails + ["along"] * bool(self._driven)
 
     def _conditions(self, order: int, states: list[tuple[Array, Array]]) -> Array:
         """The conditions, (frames, rows), or their derivative of an order, from (frames, bodies) origins and turns."""
@@ -146,7 +140,7 @@ class Loops(Step):
                 sine = np.imag(np.conj(turns[:, guide] * turn) * turns[:, body]) if order == 0 else None
                 rows.append(turns[:, body] - turns[:, guide] if sine is None else sine)
         if self._driven:
-            rows.append(off.real)
+            rows.append(off.real - states[order][0][:, -1].real)
         return np.stack(rows, axis=1)
 
     def _jacobian(self, state: tuple[Array, Array]) -> Array:
@@ -183,15 +177,16 @@ class Loops(Step):
                 turn[:, body] = np.exp(1j * unknowns[:, k])
         return origin, turn
 
-    def _points(self, body: str, drive: float) -> dict[str, complex]:
+    def _points(self, body: str, state: tuple[Array, Array]) -> dict[str, complex]:
         """A body's points in its frame, and where it is half of an actuator those of the other half."""
         points = dict(self.linkage.bodies[body])
         if self._driven and body in (self._driven.body, self._driven.along):
             other = self._driven.along if body == self._driven.body else self._driven.body
+            drive = float(state[0][0, -1].real)
             points |= {p: complex(self._driven.seen(other, z, drive)) for p, z in self.linkage.bodies[other].items()}
         return points
 
-    def _start(self, state: tuple[Array, Array], drive: float) -> Array:
+    def _start(self, state: tuple[Array, Array]) -> Array:
         """Unknowns of the first frame from the estimate of the pins."""
         ahead = direction_deg(self.linkage.ground_angle_deg)
         pins = {p: (z - self.linkage.origin) * np.conj(ahead) for p, z in self.linkage.estimate.items()}
@@ -201,7 +196,7 @@ class Loops(Step):
                 pins |= {p: place for p, z in self.linkage.bodies[self._names[one]].items() if z == z1}
         values: list[float] = []
         for name in self.waiting:
-            points = {p: z for p, z in self._points(name, drive).items() if p in pins}
+            points = {p: z for p, z in self._points(name, state).items() if p in pins}
             own = np.array(list(points.values()), dtype=complex)
             seen = np.array([pins[p] for p in points], dtype=complex)
             direction = state[1][0, self._names.index(name)]
@@ -218,14 +213,14 @@ class Loops(Step):
         state = self._gather(p0, 0, frames)
         size = max(abs(z) for points in self.linkage.bodies.values() for z in points.values())
         found = np.full((frames, len(self._columns)), np.nan)
-        guess, goal = self._start(state, q[0]), self._ahead(0, q)
+        guess = self._start(state)
         for k in range(frames):
             here = state[0][k : k + 1], state[1][k : k + 1]
             step = q[k] - q[k - 1] if k else 0.0
             if k > 1 and q[k - 1] != q[k - 2]:
                 guess = found[k - 1] + (found[k - 1] - found[k - 2]) * (step / (q[k - 1] - q[k - 2]))
             root = newton_raphson(
-                lambda u, here=here, goal=goal[k]: self._conditions(0, [self._with(here, u[None])])[0] - goal,  # type: ignore[misc]
+                lambda u, here=here: self._conditions(0, [self._with(here, u[None])])[0],  # type: ignore[misc]
                 lambda u, here=here: self._jacobian(self._with(here, u[None]))[0],  # type: ignore[misc]
                 guess,
             )
@@ -251,7 +246,7 @@ class Loops(Step):
         first = passes[0].kept[self]
         frames = len(first[0])
         states = [first] + [self._gather(p, k + 1, frames) for k, p in enumerate(passes[1:])]
-        right = self._ahead(order, passes[0].drive) - self._conditions(order, states)
+        right = -self._conditions(order, states)
         jacobian = self._jacobian(first)
         known = np.isfinite(right).all(axis=1) & np.isfinite(jacobian).all(axis=(1, 2))
         rates = np.full(right.shape, np.nan)

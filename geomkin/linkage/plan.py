@@ -13,7 +13,7 @@ from .driven import actuated, driven
 from .dyads import RPR, RRP, RRR, Crossed
 from .linkage import Linkage, Slider
 from .loops import Loops
-from .steps import Anchor, Carried, Oriented, Rail, Slid, Step, Turned
+from .steps import Anchor, Carried, Drawn, Oriented, Rail, Slid, Step, Turned
 
 
 def plan(linkage: Linkage, follow: bool = False) -> list[Step]:
@@ -220,6 +220,8 @@ class _Planner:
         """Bodies that no dyad places: all their loops at once, by iteration."""
         waiting = [body for body in self.linkage.bodies if body not in self.placed]
         if waiting:
+            if self.actuator:
+                self.steps.append(Drawn(self.actuator.name))
             self.steps.append(Loops(self.linkage, tuple(waiting), frozenset(self.oriented), frozenset(self.placed)))
 
     def append(self, dyad: RRR | RRP) -> None:

@@ -162,6 +162,22 @@ class Slid(Step):
 
 
 @dataclass(frozen=True, eq=False)
+class Drawn(Step):
+    """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
+
+    name: str
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        p0.origin[self.name], p0.turn[self.name] = p0.drive, np.ones(())
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.origin[self.name], p1.turn[self.name] = np.ones(()), np.zeros(())
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.origin[self.name], p2.turn[self.name] = np.zeros(()), np.zeros(())
+
+
+@dataclass(frozen=True, eq=False)
 class Oriented(Step):
     """A body that turns with another: `turn` from its x axis."""
 

@@ -47,9 +47,7 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
         fields.append(("branches", dict[str, Annotated[Literal[1, -1], NotBoolean()]], branches))
     fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
     if slides:
-        fields.append(
-            ("stroke", Stroke | None, entry("how the driver slides, where a slide drives", default=None))
-        )
+        fields.append(("stroke", Stroke | None, entry("how the driver slides, where a slide drives", default=None)))
     fields += [
         ("stock", LinkStock, entry("what the links are cut from", default=LinkStock())),
         ("files", Files, entry("what is written", default=Files())),

@@ -20,7 +20,9 @@ def motion_table(motion: Motion) -> Table:
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
     else:
-        drive = Column(f"{driver}_angle", "deg", f"angle of the {driver} from the ground line", np.degrees(motion.drive))
+        drive = Column(
+            f"{driver}_angle", "deg", f"angle of the {driver} from the ground line", np.degrees(motion.drive)
+        )
     columns = [
         drive,
         Column("time", "s", "time at the recipe's speed", time),
