@@ -12,6 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..errors import DesignError
 from ..plane.vec import Array, cross, dot
 from .closure import Driven
 from .dyads import RRP, RRR
@@ -114,6 +115,14 @@ class ActuatedRRR(Driven):
     which: int
     arm: Stroked
     still: complex
+
+    def __post_init__(self) -> None:
+        if np.any(self.still == 0):
+            raise DesignError(
+                "bodies",
+                f"the actuator and the bar that meet in {self.joint} stand on one place, so its stroke turns nothing",
+                "move their other pins apart",
+            )
 
     @property
     def leader(self) -> str:
