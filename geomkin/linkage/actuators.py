@@ -60,18 +60,15 @@ class StrokeRoot:
 
     @cached_property
     def f1(self) -> Array:
-        if np.all(np.isinf(self.most)):
-            return np.ones(())
+        # With nothing to hold it back f1 is no factor.
+        bounded = np.isfinite(self.most)
         with np.errstate(invalid="ignore"):
-            far = np.sqrt(self.most)
-            return np.sqrt((far - self.x) * (far + self.x))
+            return np.sqrt(np.where(bounded, self.most - self.x * self.x, 1.0))
 
     @cached_property
     def f2(self) -> Array:
-        near = np.sqrt(np.maximum(self.least, 0))
         with np.errstate(invalid="ignore"):
-            square = np.where(self.least > 0, (self.x - near) * (self.x + near), self.x * self.x - self.least)
-            root = np.sqrt(square)
+            root = np.sqrt(self.x * self.x - self.least)
         return root if self.change is False else np.where(self.change, self.x, root)
 
     @cached_property
@@ -96,8 +93,6 @@ class StrokeRoot:
         """Places x at which r vanishes; none at a change point."""
         squares = [float(self.most), float(self.least)]
         ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
-        if self.least == 0 and not self.follow:
-            ends.append(0.0)
         return [x for end in ends for x in (end, -end)]
 
 

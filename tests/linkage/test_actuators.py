@@ -1,6 +1,7 @@
 """A slider as the driver: cylinder and rod between any two bodies, by the same linkage driven by an angle and by hand."""
 
 import dataclasses
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -118,6 +119,54 @@ def test_limits_are_those_of_the_triangle(still, bar, offset, scale):
         inside = 1 if k % 2 == 0 else -1
         assert gk.move(linkage, [edge + inside * 1e-12 * abs(edge)]).closed[0]
         assert not gk.move(linkage, [edge - inside * 1e-12 * abs(edge)]).closed[0]
+
+
+@pytest.mark.parametrize("gap", 10.0 ** -np.arange(0, 16, 3))
+def test_a_crosshead_keeps_its_digits_where_slide_and_rail_pass_the_pin_alike(gap):
+    """Against 60 digits: a slide that passes its pin at nearly the rail's height."""
+    height, place = 1.3, 0.7 * np.sqrt(gap)
+    linkage = gk.Linkage(
+        {"ground": {"C": 0}, "cylinder": {"C": 0}, "rod": {"B": 0}, "head": {"B": 0}},
+        "push",
+        (
+            gk.Slider("rail", "head", "ground", through=1j * height),
+            gk.Slider("push", "rod", "cylinder", 0, 1j * (height + gap)),
+        ),
+    )
+    x, n, k = Decimal(place), Decimal(height + gap), Decimal(height)
+    head = (x * x + n * n - k * k).sqrt()
+    motion = gk.move(linkage, [place])
+    found = motion.head.origin
+    assert found.first[0].real == pytest.approx(float(x / head), rel=ULPS)
+    assert found.second[0].real == pytest.approx(float((head * head - x * x) / head**3), rel=ULPS)
+    turning = (n - k * x / head) / (x * x + n * n)
+    assert motion.rod.first[0] == pytest.approx(float(turning), rel=ULPS)
+
+
+def test_a_rod_whose_cylinder_stands_braced_pushes_in_a_straight_line():
+    """The cylinder is held by a strut, so that the rod's end goes along its line by what it is driven."""
+    linkage = gk.Linkage(
+        {
+            "ground": {"C": 0, "D": 60, "O": 150 - 20j},
+            "cylinder": {"C": 0, "K": 40},
+            "strut": {"D": 0, "K": 50},
+            "rod": {"B": 5 + 1j},
+            "link": {"B": 0, "E": 70},
+            "crank": {"O": 0, "E": 60},
+        },
+        "push",
+        (gk.Slider("push", "rod", "cylinder"),),
+    )
+    q = np.linspace(30, 60, 20)
+    motion = gk.move(linkage, q, {"K": -1})
+    # The brace by the law of cosines.
+    lean = np.arccos((60**2 + 40**2 - 50**2) / (2 * 60 * 40))
+    assert motion.closed.all() and motion.residual.max() < 1e-12
+    assert motion.point("B").position == pytest.approx((q + 5 + 1j) * motion.cylinder.direction)
+    assert np.abs(np.angle(motion.cylinder.direction)) == pytest.approx(np.full(20, lean))
+    assert motion.cylinder.first == pytest.approx(0) and motion.point("B").first == pytest.approx(
+        motion.cylinder.direction
+    )
 
 
 def test_a_gap_too_narrow_to_be_looked_at_is_found():
