@@ -153,13 +153,13 @@ class ActuatedRRR(Driven):
         square = root.x**2 + self.arm.left**2
         over = 0.5 / np.abs(w) ** 2
         bar = (square - squares + 1j * self._side * root.r) * over
-        p0.kept[self] = root, square, w * (1 + bar)
+        p0.kept[self] = root, square
         p0.turn[self.dyad.bodies[1 - self.which]] = bar * bar_turn
         p0.turn[self.leader] = w * (1 + bar) / (self.arm.along * (root.x + 1j * self.arm.left))
 
     def _rates(self, p0: Pass) -> tuple[Array, Array, Array]:
         """L_bar . L, and the first coefficients of bar and actuator."""
-        root, square, _ = p0.kept[self]
+        root, square = p0.kept[self]
         along = 0.5 * (square + self._sizes[1])
         bar = -2 * self._side * root.branch * root.share / root.f1
         return along, bar, (bar * along + self.arm.left) / square
@@ -168,15 +168,15 @@ class ActuatedRRR(Driven):
         _, p1.turn[self.dyad.bodies[1 - self.which]], p1.turn[self.leader] = self._rates(p0)
 
     def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
-        (root, square, _), (along, bar, actuator) = p0.kept[self], self._rates(p0)
+        (root, square), (along, bar, actuator) = p0.kept[self], self._rates(p0)
         gain = (root.share_rate + root.share * root.x / root.f1**2) / root.f1
         bar_2 = -2 * self._side * root.branch * gain
         p2.turn[self.dyad.bodies[1 - self.which]] = bar_2
         p2.turn[self.leader] = (bar_2 * along + root.x * (bar - 2 * actuator)) / square
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
-        bar = 1 - self.which
-        return p0.kept[self][2], p0.turn[self.dyad.bodies[bar]] * self.dyad.arms[bar]
+        bar = p0.turn[self.dyad.bodies[1 - self.which]] * self.dyad.arms[1 - self.which]
+        return self._sizes[0] + bar, bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,5 +225,5 @@ class ActuatedRRP(Driven):
         p2.turn[self.leader] = turning / (root.x**2 + self.arm.left**2)
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
-        actuator = self.arm.along * (p0.kept[self].x + 1j * self.arm.left)
+        actuator = self.arm.along * (p0.drive + self.arm.ahead + 1j * self.arm.left)
         return 1j * p0.turn[self.leader] * actuator, p0.turn[self.dyad.rail.body] * self.dyad.rail.direction

@@ -77,6 +77,8 @@ class Linkage:
             for body in (slider.body, slider.along):
                 if body not in names:
                     raise DesignError("sliders", f"{slider.name} names {body!r}", f"give one of {', '.join(names)}")
+            if slider.body == slider.along:
+                raise DesignError("sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies")
         self._check_driver()
 
     def _check_driver(self) -> None:
@@ -88,8 +90,7 @@ class Linkage:
             raise DesignError(
                 "driver", f"{self.driver} is the name of a body and of a slider", "give the slider another name"
             )
-        ends = {s.name: {s.body, s.along} for s in self.sliders if s.body != s.along}
-        sliding = {name: bodies - {self.driver} for name, bodies in ends.items() if self.driver in bodies}
+        sliding = {s.name: {s.body, s.along} - {self.driver} for s in self.sliders if self.driver in (s.body, s.along)}
         pinned = {body for bodies in self.pins.values() if self.ground in bodies for body in bodies}
         if not sliding or self.driver in pinned:
             return

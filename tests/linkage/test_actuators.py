@@ -222,6 +222,18 @@ def test_a_change_point_is_followed(order):
     assert gk.driver_limits(linkage, "follow", (-50, 50)) == ((-50, 50),)
 
 
+def test_a_followed_lift_table_is_the_same_as_on_its_branches():
+    """Dyads that more than the driver moves are followed step by step, those of the actuator by formula."""
+    q = np.linspace(100, 180, 30)
+    on, plain = gk.move(lift_table(), q, "follow"), gk.move(lift_table(), q)
+    assert on.transmission_angle == pytest.approx(plain.transmission_angle, abs=1e-12)
+    assert on.point("top").second == pytest.approx(plain.point("top").second, abs=1e-12)
+    crosshead = gk.move(pushed(), np.linspace(50, 95, 30), "follow")
+    assert crosshead.transmission_angle == pytest.approx(
+        gk.move(pushed(), np.linspace(50, 95, 30)).transmission_angle, abs=1e-12
+    )
+
+
 def test_many_actuators_at_once_are_each_what_it_is_alone():
     rng = np.random.default_rng(5)
     still, bar, offset = rng.uniform(50, 100, 20), rng.uniform(30, 80, 20), rng.uniform(-30, 30, 20)
@@ -288,6 +300,9 @@ def test_a_name_of_both_a_body_and_a_slider_does_not_drive():
     slider = dataclasses.replace(linkage.sliders[0], name="cylinder")
     with pytest.raises(gk.DesignError, match="body and of a slider"):
         gk.Linkage(linkage.bodies, "cylinder", (slider,))
+    alone = gk.Slider("lift", "rod", "rod")
+    with pytest.raises(gk.DesignError, match="rod on itself"):
+        gk.Linkage(linkage.bodies, "lift", (alone,))
     with pytest.raises(gk.DesignError, match="give one of boom, cylinder, rod, lift"):
         gk.Linkage(linkage.bodies, "piston", linkage.sliders)
 
