@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any, get_args
 
 from .check import Check
-from .errors import DesignError, Problem, RecipeError
+from .errors import DesignError, Problem, RecipeError, shown
+from .names import file_name_flaw
 from .part import Part
 from .plane.measure import area
 from .recipe.kinds import kind
@@ -20,6 +21,8 @@ from .recipe.settings import Format
 
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
+# Bytes of a summary that is read back: those of ours stay far below it.
+LARGEST_SUMMARY = 10_000_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,8 +71,11 @@ def make(file: str | Path, out: str | Path = "out", only: Sequence[str] | None =
 def _name(file: str | Path) -> str:
     """The recipe's name, which names its folder and files."""
     name = Path(file).stem
-    if name in ("", ".", ".."):
-        raise RecipeError(str(file), [Problem("", "its name would name another folder", "rename the file")])
+    flaw = file_name_flaw(name)
+    if flaw and len(os.fsencode(name)) <= LONGEST_NAME:
+        raise RecipeError(
+            str(file), [Problem("", f"its name cannot name a folder and files: {flaw}", "rename the file")]
+        )
     if len(os.fsencode(name)) > LONGEST_NAME:
         raise RecipeError(str(file), [Problem("", "its name is too long for the files named after it", "shorten it")])
     return name
@@ -78,9 +84,17 @@ def _name(file: str | Path) -> str:
 def _written(folder: Path) -> set[str]:
     """Names of the files that the summary in a folder tells of; none where there is no sound one."""
     try:
-        names = json.loads((folder / "summary.json").read_text("utf-8"))["files"]
-        return {name for name in names if name == Path(name).name and Path(name).suffix[1:] in get_args(Format)}
-    except (OSError, ValueError, KeyError, TypeError):
+        summary = folder / "summary.json"
+        # What stands there may be anything: a pipe would be waited on, a device or a huge file fill the memory.
+        if not summary.is_file():
+            return set()
+        with summary.open("rb") as file:
+            content = file.read(LARGEST_SUMMARY + 1)
+        if len(content) > LARGEST_SUMMARY:
+            return set()
+        names = json.loads(content)["files"]
+        return {name for name in names if not file_name_flaw(name) and Path(name).suffix[1:] in get_args(Format)}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return set()
 
 
@@ -150,7 +164,10 @@ def _contents(
     if "stl" in wanted:
         from .export.stl import stl
 
-        contents |= {f"{cut.part.name}.stl": stl(cut) for cut in solids}
+        for cut in solids:
+            if f"{cut.part.name}.stl" in contents:
+                raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+            contents[f"{cut.part.name}.stl"] = stl(cut)
     if "csv" in wanted:
         from .export.csv import csv
 

@@ -13,9 +13,11 @@ def main() -> None:
 
         try:
             from .commands import cli
+            from .errors import harmless
 
             sys.exit(cli(standalone_mode=False))
         except click.ClickException as error:
+            error.message = harmless(error.message)
             error.show()
             sys.exit(error.exit_code)
         except click.Abort:
@@ -30,7 +32,8 @@ def main() -> None:
         sys.exit(f"geomkin cannot go on: {error.strerror or error}")
     except Exception as error:
         # What is refused on purpose is told elsewhere; this is ours to mend, and a traceback helps no user.
-        sys.exit(f"geomkin failed by a fault of its own ({type(error).__name__}: {error}); please report the recipe")
+        fault = harmless(f"{type(error).__name__}: {error}")
+        sys.exit(f"geomkin failed by a fault of its own ({fault}); please report the recipe")
 
 
 def _calm() -> None:

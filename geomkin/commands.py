@@ -108,11 +108,13 @@ def schema() -> None:
 
 def _files(paths: Iterable[Path]) -> list[Path]:
     """Recipes named, and those in folders named, in order."""
+    from .errors import printable
+
     files: list[Path] = []
     for path in paths:
         inside = sorted(path.glob("*.toml")) if path.is_dir() else [path]
         if not inside:
-            raise click.UsageError(f"no recipe (*.toml) in {path}")
+            raise click.UsageError(f"no recipe (*.toml) in {printable(path)}")
         files += [f for f in inside if f not in files]
     return files
 
@@ -139,7 +141,7 @@ def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], 
     with click.progressbar(
         files,
         label="Recipes",
-        item_show_func=lambda f: f.stem if f else "",
+        item_show_func=lambda f: printable(f.stem) if f else "",
         file=sys.stderr,
         hidden=hidden,
     ) as bar:
@@ -152,7 +154,7 @@ def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], 
                 failures.append(f"{printable(file)}: not enough memory; give a larger tolerance")
             except Exception as error:
                 # A fault of ours in one recipe is told like any other, and the rest are made.
-                fault = f"{type(error).__name__}: {error}"
+                fault = printable(f"{type(error).__name__}: {error}", 200)
                 failures.append(f"{printable(file)}: geomkin failed by a fault of its own ({fault}); please report it")
     for failure in failures:
         click.secho(failure, fg="red", err=True)

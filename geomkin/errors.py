@@ -17,6 +17,7 @@ class DesignError(GeomkinError, ValueError):
     """
 
     def __init__(self, field: str, problem: str, remedy: str):
+        field, problem, remedy = harmless(field), harmless(problem), harmless(remedy)
         super().__init__(f"{field}: {problem}; {remedy}")
         self.field, self.problem, self.remedy = field, problem, remedy
 
@@ -30,7 +31,7 @@ class Problem:
     remedy: str
 
     def __str__(self) -> str:
-        return f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}"
+        return harmless(f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}")
 
 
 # Problems told of one recipe: more push the first, mostly the cause of the rest, out of sight.
@@ -52,12 +53,17 @@ class FileError(GeomkinError, OSError):
     """A file that could not be read or written; what stood under its name still stands there."""
 
 
+def harmless(text: object) -> str:
+    """`text` as one line without the control characters that a terminal would obey and the marks it would turn by."""
+    return "".join(c if c.isprintable() else "?" for c in str(text))
+
+
 def printable(text: object, longest: int = 80) -> str:
     """`text` as one line fit for a terminal: no control characters, no more than `longest` characters.
 
     A longer one loses its middle, since a path is known by its two ends.
     """
-    line = "".join(c if c.isprintable() else "?" for c in str(text))
+    line = harmless(text)
     return line if len(line) <= longest else f"{line[: longest // 2]}...{line[-(longest // 2 - 3) :]}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .names import check_names
 from .plane.curve import AbstractCurve
 
 
@@ -23,3 +24,6 @@ class Part:
     layer: str = "CUT"
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_names("name", [self.name], "a part")

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .errors import DesignError, shown
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -31,9 +33,14 @@ class Table:
 
     def __post_init__(self) -> None:
         lengths = {len(c.values) for c in self.columns}
+        if len(lengths) != 1:
+            raise ValueError(f"columns must be of one length: {lengths}")
         headers = [c.header for c in self.columns]
-        if len(lengths) != 1 or len(set(headers)) != len(headers):
-            raise ValueError(f"columns must be of one length and of different names: {lengths}, {headers}")
+        twin = next((h for h in headers if headers.count(h) > 1), None)
+        if twin is not None:
+            raise DesignError(
+                "table", f"two columns would be named {shown(twin)}", "give one body or point another name"
+            )
 
 
 def xy_columns(name: str, unit: str, meaning: str, values: np.ndarray) -> tuple[Column, Column]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -56,7 +55,7 @@ def naming(place: str) -> Iterator[None]:
         raise DesignError(field, error.problem, error.remedy) from None
 
 
-def spans(segments: Sequence[Segment], folder: str | Path) -> list[Span]:
+def spans(segments: Sequence[Segment], folder: str | None) -> list[Span]:
     """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
     made: list[Span] = []
     angle, lift = 0.0, 0.0
@@ -155,7 +154,7 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     return end, oscillates
 
 
-def _given(place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path, alone: bool) -> Span:
+def _given(place: str, segment: Pointed, before: float, lift: float | None, folder: str | None, alone: bool) -> Span:
     """A segment from its own points. lift: that of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
     # A row of a file is found by what it says.

@@ -19,7 +19,7 @@ LARGEST = 10_000_000
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
 
 
-def read_rows(segment: Pointed, folder: str | Path) -> tuple[str, Array, bool]:
+def read_rows(segment: Pointed, folder: str | None) -> tuple[str, Array, bool]:
     """The field that has them, (n, 2) angles in deg with lifts, and whether the lifts are in degrees."""
     names = ("rows", "rows_deg", "file") if isinstance(segment, LiftTable) else ("points", "points_deg")
     given = [name for name in names if getattr(segment, name) is not None]
@@ -47,30 +47,41 @@ def _checked(rows: object, field: str) -> Array:
     return points
 
 
-def _from_csv(name: object, folder: str | Path) -> tuple[Array, bool]:
+def _from_csv(name: object, folder: str | None) -> tuple[Array, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
-    path = Path(folder) / name
     try:
+        home = Path(folder or ".").resolve()
+        path = (home / name).resolve()
+        if folder is not None and not path.is_relative_to(home):
+            problem = f"found {shown(str(name))}, which lies outside the folder that names it"
+            raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
         if not path.is_file():
             raise FileNotFoundError(0, "it is no file")
-        if path.stat().st_size > LARGEST:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
             raise OSError(0, f"it is larger than {LARGEST:,} bytes")
         # As spreadsheets save it, with a mark at the start.
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise DesignError("file", f"{printable(path)} cannot be read ({reason})", "give a CSV file") from None
+        text = content.decode("utf-8-sig")
+    except DesignError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:
+        # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
+        told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
+        reason = getattr(error, "strerror", None) or told
+        raise DesignError("file", f"{printable(name)} cannot be read ({reason})", "give a CSV file") from None
     try:
         lines = list(csv.reader(text.splitlines()))
     except csv.Error as error:
-        raise DesignError("file", f"{printable(path)} is not CSV ({error})", "give a CSV file") from None
+        raise DesignError("file", f"{printable(name)} is not CSV ({error})", "give a CSV file") from None
     header = [cell.strip() for cell in lines[0]] if lines else []
-    lifts = [name for name in LIFTS if name in header]
+    lifts = [column for column in LIFTS if column in header]
     if ANGLE not in header or len(lifts) != 1:
+        lacking = ANGLE if ANGLE not in header else f"just one of {' and '.join(LIFTS)}"
         raise DesignError(
             "file",
-            f"the first line of {printable(path)} is {shown(','.join(header))}",
+            f"the first line of {printable(name)} does not name {lacking}",
             f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, with commas between",
         )
     columns = header.index(ANGLE), header.index(lifts[0])
@@ -78,9 +89,15 @@ def _from_csv(name: object, folder: str | Path) -> tuple[Array, bool]:
     for k, line in enumerate(lines[1:], 2):
         if not "".join(line).strip():
             continue
-        try:
-            points.append([float(line[column]) for column in columns])
-        except (ValueError, IndexError):
-            problem = f"line {k} of {printable(path)} is {shown(','.join(line))}"
-            raise DesignError("file", problem, "give a number in each of its columns") from None
+        points.append(
+            [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
+        )
     return _checked(points, "file"), LIFTS[lifts[0]]
+
+
+def _number(line: list[str], column: int, place: str) -> float:
+    cell = line[column] if column < len(line) else ""
+    try:
+        return float(cell)
+    except ValueError:
+        raise DesignError("file", f"{place} holds {printable(repr(cell), 20)}", "give a number there") from None

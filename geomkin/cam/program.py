@@ -38,11 +38,11 @@ class FollowerMotion:
 class Program:
     """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0.
 
-    folder: where a table's file is looked for, unless its name says.
+    folder: where a table's file must lie, there or below, as for a recipe's; a script's, without one, may lie anywhere.
     """
 
     segments: Sequence[Segment]
-    folder: str = ""
+    folder: str | None = None
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
@@ -50,7 +50,7 @@ class Program:
         from pydantic_core import core_schema
 
         return core_schema.with_info_after_validator_function(
-            lambda segments, info: cls(segments, (info.context or {}).get("folder", "")),
+            lambda segments, info: cls(segments, (info.context or {}).get("folder", ".")),
             handler.generate_schema(tuple[OneSegment, ...]),
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda program: [_plain(segment) for segment in program.segments]

@@ -7,6 +7,7 @@ import io
 
 import numpy as np
 
+from ..errors import harmless
 from ..table import Column, Table
 
 # Digits kept of each column, counted from its largest value: more would print the last bit of a
@@ -18,7 +19,7 @@ def csv(table: Table) -> bytes:
     """The table as UTF-8 CSV; what is nan is left empty."""
     stream = io.StringIO()
     writer = text_csv.writer(stream, lineterminator="\n")
-    writer.writerow([c.header for c in table.columns])
+    writer.writerow([_harmless(c.header) for c in table.columns])
     writer.writerows(zip(*[_cells(c) for c in table.columns]))
     return stream.getvalue().encode("utf-8")
 
@@ -28,11 +29,15 @@ def _cells(column: Column) -> list[str]:
     if values.dtype.kind in "iub":
         return [str(int(v)) for v in values.tolist()]
     if values.dtype.kind != "f":
-        # A text that starts like a formula would be run by a spreadsheet.
-        return [f"'{v}" if str(v)[:1] in ("=", "+", "-", "@") else str(v) for v in values.tolist()]
+        return [_harmless(str(v)) for v in values.tolist()]
     finite = values[np.isfinite(values)]
     largest = np.abs(finite).max() if finite.size else 0.0
     # Rounding to more than 290 decimals overflows; what is so small becomes 0.
     digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
     rounded = (np.round(values, digits) + 0.0).tolist()
     return [repr(v) if np.isfinite(v) else "" for v in rounded]
+
+
+def _harmless(text: str) -> str:
+    """A text that a spreadsheet does not run and a terminal does not obey: one that starts like a formula is quoted."""
+    return f"'{harmless(text)}" if text.lstrip()[:1] in tuple("=+-@\uff1d\uff0b\uff0d\uff20|") else harmless(text)

@@ -6,11 +6,12 @@ import os
 import signal
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..errors import FileError, printable
+from ..errors import FileError, printable, shown
+from ..names import file_name_flaw, folded
 
 # Of the names of files that are being written; hidden, so that nobody takes one for a part.
 PREFIX = ".making-"
@@ -22,8 +23,10 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files, by name, all under temporary names first; only then rename each over its old one.
 
     A full disk leaves all old files. A kill or a second run at the same moment leaves each file old or new, never
-    a part of either. Raises FileError with what stood in the way.
+    a part of either. Raises FileError with what stood in the way, and for a name that is not one plain file's name
+    in the folder or that another differs from only by case, wherever it came from.
     """
+    _refuse_strange(folder, contents)
     with _uninterrupted():
         temporary: dict[str, Path] = {}
         try:
@@ -38,6 +41,15 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
             for path in temporary.values():
                 path.unlink(missing_ok=True)
         _sweep(folder)
+
+
+def _refuse_strange(folder: Path, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        flaw = file_name_flaw(name) or ("another file has the same name" if folded(name) in seen else "")
+        if flaw:
+            raise FileError(f"{printable(folder)}: no file can be written as {shown(name)} ({flaw}); give another name")
+        seen.add(folded(name))
 
 
 def _set_down(path: Path, content: bytes) -> Path:

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import DesignError
+from ..errors import DesignError, shown
+from ..names import check_names
 from ..plane.vec import Array, direction_deg
 
 
@@ -66,9 +67,14 @@ class Linkage:
         names = list(self.bodies)
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
+        check_names("bodies", names, "a body")
+        check_names("bodies", (point for points in self.bodies.values() for point in points), "a point")
+        check_names("sliders", (slider.name for slider in self.sliders), "a slider")
+        if len({slider.name for slider in self.sliders}) < len(self.sliders):
+            raise DesignError("sliders", "two have the same name", "give each a name of its own")
         drivers = [*names[1:], *(slider.name for slider in self.sliders)]
         if self.driver not in drivers:
-            raise DesignError("driver", f"found {self.driver!r}", f"give one of {', '.join(drivers)}")
+            raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}")
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not np.isfinite(place).all():
@@ -76,7 +82,9 @@ class Linkage:
         for slider in self.sliders:
             for body in (slider.body, slider.along):
                 if body not in names:
-                    raise DesignError("sliders", f"{slider.name} names {body!r}", f"give one of {', '.join(names)}")
+                    raise DesignError(
+                        "sliders", f"{slider.name} names {shown(body)}", f"give one of {', '.join(names)}"
+                    )
             if slider.body == slider.along:
                 raise DesignError("sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies")
         self._check_driver()

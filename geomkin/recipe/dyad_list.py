@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import DesignError
 from ..linkage.linkage import Linkage, Slider
+from ..names import check_names
 from ..sizes import PointXY, check_sizes, entry, quantity
 
 
@@ -81,6 +82,9 @@ class DyadList:
         """The general linkage."""
         bodies = {name: dict(points) for name, points in self.bodies.items()}
         for k, corner in enumerate(self.corners):
+            check_names(f"corners.{k + 1}.body", [corner.body], "a body")
+            check_names(f"corners.{k + 1}.point", [corner.point], "a point")
+            check_names(f"corners.{k + 1}.base", corner.base, "a point")
             bodies.setdefault(corner.body, {})
             lacking = [p for p in corner.base if p not in bodies[corner.body]]
             if lacking:

@@ -27,8 +27,8 @@ def load(file: str | Path) -> Any:
     return parse(_read(path), str(file), str(path.parent))
 
 
-def parse(text: str, file: str = "recipe", folder: str = "") -> Any:
-    """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names are."""
+def parse(text: str, file: str = "recipe", folder: str = ".") -> Any:
+    """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
     # The reader's time grows with the square of a key's parts.
     if re.search(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){100}", text):
         raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")

@@ -106,12 +106,18 @@ def test_a_name_too_long_for_the_folder_is_told_in_one_line(geomkin, recipe, her
 
 
 @pytest.mark.parametrize("verb", ["run", "check"])
-def test_a_name_with_control_characters_cannot_spoil_the_terminal(geomkin, recipe, here, verb):
-    # The crank passes a toggle, so that a failed check has something to say on either stream.
-    (here / "a\nb\x1b[31m.toml").write_text(recipe("four-bar", CSV | {"linkage.crank": "60"}))
-    result = geomkin(verb, "a\nb\x1b[31m.toml")
-    assert result.exit_code == 0 and "transmission" in result.output
-    assert "\nb" not in result.output and "\x1b" not in result.output
+@pytest.mark.parametrize("name", ["a\nb\x1b[31m", "-rf", "con", "AUX.b", "a:b", "b.", "a\u202egnp", " a", "a\\b"])
+def test_a_recipe_whose_name_makes_no_plain_files_is_told_in_one_line(geomkin, recipe, here, verb, name):
+    (here / f"{name}.toml").write_text(recipe("four-bar", CSV))
+    result = geomkin(verb, f"./{name}.toml")
+    assert result.exit_code == 1 and "rename the file" in result.stderr and not (here / "out").exists()
+    assert len(result.stderr.splitlines()) == 1 and result.stderr.strip().isprintable()
+
+
+def test_a_path_cannot_spoil_the_terminal(command, here):
+    (here / "no\x1b[31m\nsuch").mkdir()
+    done = command("run", "no\x1b[31m\nsuch")
+    assert done.returncode == 2 and "\x1b" not in done.stderr and "in no?[31m?such" in done.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a file's name is text")

@@ -1,0 +1,86 @@
+"""Names that a person chooses: plain enough to stand in a file name, a layer, a column and a message."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterable
+
+from .errors import DesignError, shown
+
+# Letters of a name. With a word such as `_mechanical_advantage` behind it, it still fits a column and a file.
+LONGEST = 40
+# Bytes of a file's name: what the common file systems take.
+LONGEST_FILE = 255
+# What Windows takes for a device, whatever the ending (Microsoft, "Naming Files, Paths, and Namespaces"); it takes
+# superscript digits too, which composing makes plain ones.
+DEVICES = {"con", "prn", "aux", "nul", "conin$", "conout$"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(10)}
+# Categories of Unicode: letters, digits, and the marks that some scripts write on letters.
+LETTERS = {"Lu", "Ll", "Lt", "Lm", "Lo", "Nd"}
+MARKS = {"Mn", "Mc"}
+# Letters by category that show nothing, so that two names would look alike: the Hangul fillers.
+UNSEEN = "\u115f\u1160\u3164\uffa0"
+ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
+
+
+def check_names(field: str, names: Iterable[str], what: str) -> None:
+    """Raise DesignError unless every name is plain and no two differ only by case.
+
+    field: the size that holds them; what: what they name, for the message. Plain are letters and digits of any
+    script, space, `_` and `-`, first a letter or digit, no space at the end, at most 40, and no word that Windows
+    takes for a device.
+    """
+    seen: dict[str, str] = {}
+    for name in names:
+        flaw = _flaw(name)
+        if flaw:
+            raise DesignError(field, f"{what} is named {shown(name)}, which {flaw}", f"give {ALLOWED}")
+        twin = seen.setdefault(folded(name), name)
+        if twin != name:
+            problem = f"{shown(twin)} and {shown(name)} differ only by case or look the same"
+            raise DesignError(field, problem, "give names that differ, since some file systems take these for one")
+
+
+def folded(name: str) -> str:
+    """The name as a file system compares it that knows neither case nor how letters are composed."""
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
+
+
+def _flaw(name: object) -> str:
+    """Why this is no plain name; empty for one."""
+    if not isinstance(name, str):
+        return "is no text"
+    if not name:
+        return "is empty"
+    if len(name) > LONGEST:
+        return f"has {len(name)} letters"
+    kinds = [unicodedata.category(c) for c in name]
+    for k, (letter, category) in enumerate(zip(name, kinds)):
+        mark = category in MARKS and k > 0 and kinds[k - 1] in LETTERS | MARKS
+        if letter in UNSEEN or not (category in LETTERS or mark or letter in " _-"):
+            return f"has the sign {shown(letter)}"
+    if kinds[0] not in LETTERS:
+        return f"begins with {shown(name[0])}"
+    if name[-1] == " ":
+        return "ends with a space"
+    if folded(name) in DEVICES:
+        return "Windows takes for a device"
+    return ""
+
+
+def file_name_flaw(name: str) -> str:
+    """Why a name would not make one visible file in the folder it is meant for, on any system; empty where it would.
+
+    A file that a person named may hold dots, brackets and signs that the names inside a recipe may not.
+    """
+    if not name or set(name) <= {"."}:
+        return "it would name another folder"
+    if len(name.encode("utf-8", "surrogatepass")) > LONGEST_FILE:
+        return "it is too long"
+    bad = next((c for c in name if c in '/\\:*?"<>|' or not c.isprintable()), None)
+    if bad is not None:
+        return f"it has the sign {shown(bad)}, which is no part of a file's name everywhere"
+    if name[0] in ".- " or name[-1] in ". ":
+        return f"it begins or ends with {shown(name[0] if name[0] in '.- ' else name[-1])}"
+    if folded(name).split(".")[0].rstrip(" ") in DEVICES:
+        return "Windows takes it for a device"
+    return ""

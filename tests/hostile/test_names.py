@@ -1,0 +1,172 @@
+"""Names and files from recipes: data, never a path, a formula or an order to the terminal."""
+
+import csv
+import json
+import os
+import sys
+
+import geomkin as gk
+import numpy as np
+import pytest
+from geomkin.export.csv import csv as written
+from geomkin.table import Column, Table
+
+EVIL = [
+    "../../evil",
+    "/tmp/geomkin-evil/x",
+    "a/b",
+    "x\\u001b[31m",
+    "a\\n",
+    "",
+    ".",
+    "..",
+    "-rf",
+    "CON",
+    "com1:x",
+    "\\u202ex",
+]
+LINKAGE = """kind = "linkage"
+[linkage]
+driver = "{crank}"
+[linkage.bodies]
+ground = {{ O = [0, 0], C = [100, 0] }}
+"{crank}" = {{ O = [0, 0], "{pin}" = [30, 0] }}
+coupler = {{ "{pin}" = [0, 0], B = [90, 0], "{point}" = [40, 25] }}
+rocker = {{ C = [0, 0], B = [70, 0] }}
+[drive]
+step_deg = 10
+"""
+
+
+def everything(folder):
+    return {path: path.is_file() and path.read_bytes() for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("place", ["crank", "pin", "point"])
+@pytest.mark.parametrize("name", EVIL)
+def test_a_name_in_a_recipe_never_leaves_its_folder(geomkin, here, name, place):
+    (here / "deep/er").mkdir(parents=True)
+    file = here / "deep/er/r.toml"
+    file.write_text(LINKAGE.format(**({"crank": "crank", "pin": "A", "point": "P"} | {place: name})))
+    before = everything(here)
+    result = geomkin("run", file, "--out", here / "deep/er/out")
+    assert result.exit_code == 1 and everything(here) == before and not os.path.exists("/tmp/geomkin-evil")
+    assert len(result.stderr.splitlines()) == 1 and result.stderr.strip().isprintable()
+    assert "linkage.bodies: " in result.stderr and "give letters, digits" in result.stderr
+
+
+CORNER = '[[linkage.corners]]\nbody = "{}"\npoint = "{}"\nbase = ["{}", "B"]\nlengths = [50, 60]\n'
+
+
+@pytest.mark.parametrize(
+    "names", [("\\u001b[2J", "P", "A"), ("coupler", "\\u001b[2J", "A"), ("coupler", "Q", "\\u001b[2J")]
+)
+def test_names_in_corners_are_told_without_their_escapes(geomkin, here, names):
+    text = LINKAGE.format(crank="crank", pin="A", point="P").replace("[drive]", CORNER.format(*names) + "[drive]")
+    (here / "r.toml").write_text(text)
+    result = geomkin("run", "r.toml")
+    assert result.exit_code == 1 and "\x1b" not in result.output and "corners" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["=HYPERLINK(1)", "+1+cmd", "-2+3", "@SUM(1)", "\t=1", "\uff1d1"])
+def test_no_spreadsheet_runs_a_header_or_a_text(name):
+    header, row = csv.reader(written(Table((Column(name, "deg", "", np.array([name])),))).decode().splitlines())
+    for cell in header + row:
+        assert cell.startswith("'") and cell.isprintable()
+
+
+TABLE = """kind = "disk-cam"
+[cam]
+base_radius = 30
+program = [{{ kind = "table", decimals = 3, file = {name} }}]
+follower = {{ kind = "translating-roller", roller_radius = 5 }}
+"""
+ROWS = "cam_angle_deg,lift_mm\n" + "".join(f"{a},{5 - 5 * np.cos(np.radians(a)):.3f}\n" for a in range(0, 361, 5))
+
+
+@pytest.fixture
+def cam(here, geomkin):
+    """cam(name): run a cam in `home` whose table is the file of that name, with secrets around."""
+
+    def run(name):
+        (here / "home/below").mkdir(parents=True, exist_ok=True)
+        for file in ("home/lift.csv", "home/below/lift.csv", "outside.csv"):
+            (here / file).write_text(ROWS)
+        (here / "secret.txt").write_text("password hunter2\n")
+        (here / "home/r.toml").write_text(TABLE.format(name=json.dumps(name)))
+        return geomkin("run", "home/r.toml", "--only", "csv")
+
+    return run
+
+
+@pytest.mark.parametrize("name", ["lift.csv", "below/lift.csv", "./below/../lift.csv"])
+def test_a_table_beside_the_recipe_or_below_is_read(cam, name):
+    assert cam(name).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "name", ["../outside.csv", "../secret.txt", "/etc/passwd", "below/../../outside.csv", "~/x", "\0"]
+)
+def test_a_table_elsewhere_is_refused_and_nothing_of_it_shown(cam, name):
+    result = cam(name)
+    assert result.exit_code == 1 and "cam.program[0].file: " in result.stderr
+    assert "hunter2" not in result.stderr and "root:" not in result.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes by name here")
+def test_links_out_of_the_folder_and_what_is_no_file_are_refused(cam, here):
+    (here / "home").mkdir()
+    (here / "home/link.csv").symlink_to(here / "outside.csv")
+    (here / "home/way").symlink_to(here)
+    (here / "home/zero.csv").symlink_to("/dev/zero")
+    (here / "home/round.csv").symlink_to("round.csv")
+    os.mkfifo(here / "home/pipe.csv")
+    for name in ("link.csv", "way/outside.csv", "zero.csv", "pipe.csv", "round.csv"):
+        result = cam(name)
+        assert result.exit_code == 1 and "cam.program[0].file: " in result.stderr, name
+
+
+def test_of_a_file_that_is_no_table_only_the_wrong_cell_is_shown(cam, here):
+    (here / "home").mkdir()
+    (here / "home/words.csv").write_text("password hunter2\n")
+    (here / "home/cell.csv").write_text("cam_angle_deg,note,lift_mm\n0,hunter2,0\n180,hunter2,two\n")
+    assert "does not name cam_angle_deg" in cam("words.csv").stderr and "hunter2" not in cam("words.csv").stderr
+    assert "line 3 of cell.csv, column 3, holds 'two'" in cam("cell.csv").stderr
+    assert "hunter2" not in cam("cell.csv").stderr
+
+
+OLD = """
+import os, sys
+os.makedirs("out/r")
+{}
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="devices and pipes by these names are its own")
+@pytest.mark.parametrize(
+    "old",
+    [
+        'os.mkfifo("out/r/summary.json")',
+        'os.symlink("/dev/zero", "out/r/summary.json")',
+        'os.symlink("/dev/tty", "out/r/summary.json")',
+        'open("out/r/summary.json", "wb").truncate(3 << 30)',
+        'open("out/r/summary.json", "w").write("[" * 1_000_000)',
+        'open("out/r/summary.json", "w").write(\'{"files": ["\' + "x" * 9_000_000 + \'.dxf"]}\')',
+        'os.mkdir("out/r/summary.json")',
+    ],
+    ids=["pipe", "endless", "terminal", "3 GB", "deep", "long", "folder"],
+)
+def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here, old):
+    (here / "r.toml").write_text(recipe("spur-gear", {"files.write": '["csv"]'}))
+    done = command("run", "r.toml", before=OLD.format(old))
+    whole = here / "out/r/summary.json"
+    assert (done.returncode == 0 and json.loads(whole.read_text())["name"] == "r") or (
+        done.returncode == 1 and "something that is not a file" in done.stderr
+    )
+
+
+def test_a_script_may_name_a_table_anywhere(tmp_path):
+    (tmp_path / "lift.csv").write_text(ROWS)
+    assert gk.Program([gk.LiftTable(3, file=str(tmp_path / "lift.csv"))]).motion(np.pi).lift == pytest.approx(
+        10, abs=1e-3
+    )
