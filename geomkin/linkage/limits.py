@@ -17,6 +17,9 @@ from .solve import Branch, Named, move
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
+# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
+# is more a body that turns.
+STILL = 1e-9
 
 
 def driver_limits(
@@ -59,7 +62,11 @@ def dead_centres(
     body = move(linkage, looks, branch).bodies[output]
     # A body that only slides goes along one line: that of its largest step.
     steps = np.nan_to_num(body.origin.first, nan=0.0, posinf=0.0, neginf=0.0)
-    line = None if np.nan_to_num(body.first).any() else steps[np.argmax(np.abs(steps))]
+    largest = steps[np.argmax(np.abs(steps))]
+    turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
+    places = (z for points in general.bodies.values() for z in points.values())
+    reach = max((float(np.abs(z).max()) for z in places), default=1.0)
+    line = None if turning * reach > STILL * abs(largest) else largest
 
     def way(q: Array) -> Array:
         moved = move(linkage, q, branch).bodies[output]

@@ -266,6 +266,13 @@ def test_a_slide_past_its_pin_stands_still_at_its_nearest():
     assert found == pytest.approx([0.0], abs=1e-12)
 
 
+def test_a_table_that_only_rises_stands_still_nowhere():
+    """That rounding turns it by next to nothing does not make its angle what is looked at."""
+    assert gk.dead_centres(lift_table(), "table", span=(100, 180)).size == 0
+    motion = gk.move(lift_table(), np.linspace(100, 180, 50))
+    assert np.all(motion.table.origin.first.imag > 0)
+
+
 @pytest.mark.parametrize("swapped", [False, True])
 def test_a_slide_on_the_ground_may_be_named_by_its_body_or_by_itself(swapped):
     """Named by itself its own displacement is driven, whichever of the two is said to slide."""
