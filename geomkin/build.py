@@ -124,9 +124,11 @@ class _naming:
 
 
 def _work_out(recipe: Any, file: str | Path) -> tuple[tuple[Check, ...], list[Part]]:
+    from .shop.walls import wall_checks
+
     with _naming(file, recipe):
         parts = kind(recipe.kind).parts(recipe)
-        return tuple(kind(recipe.kind).checks(recipe)), parts
+        return (*kind(recipe.kind).checks(recipe), *wall_checks(parts, recipe.files.kerf)), parts
 
 
 def _cuts(recipe: Any, parts: list[Part], wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
@@ -160,7 +162,7 @@ def _contents(
     if "svg" in wanted:
         from .export.svg import svg
 
-        contents[f"{name}.svg"] = svg(sheet, name, recipe.files.tolerance)
+        contents[f"{name}.svg"] = svg(sheet, name)
     if "stl" in wanted:
         from .export.stl import stl
 
@@ -172,7 +174,7 @@ def _contents(
         from .export.csv import csv
 
         contents[f"{name}.csv"] = csv(kind(recipe.kind).table(recipe))
-    contents["summary.json"] = _summary(recipe, name, parts, checks, contents)
+    contents["summary.json"] = _summary(recipe, name, parts, checks, contents, _as_written(wanted, flats, solids))
     return contents
 
 
@@ -183,7 +185,29 @@ def _libraries(contents: dict[str, bytes]) -> list[str]:
     return [library for library, used in (hands | {"trimesh": endings & {".stl"}}).items() if used]
 
 
-def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...], contents: dict[str, bytes]) -> bytes:
+def _as_written(wanted: Sequence[str], flats: list[Any], solids: list[Any]) -> dict[Part, dict[str, float]]:
+    """Sizes of the parts as files have them, which differ from the exact ones by the tolerance.
+
+    The area is that within the beam's path, half a kerf off the part, as DXF and SVG have it; the volume the STL's.
+    """
+    sizes: dict[Part, dict[str, float]] = {}
+    if {"dxf", "svg"} & set(wanted):
+        sizes = {cut.part: {"written_area_mm2": float(f"{cut.area:.10g}")} for cut in flats}
+    if "stl" in wanted:
+        for cut in solids:
+            volume = cut.chord_area * cut.part.thickness
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume:.10g}")}
+    return sizes
+
+
+def _summary(
+    recipe: Any,
+    name: str,
+    parts: list[Part],
+    checks: tuple[Check, ...],
+    contents: dict[str, bytes],
+    written: dict[Part, dict[str, float]],
+) -> bytes:
     from . import __version__
 
     def part_summary(part: Part) -> dict[str, Any]:
@@ -195,6 +219,7 @@ def _summary(recipe: Any, name: str, parts: list[Part], checks: tuple[Check, ...
             "thickness_mm": part.thickness,
             "area_mm2": float(f"{exact:.10g}"),
             "volume_mm3": float(f"{exact * part.thickness:.10g}"),
+            **written.get(part, {}),
         }
 
     summary = {

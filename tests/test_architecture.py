@@ -25,7 +25,7 @@ MAY = {
     "export": {"plane", "part", "table"},
     "shop": {"plane", "part", "table", "linkage", "cam", "gear", "check"},
     "recipe": {"plane", "part", "table", "check", "linkage", "cam", "gear", "shop"},
-    "build": {"plane", "part", "check", "recipe", "export", "__init__"},
+    "build": {"plane", "part", "check", "recipe", "shop", "export", "__init__"},
     "public": {"plane", "part", "table", "check", "linkage", "cam", "gear"},
     "commands": {"build", "recipe"},
     "cli": {"commands"},

@@ -14,7 +14,7 @@ from .cam import Cam, check_lifts
 from .extremes import largest, samples
 from .follower import Follower, Roller, TranslatingFlat
 from .program import FollowerMotion, Program
-from .undercut import undercut
+from .undercut import Undercut, undercut
 
 # Base radii tried before the least is closed in on. Good ones between bad ones are found where they cover a
 # stretch wider than a step: 7 % of the radius, or a 240th of what an arm can reach.
@@ -74,9 +74,10 @@ def least_base_circle(
         return np.array([[rule(motion, radius).max() for radius in radii] for rule in rules.values()])
 
     tried = _tried(low, high, scale, excess)
-    good = np.asarray((excess(tried) <= 0).all(axis=0))
+    seen = excess(tried)
+    good = np.asarray((seen <= 0).all(axis=0))
     if not good.any():
-        raise _hopeless(rules, excess(tried), pressure_angle_deg)
+        raise _hopeless(rules, seen, pressure_angle_deg)
     last = len(good) - 1 - int(good[::-1].argmax())
     first = last - int(np.append(good[last::-1], False).argmin()) + 1
     most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
@@ -143,9 +144,12 @@ def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float)
     def worst(radius: float) -> tuple[float, float, Limit]:
         return max((*_largest(program, rule, radius), name) for name, rule in rules.items())
 
+    motion = program.motion(samples(program.breaks))
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if worst(middle)[0] <= 0 else (good, middle)
+        # What the samples show needs no closer look.
+        fits = all(rule(motion, middle).max() <= 0 for rule in rules.values()) and worst(middle)[0] <= 0
+        good, bad = (middle, bad) if fits else (good, middle)
     _, angle, name = worst(bad)
     return good, name, angle
 
@@ -160,25 +164,26 @@ def _uncrossed(
 ) -> BaseCircle:  # fmt: skip
     """The same, or a larger one where flanks of the profile cross or its velocity jumps."""
 
-    def crossed(radius: float) -> tuple[float, float] | None:
+    def crossed(radius: float) -> Undercut | None:
         cut = undercut(Cam(follower, program, radius, direction))
-        return cut.worst if cut.found else None
+        return cut if cut.found else None
 
     # A touch more than the border itself, where rounding decides.
     bad = max(found.radius * (1 + 1e-9), SMALLEST * scale)
     if bad >= found.largest or not crossed(bad):
         return found
     good = min(FAR * max(bad, scale), found.largest * (1 - 1e-6))
-    if worst := crossed(good):
+    if cut := crossed(good):
         raise DesignError(
             "program",
-            f"at {np.degrees(worst[1]):.4g} deg the velocity jumps, which undercuts a cam of any size",
+            f"at {np.degrees(cut.worst[1]):.4g} deg the velocity jumps, which undercuts a cam of any size",
             "give a law of motion without such a jump there",
         )
     while good - bad > 1e-9 * good:
         middle = 0.5 * (good + bad)
         good, bad = (good, middle) if crossed(middle) else (middle, bad)
-    return replace(found, radius=good, limit="undercut", cam_angle=(crossed(bad) or (0.0, np.nan))[1])
+    last = crossed(bad)
+    return replace(found, radius=good, limit="undercut", cam_angle=last.worst[1] if last else np.nan)
 
 
 def _hopeless(rules: dict[Limit, Rule], excess: Array, pressure_angle_deg: float) -> DesignError:

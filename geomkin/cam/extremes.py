@@ -10,28 +10,48 @@ from ..plane.vec import Array
 
 # Places looked at in each segment. What a segment's law does between two of them is one hill at most.
 SAMPLES = 256
+# Places looked at in all segments, of which each then has fewer, but no fewer than FEWEST: where there are very many,
+# each is short, and simple. Less would see less of a spline among many dwells, more takes seconds.
+TOGETHER, FEWEST = 256 * 256, 48
 # Each look narrows the hill to a sixteenth; after seven a cam angle is known to 1e-9 rad and, a hill being
 # flat at its top, the value to rounding.
 LOOKS, FINE = 7, 33
 
 
 def samples(breaks: Array) -> Array:
-    """Places (segments, SAMPLES) that see every segment finely and every joint from both sides."""
-    inside = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0, 1, SAMPLES)
-    inside[:, -1] = np.nextafter(breaks[1:], -np.inf)
+    """Places (segments, SAMPLES or fewer) that see every segment finely and every joint from both sides."""
+    return _samples_between(breaks[:-1], breaks[1:])
+
+
+def _samples_between(low: Array, high: Array) -> Array:
+    count = min(SAMPLES, max(FEWEST, TOGETHER // max(len(low), 1)))
+    inside = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, count)
+    inside[:, -1] = np.nextafter(high, -np.inf)
     return inside
 
 
 def highest(breaks: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The largest value of f in each segment, and where; at joints from the segment's own side."""
-    places = samples(breaks)
-    values = f(places)
+    return highest_between(breaks[:-1], breaks[1:], f)
+
+
+def highest_between(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """The largest value of f, smooth there, between each `low` and `high`, and where; at `high` from below."""
+    places = _samples_between(low, high)
+    _, before, after = _hills(places, f(places))
+    return climb(before, after, f)
+
+
+def _hills(places: Array, values: Array) -> tuple[Array, Array, Array]:
+    """What the top at the highest sample of each row stays below, and the places that it lies between."""
     top = values.argmax(axis=1)[:, None]
-    return climb(
-        np.take_along_axis(places, np.maximum(top - 1, 0), 1)[:, 0],
-        np.take_along_axis(places, np.minimum(top + 1, SAMPLES - 1), 1)[:, 0],
-        f,
-    )
+    sides = np.maximum(top - 1, 0), np.minimum(top + 1, places.shape[1] - 1)
+    one, other = (np.take_along_axis(values, side, 1)[:, 0] for side in sides)
+    # A hill seen at three places rises above the middle one by an eighth of what it falls to the sides.
+    most = np.take_along_axis(values, top, 1)[:, 0]
+    before, after = (np.take_along_axis(places, side, 1)[:, 0] for side in sides)
+    with np.errstate(invalid="ignore"):
+        return 2 * most - np.minimum(one, other), before, after
 
 
 def climb(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -48,6 +68,11 @@ def climb(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, 
 
 def largest(breaks: Array, f: Callable[[Array], Array]) -> tuple[float, float]:
     """The largest value of f over all segments, and where."""
-    values, places = highest(breaks, f)
-    k = int(values.argmax())
-    return float(values[k]), float(places[k])
+    places = samples(breaks)
+    values = f(places)
+    most, before, after = _hills(places, values)
+    # Most segments are seen to be lower at a glance.
+    may = ~(most < values.max())
+    tops, where = climb(before[may], after[may], f)
+    k = int(tops.argmax())
+    return float(tops[k]), float(where[k])

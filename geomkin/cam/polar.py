@@ -12,6 +12,8 @@ from ..plane.vec import Array
 LOOKS = 129
 # Newton's steps from a bracket a hundredth of a piece wide: five reach the last digit, one is spare.
 STEPS = 6
+# rad; larger takes neighbours for chords that pass, smaller lets a direction slip between two.
+ROUNDING = 1e-14
 
 
 def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
@@ -22,12 +24,7 @@ def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
     directions = np.exp(1j * np.asarray(angle, dtype=float))
     breaks = outline.breaks
     t = np.concatenate([np.linspace(a, b, LOOKS)[:-1] for a, b in zip(breaks[:-1], breaks[1:])] + [breaks[-1:]])
-    z = outline.point(t)
-    seen = z * np.conj(directions)[:, None]
-    ahead = (seen[:, :-1].real > 0) | (seen[:, 1:].real > 0)
-    passing = ahead & (seen[:, :-1].imag * seen[:, 1:].imag <= 0)
-    far = np.where(passing, np.maximum(np.abs(z[:-1]), np.abs(z[1:])), -1.0)
-    k = np.argmax(far, axis=1)
+    k = _farthest(outline.point(t), directions)
     low, high = t[k], t[k + 1]
     place = 0.5 * (low + high)
     for _ in range(STEPS):
@@ -37,3 +34,25 @@ def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
             step = np.where(slope == 0, 0.0, here.imag / slope)
         place = np.clip(place - step, low, high)
     return np.abs(outline.point(place))
+
+
+def _farthest(z: Array, directions: Array) -> Array:
+    """Of the chords of a polygon z (n + 1,) that pass directions (m,), the number of the farthest for each, (m,)."""
+    order = np.argsort(np.angle(directions))
+    rising = np.angle(directions)[order]
+    # A chord lies within half a turn of its start, which lies within the middle one of three turns.
+    turns = np.concatenate([rising - 2 * np.pi, rising, rising + 2 * np.pi])
+    start = np.angle(z[:-1])
+    end = start + np.angle(z[1:] / z[:-1])
+    # A direction through a corner may pass both chords there by rounding.
+    first = np.searchsorted(turns, np.minimum(start, end) - ROUNDING, side="left")
+    counts = np.searchsorted(turns, np.maximum(start, end) + ROUNDING, side="right") - first
+    chord = np.repeat(np.arange(len(start)), counts)
+    passed = np.arange(len(chord)) - np.repeat(np.cumsum(counts) - counts - first, counts)
+    passed = order[passed % len(order)]
+    far = np.maximum(np.abs(z[:-1]), np.abs(z[1:]))[chord]
+    # The last that is written stays: the farthest, and of equals the first along the outline.
+    last = np.lexsort([-chord, far])
+    found = np.zeros(len(directions), int)
+    found[passed[last]] = chord[last]
+    return found

@@ -111,8 +111,11 @@ class _Resolved:
         self.pieces = pieces
         self.oscillates = any(piece.span.oscillates for piece in pieces)
         self._check_base()
+        # Where one dwell follows another nothing changes: they are one.
+        resting = [piece.law is None for piece in pieces]
+        pieces = [piece for k, piece in enumerate(pieces) if not (k and resting[k] and resting[k - 1])]
         unit = np.radians(1) if self.oscillates else 1.0
-        limits = np.radians([0.0, *(piece.span.end for piece in pieces)])
+        limits = np.radians([*(piece.span.start for piece in pieces), 360.0])
         self.starts, self.widths = limits[:-1], np.diff(limits)
         self.lifts = np.array([piece.span.lift for piece in pieces]) * unit
         rises = np.array([piece.scale for piece in pieces])

@@ -11,8 +11,9 @@ from ..plane.curve import AbstractCurve, just_before
 from ..plane.derived import Stretch
 from ..plane.joined import Path
 from ..plane.primitives import Arc, Segment
-from ..plane.vec import Array
+from ..plane.vec import Array, dot
 from .cam import Cam
+from .extremes import samples
 from .follower import Roller
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
@@ -51,6 +52,18 @@ class RawOutline:
             pieces += [Stretch(profile, breaks[first : k + 2]), joint]
             first = k + 1
         return (*pieces, Stretch(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance from the axis, mm, beyond which no cam is left: the follower covers all of a curve round the axis.
+
+        That is the pitch curve, or the feet of the perpendiculars from the axis to the face.
+        """
+        angle = samples(self.cam.program.breaks)
+        if isinstance(self.cam.follower, Roller):
+            return float(np.abs(self.cam.pitch_curve.point(angle)).max())
+        contact = self.cam.contact(angle)
+        return float(dot(contact.normal, contact.point).max())
 
     @cached_property
     def curve(self) -> Path:

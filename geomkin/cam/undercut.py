@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,8 +14,8 @@ from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Array, dot
 from .cam import Cam
-from .crossings import crossings
-from .extremes import climb, largest, samples
+from .crossings import chord_crossings, crossings
+from .extremes import climb, highest_between, samples
 from .raw_outline import RawOutline
 
 # Chords over the width of a reversed stretch and, to either side, over four times its width, where the
@@ -25,6 +26,9 @@ CHORDS_PER_LOOP = 8
 POINT = 3e-10
 # So is what a backward jump smaller than this share costs: the branches beside it meet too flat to be solved for.
 JUMP = 1e-6
+
+# Follower on corner, at how many angles times corners in one go: more takes more memory.
+BLOCK = 1_000_000
 
 # Share by which two losses of lift may differ and still count as equal: far above what rounding makes of equals.
 TIED = 1e-9
@@ -55,10 +59,14 @@ class Undercut:
     def lost_lift(self, angle: ArrayLike) -> Array:
         """How far the follower's lift stays below the programme's, mm or rad, at cam angles in rad."""
         angle = np.asarray(angle, dtype=float)
-        lost = np.zeros(angle.shape)
         if not self.found:
-            return lost
-        since = np.mod(angle[..., None] - self.spans[:, 0], 2 * np.pi)
+            return np.zeros(angle.shape)
+        blocks = np.array_split(angle.ravel(), 1 + angle.size * len(self.spans) // BLOCK)
+        return np.concatenate([self._lost(block) for block in blocks]).reshape(angle.shape)
+
+    def _lost(self, angle: Array) -> Array:
+        lost = np.zeros(angle.shape)
+        since = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
         missing = (since < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
         at = angle[missing]
         corners = self.corners * np.exp(1j * self.cam.sense * at)[:, None]
@@ -73,14 +81,12 @@ class Undercut:
         if not self.found:
             return 0.0, 0.0
         joints = np.concatenate([self.cam.program.breaks, self.cam.program.breaks[1:] + 2 * np.pi])
-        tops = [
-            largest(np.array([start, *joints[(joints > start) & (joints < end)], end]), self.lost_lift)
-            for start, end in self.spans.tolist()
-        ]
+        ends = [np.array([a, *joints[(joints > a) & (joints < b)], b]) for a, b in self.spans.tolist()]
+        low, high = (np.concatenate([b[which] for b in ends]) for which in (slice(None, -1), slice(1, None)))
+        tops = highest_between(low, high, self.lost_lift)
         # Of equals, as a symmetric cam has them, the first: rounding must not choose.
-        most = max(lost for lost, _ in tops)
-        lost, angle = next(top for top in tops if top[0] >= (1 - TIED) * most)
-        return lost, angle % (2 * np.pi)
+        first = int((tops[0] >= (1 - TIED) * tops[0].max()).argmax())
+        return float(tops[0][first]), float(tops[1][first] % (2 * np.pi))
 
 
 def undercut(cam: Cam) -> Undercut:
@@ -94,30 +100,91 @@ def undercut(cam: Cam) -> Undercut:
     loops, points = _backward(raw)
     points += _small_jumps(raw)
     grid = _grid(raw, loops, points)
-    pairs = [*crossings(raw.curve, grid), *points]
-    if not pairs:
+    z = raw.curve.point(grid)
+    kept, skipped = _Tracing(raw, grid, z, points).trace(float(grid[np.abs(z).argmin()]))
+    if not skipped:
         outline = raw.pieces[0] if len(raw.pieces) == 1 else raw.curve
         return Undercut(cam, outline, np.empty((0, 2)), np.empty(0, complex))
-    nearest = float(grid[np.abs(raw.curve.point(grid)).argmin()])
-    kept, skipped = _trace(pairs, nearest, len(raw.pieces))
     spans = np.array([[raw.cam_angle(a), raw.cam_angle(b)] for a, b in skipped])
     spans[:, 1] += np.where(spans[:, 1] < spans[:, 0], 2 * np.pi, 0)
     outline = Path(tuple(part for a, b in kept for part in raw.between(a, b)))
     return Undercut(cam, outline, spans[spans[:, 0].argsort()], raw.curve.point(np.array([a for a, _ in skipped])))
 
 
-def _trace(pairs: list[Span], start: float, end: float) -> tuple[list[Span], list[Span]]:
-    """Stretches of the parameter that are kept, from that which holds `start`, and those skipped between them."""
-    leave, enter = np.array(sorted([*pairs, *(pair[::-1] for pair in pairs)])).T
+class _Tracing:
+    """Pairs of places at which the curve meets itself, of which those that its outline passes are found to rounding.
+
+    The others, in what the follower cuts away, are not: there are very many where flanks cross often.
+    pairs (n, 2): parameters. chords (n, 2): numbers of the chords that cross there. settled (n,).
+    """
+
+    def __init__(self, raw: RawOutline, grid: Array, z: Array, points: list[Span]):
+        self.raw, self.grid = raw, grid
+        self.end = float(raw.curve.breaks[-1])
+        # A touch farther, since chords lie inside the curve.
+        i, j, s, t = chord_crossings(z, 1.01 * raw.reach)
+        following = np.append(grid, self.end)
+        self.chords = np.stack([i, j], axis=1)
+        self.pairs = following[self.chords]
+        self.pairs += np.stack([s, t], axis=1) * (following[self.chords + 1] - self.pairs)
+        self.settled = np.zeros(len(i), bool)
+        if points:
+            self.pairs = np.concatenate([self.pairs, points])
+            self.chords = np.concatenate([self.chords, np.searchsorted(grid, points, side="right") - 1])
+            self.settled = np.append(self.settled, np.ones(len(points), bool))
+
+    def trace(self, start: float) -> tuple[list[Span], list[Span]]:
+        """Stretches of the parameter that are kept, from that which holds `start`, and those skipped between them."""
+        while True:
+            kept, skipped = _trace(self.pairs, start, self.end)
+            passed = ~self.settled & self._near(kept)[self.chords].any(axis=1)
+            if not passed.any():
+                return kept, skipped
+            self._settle(np.flatnonzero(passed))
+
+    def _near(self, kept: list[Span]) -> Array:
+        """Whether chords are near to what is kept: a crossing may lie two chords from that of its chords."""
+        near = np.zeros(len(self.grid), bool)
+        for a, b in kept:
+            first, last = np.searchsorted(self.grid, [a, b], side="right").tolist()
+            near[np.arange(first - 4, last + 3) % len(near)] = True
+        return near
+
+    def _settle(self, which: Array) -> None:
+        following, chords = np.append(self.grid, self.end), self.chords[which]
+        low, high = following[np.maximum(chords - 1, 0)], following[np.minimum(chords + 2, len(self.grid))]
+        self.pairs[which] = crossings(self.raw.curve, self.pairs[which], low, high)
+        self.settled[which] = True
+        # Chords on both sides of a place lead to the same one.
+        alike = [
+            np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
+            for t in self.pairs.T
+        ]
+        first = np.unique(np.stack(alike), axis=1, return_index=True)[1]
+        keep = np.zeros(len(self.pairs), bool)
+        keep[first] = True
+        keep = np.isfinite(self.pairs[:, 0]) & (keep | ~self.settled)
+        self.pairs, self.chords, self.settled = self.pairs[keep], self.chords[keep], self.settled[keep]
+
+
+def _trace(pairs: Array, start: float, end: float) -> tuple[list[Span], list[Span]]:
+    """As `_Tracing.trace`, by the pairs as they stand."""
+    if not len(pairs):
+        return [(0.0, end)], []
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.lexsort([both[:, 1], both[:, 0]])]
+    leave = both[:, 0].tolist()
+    into = np.searchsorted(both[:, 0], both[:, 1])
+    enter, into = both[:, 1].tolist(), into.tolist()
     kept: list[Span] = []
     skipped: list[Span] = []
-    first = here = (int(np.searchsorted(leave, start, side="right")) - 1) % len(leave)
+    first = here = (bisect_right(leave, start) - 1) % len(leave)
     for _ in pairs:
-        a, b = float(leave[here]), float(leave[(here + 1) % len(leave)])
+        following = (here + 1) % len(leave)
+        a, b = leave[here], leave[following]
         kept += [(a, b)] if a < b else [(a, end), (0.0, b)]
-        into = float(enter[(here + 1) % len(leave)])
-        skipped.append((b, into))
-        here = int(np.searchsorted(leave, into))
+        skipped.append((b, enter[following]))
+        here = into[following]
         if here == first:
             break
     return [(a, b) for a, b in kept if b > a], skipped

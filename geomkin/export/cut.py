@@ -36,20 +36,67 @@ class Loop:
     points: Array
     layer: str
 
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of the shape, mm, arcs as far as they reach between their ends."""
+        if isinstance(self.shape, Circle):
+            corner = self.shape.radius * (1 + 1j)
+            return self.shape.centre - corner, self.shape.centre + corner
+        z = np.asarray(self.shape.vertices)
+        if self.shape.bulges is not None:
+            z = np.append(z, _tops(self.shape))
+        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+
+    def moved(self, shift: complex, digits: int) -> Loop:
+        """The same elsewhere. Rounded once more, since the sum of two short decimals is seldom one."""
+        points = _round(self.points + shift, digits)
+        if isinstance(self.shape, Circle):
+            centre = _round(np.asarray(self.shape.centre + shift), digits).item()
+            return Loop(Circle(centre, self.shape.radius), points, self.layer)
+        vertices = _round(np.asarray(self.shape.vertices) + shift, digits)
+        return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
+
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A part ready for its files. loops: the cuts, outline first, then the holes; marks: what is engraved."""
+    """A part ready for its files.
+
+    loops: the cuts, outline first, then the holes; marks: what is engraved. digits: decimals of mm that its numbers
+    carry.
+    """
 
     part: Part
     loops: tuple[Loop, ...]
-    marks: tuple[Loop, ...] = ()
+    marks: tuple[Loop, ...]
+    digits: int
+
+    @property
+    def area(self) -> float:
+        """Area within the cuts as they are written, mm2: the outline's less the holes'."""
+        outline, *holes = (area(loop.shape) for loop in self.loops)
+        return outline - sum(holes)
+
+    @property
+    def chord_area(self) -> float:
+        """The same of the chords that solids are made of."""
+        outline, *holes = (signed_area(loop.points) for loop in self.loops)
+        return outline - sum(holes)
 
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the outline, mm."""
-        z = self.loops[0].points
-        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+        return self.loops[0].box
+
+
+def _tops(shape: Polyline) -> Array:
+    """Places on arcs where they run along either axis."""
+    edges = np.arange(len(shape.breaks) - 1)
+    chord = shape.point(edges + 1) - shape.point(edges)
+    sweep = 4 * np.arctan(np.asarray(shape.bulges))
+    # Along an arc the direction turns evenly, from half its sweep before the chord's to half of it beyond.
+    share = 0.5 + np.angle(np.outer([1, 1j, -1, -1j], chord.conj())) / np.where(sweep == 0, np.inf, sweep)
+    axis, edge = np.nonzero((0 < share) & (share < 1) & (sweep != 0))
+    return shape.point(edge + share[axis, edge])
 
 
 def decimals(tolerance: float) -> int:
@@ -64,7 +111,7 @@ def decimals(tolerance: float) -> int:
 def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
-    arcs: polylines keep arcs instead of chords, unless the kerf closes an inner corner, which leaves chords.
+    arcs: polylines keep arcs instead of chords, unless the kerf closes a gap or a bend, which leaves chords.
     Marks are always chords, and stay where they are whatever the kerf.
     """
     _check_scale(part, tolerance)
@@ -80,7 +127,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> 
         for other in holes[:k]:
             if region.overlap([hole.points], [other.points]) > 0:
                 raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
-    return Cut(part, (outline, *holes), _marks(part, tolerance))
+    return Cut(part, (outline, *holes), _marks(part, tolerance), decimals(tolerance))
 
 
 def _check_scale(part: Part, tolerance: float) -> None:
@@ -146,20 +193,19 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
         circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
-    moved = _moved(curve, grow)
-    points = _rounded_loop(flatten(moved, tolerance), digits) if moved else np.empty(0)
-    if grow and not _is_outline(points):
+    sense = float(np.sign(area(curve, 1e-3)))
+    moved = parallel(curve, grow * sense) if grow else curve
+    points = flatten(moved, tolerance) if moved else np.empty(0)
+    # What a slot narrower than the beam leaves runs the other way round.
+    turned = grow != 0 and (len(points) < 3 or signed_area(points) * sense <= 0)
+    points = _rounded_loop(points, digits)
+    if grow and (turned or not _is_outline(points)):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if not _is_outline(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
-
-
-def _moved(curve: AbstractCurve, grow: float) -> AbstractCurve | None:
-    """The curve grown by a distance, exact, where a parallel curve can be drawn."""
-    return parallel(curve, grow * float(np.sign(area(curve, 1e-3)))) if grow else curve
 
 
 def _is_outline(points: Array) -> bool:
@@ -200,6 +246,8 @@ def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
 
 def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
+    if not len(z):
+        return z
     z = _round(z, digits)
     z = z[z != np.roll(z, 1)]
     return z if signed_area(z) >= 0 else z[::-1]

@@ -36,20 +36,22 @@ def _document(sheet: Sheet) -> Drawing:
         document.layers.add(name, color=index).rgb = rgb
     space = document.modelspace()
     for placed in sheet.placed:
-        for loop in (*placed.cut.loops, *placed.cut.marks):
-            _add(space, loop, placed.shift)
-    document.header["$EXTMIN"] = (0.0, 0.0, 0.0)
-    document.header["$EXTMAX"] = (sheet.width, sheet.height, 0.0)
+        for loop in placed.loops:
+            _add(space, loop)
+    # The library fills the header from the layout when it writes.
+    low, high = sheet.extents
+    space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
+    space.reset_limits((0.0, 0.0), (sheet.width, sheet.height))
     return document
 
 
-def _add(space, loop: Loop, shift: complex) -> None:
+def _add(space, loop: Loop) -> None:
     attributes = {"layer": loop.layer}
     if isinstance(loop.shape, Circle):
-        centre = loop.shape.centre + shift
+        centre = loop.shape.centre
         space.add_circle((centre.real, centre.imag), loop.shape.radius, dxfattribs=attributes)
         return
-    vertices = np.asarray(loop.shape.vertices) + shift
+    vertices = np.asarray(loop.shape.vertices)
     polyline = space.add_lwpolyline([], close=loop.shape.closed, dxfattribs=attributes)
     rows = np.zeros((len(vertices), 5))  # x, y, start width, end width, bulge
     rows[:, 0], rows[:, 1] = vertices.real, vertices.imag

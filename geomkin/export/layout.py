@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .cut import Cut
+from .cut import Cut, Loop
 
 # Clear space between parts, mm: less lets kerf and heat of one cut reach the next part.
 GAP = 5.0
@@ -20,6 +20,15 @@ class Placed:
     cut: Cut
     shift: complex
 
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """All of it on the sheet, in the order of the work.
+
+        Holes first, then marks, then the outline: what is cut free drops or tilts, and takes no more cuts.
+        """
+        outline, *holes = self.cut.loops
+        return tuple(loop.moved(self.shift, self.cut.digits) for loop in (*holes, *self.cut.marks, outline))
+
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
@@ -28,6 +37,12 @@ class Sheet:
     placed: tuple[Placed, ...]
     width: float
     height: float
+
+    @property
+    def extents(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of all that is cut, mm."""
+        low, high = np.array([p.loops[-1].box for p in self.placed]).T
+        return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
 
 
 def lay_out(cuts: Sequence[Cut]) -> Sheet:
@@ -44,7 +59,7 @@ def lay_out(cuts: Sequence[Cut]) -> Sheet:
         low, size = copies[k].box[0], sizes[k]
         if x > GAP and x + size.real + GAP > across:
             x, y, row = GAP, y + row + GAP, 0.0
-        # Whole millimetres keep the parts' own digits as they were rounded.
+        # Whole millimetres keep the parts' own decimals, so that all copies are alike.
         placed[k] = Placed(copies[k], complex(np.ceil(x - low.real), np.ceil(y - low.imag)))
         top = placed[k].shift + low + size
         x, row, width = top.real + GAP, max(row, top.imag - y), max(width, top.real + GAP)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array
-from .cut import Loop, decimals
+from .cut import Loop
 from .layers import LAYERS
 from .layout import Sheet
 
@@ -16,35 +16,36 @@ from .layout import Sheet
 STROKE = 0.25
 
 
-def svg(sheet: Sheet, title: str, tolerance: float) -> bytes:
-    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm."""
-    digits = decimals(tolerance)
+def svg(sheet: Sheet, title: str) -> bytes:
+    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm.
+
+    White behind it is a style of the page and no shape: whatever is drawn is cut.
+    """
     colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
-        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}">',
+        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}" style="background:#fff">',
         f"<title>{escape(_plain(title))}</title>",
-        f'<rect width="{size[0]}" height="{size[1]}" fill="#ffffff"/>',
     ]
-    for placed in sheet.placed:
-        lines.append(f'<g id="{escape(placed.cut.part.name)}-{len(lines)}">')
-        for loop in (*placed.cut.loops, *placed.cut.marks):
-            shape = _shape(loop, placed.shift, sheet.height, digits)
+    for number, placed in enumerate(sheet.placed, 1):
+        lines.append(f'<g id="{escape(placed.cut.part.name)}-{number}">')
+        for loop in placed.loops:
+            shape = _shape(loop, sheet.height, placed.cut.digits)
             lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
         lines.append("</g>")
     lines.append("</svg>\n")
     return "\n".join(lines).encode("utf-8", "replace")
 
 
-def _shape(loop: Loop, shift: complex, height: float, digits: int) -> str:
+def _shape(loop: Loop, height: float, digits: int) -> str:
     if isinstance(loop.shape, Circle):
-        c = loop.shape.centre + shift
+        c = loop.shape.centre
         return (
             f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(loop.shape.radius, digits)}"'
         )
-    z = np.asarray(loop.shape.vertices) + shift
+    z = np.asarray(loop.shape.vertices)
     places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
     bulges = loop.shape.bulges
     if bulges is None:

@@ -189,6 +189,10 @@ class ConjugateCurve(AbstractCurve):
         """Angle of the pitch point from +y in the gear's frame, rad."""
         return np.angle(-1j * m.direction)
 
+    def _place(self, m: Meeting) -> Array:
+        """The point in the mate's frame."""
+        return (m.touch.point - (self.pitch_radius + self.mate_radius) * m.direction) * self._turned(m)
+
     def _turned(self, m: Meeting) -> Array:
         return self.turn * np.exp(-1j * self.k * self._phi(m))
 
@@ -202,11 +206,16 @@ class ConjugateCurve(AbstractCurve):
         return self.k * self._g(m) / (m.touch.speed + np.abs(m.touch.turning) * self.pitch_radius)
 
     def point(self, t: ArrayLike) -> Array:
-        m = self._meeting(np.asarray(t, dtype=float))
-        return (m.touch.point - (self.pitch_radius + self.mate_radius) * m.direction) * self._turned(m)
+        return self._place(self._meeting(np.asarray(t, dtype=float)))
 
     def velocity(self, t: ArrayLike) -> Array:
-        u, m = self._inside(t)
+        return self.course(t)[1]
+
+    def course(self, t: ArrayLike) -> tuple[Array, Array]:
+        """Point and velocity together, at the cost of one."""
+        u = np.asarray(t, dtype=float)
+        at = self._meeting(u)
+        u, m = self._inside(u, at)
         s, w, r = m.touch.speed, m.touch.turning, self.pitch_radius
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = self._rate(u) / m.b
@@ -217,10 +226,11 @@ class ConjugateCurve(AbstractCurve):
             with np.errstate(divide="ignore"):
                 limit = self.root * stretch * np.sqrt(2 * (self.last - self.first) / (r * grows))
             ratio = np.where((m.b**2 < NEAR_FOLD * r**2) & self._at_fold(u), limit, ratio)
-        return m.touch.tangent * self._turned(m) * self._g(m) * ratio
+        return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
 
     def curvature(self, t: ArrayLike) -> Array:
-        _, m = self._inside(t)
+        u = np.asarray(t, dtype=float)
+        _, m = self._inside(u, self._meeting(u))
         s, w = m.touch.speed, m.touch.turning
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.root * (w * m.b + self.k * (s - w * m.q)) / np.abs(self._g(m))
@@ -228,10 +238,8 @@ class ConjugateCurve(AbstractCurve):
     def _at_fold(self, u: Array) -> Array:
         return ((u < 0.5) & self.folds[0]) | ((u >= 0.5) & self.folds[1])
 
-    def _inside(self, t: ArrayLike) -> tuple[Array, Meeting]:
-        """The meeting at t, or just inside the piece where two roots touch without a fold."""
-        u = np.asarray(t, dtype=float)
-        m = self._meeting(u)
+    def _inside(self, u: Array, m: Meeting) -> tuple[Array, Meeting]:
+        """The meeting m at u, or the one just inside the piece where two roots touch without a fold."""
         # Nearer to such a place than this the square root has lost more digits than the step costs.
         lost = (np.abs(m.b) < INSIDE * self.pitch_radius) & ~self._at_fold(u)
         if lost.any():
@@ -242,12 +250,11 @@ class ConjugateCurve(AbstractCurve):
     def contact(self, t: ArrayLike) -> Contact:
         """Where and when these points touch."""
         m = self._meeting(np.asarray(t, dtype=float))
-        phi, r = self._phi(m), self.pitch_radius
+        phi = self._phi(m)
         place = m.touch.point * np.exp(-1j * phi)
-        mate = (m.touch.point - (r + self.mate_radius) * m.direction) * self._turned(m)
         # Seen from the mate the gear turns by k about the pitch point: i k (z - P), which lies along T.
         angle = np.arccos(np.clip(np.abs(np.real(np.conj(m.touch.tangent) * m.direction)), 0, 1))
-        return Contact(-phi, place, m.touch.point, mate, self.k * m.q, angle)
+        return Contact(-phi, place, m.touch.point, self._place(m), self.k * m.q, angle)
 
     @cached_property
     def breaks(self) -> Array:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
@@ -27,8 +28,14 @@ MEET = 1e-8
 # Share of the pitch radius, squared, within which a normal at a break grazes the pitch circle. Larger splits curves
 # that pass it smoothly, smaller lets rounding decide on which side a pin begins.
 GRAZE = 1e-9
-# Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle.
-MOST_STEPS = 24
+# Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle. Fewer lose
+# such crossings, more only repeat what leads nowhere.
+MOST_STEPS = 8
+# Step of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
+# crossing off its place, smaller goes on where rounding alone moves it.
+SETTLED = 1e-12
+# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many places as for one.
+SHARES = np.linspace(0, 1, 33)
 # Curves that a walk follows before it is given up as going round in circles.
 MOST_CURVES = 400
 
@@ -81,11 +88,10 @@ class Swept:
             end = curve.end if ahead > 0 else curve.start
             out = self._exit(at, u, ahead, limit, sign)
             stop = end if out is None else out
-            found = [c for c in self._crossings(at, u, stop, along) if 0 < (c[0] - u) * ahead]
-            if found:
-                v, other, w = min(found, key=lambda c: (c[0] - u) * ahead)
+            if found := self._crossing(at, u, stop, along):
+                v, at, w = found
                 steps.append(Step(curve, u, v))
-                at, u = other, w
+                u = w
                 continue
             steps.append(Step(curve, u, stop))
             if out is not None:
@@ -104,7 +110,7 @@ class Swept:
         if not len(beyond):
             return None
         k = int(beyond[0])
-        return bisect(lambda x: sign * (np.abs(curve.point(x)) - limit), t[k], t[k + 1])
+        return float(first_change(lambda x: sign * (np.abs(curve.point(x)) - limit), t[k], t[k + 1]))
 
     def _next(self, at: int, place: complex, along: int) -> int:
         """The curve that begins where one has ended; of several the one that leads farthest out of what is swept."""
@@ -131,27 +137,35 @@ class Swept:
         if not len(beyond) or beyond[0] == 0:
             return complex(curve.point(t[-1])) - place
         # All at one distance: curves that leave together part by less than a step of their grids.
-        at = bisect(lambda x: np.abs(curve.point(x) - place) - far, t[beyond[0] - 1], t[beyond[0]])
+        at = first_change(lambda x: np.abs(curve.point(x) - place) - far, t[beyond[0] - 1], t[beyond[0]])
         return complex(curve.point(at)) - place
 
-    def _crossings(self, at: int, u: float, stop: float, along: int) -> list[tuple[float, int, float]]:
-        """Crossings with the other curves where those lead out: parameter here, the other curve, parameter there."""
-        low, high, mine = min(u, stop), max(u, stop), self.curves[at]
-        grid = self.grids[at]
-        t = np.concatenate([[low], grid[(grid > low) & (grid < high)], [high]])
-        boxes = _boxes(t, mine)
-        out: list[tuple[float, int, float]] = []
+    def _crossing(self, at: int, u: float, stop: float, along: int) -> tuple[float, int, float] | None:
+        """The first crossing after u, before `stop`, with a curve that leads out there: parameter, curve, its own."""
+        mine, first = self.curves[at], None
+        inner = self.grids[at]
+        inner = inner[(inner > min(u, stop)) & (inner < max(u, stop))]
+        t = np.concatenate([[min(u, stop)], inner, [max(u, stop)]])
+        middles, boxes = _middles(t), _boxes(t, mine)
         for k, other in enumerate(self.curves):
             if k == at:
                 continue
             i, j = _near(boxes, self._boxes[k])
-            here, there = _crossing(mine, other, _middles(t)[i], _middles(self.grids[k])[j], self.size)
-            keep = (here >= low) & (here <= high)
+            # Nothing behind a crossing already found is used.
+            near = (t[:-1] < stop)[i] if stop > u else (t[1:] > stop)[i]
+            here, there = _crossing(mine, other, middles[i[near]], _middles(self.grids[k])[j[near]], self.size)
+            keep = (here != u) & (here >= min(u, stop)) & (here <= max(u, stop))
             here, there = here[keep], there[keep]
+            if not len(here):
+                continue
             leads_out = along * cross(mine.velocity(here) * self.sense[at], other.velocity(there) * self.sense[k]) < 0
             keep = leads_out & ~self._are_joints(at, k, mine.point(here))
-            out.extend((v, k, w) for v, w in zip(here[keep].tolist(), there[keep].tolist()))
-        return out
+            if keep.any():
+                here, there = here[keep], there[keep]
+                nearest = int(np.abs(here - u).argmin())
+                first = float(here[nearest]), k, float(there[nearest])
+                stop = first[0]
+        return first
 
     @cached_property
     def _boxes(self) -> list[Array]:
@@ -237,7 +251,7 @@ def _changes(f: Callable[[Array], Array], grid: Array) -> list[float]:
     """The grid's two ends and the places between where f changes its sign, to rounding."""
     positive = f(grid) > 0
     changes = np.flatnonzero(positive[1:] != positive[:-1])
-    inner = [bisect(f, grid[k], grid[k + 1]) for k in changes]
+    inner = first_change(f, grid[changes], grid[changes + 1]).tolist()
     span = 1e-12 * (grid[-1] - grid[0])
     limits = [float(grid[0])]
     for t in inner:
@@ -250,15 +264,19 @@ def _changes(f: Callable[[Array], Array], grid: Array) -> list[float]:
     return limits
 
 
-def bisect(f: Callable[[Array], Array], low: float, high: float) -> float:
-    """Where f changes its sign between two parameters, to rounding; a jump counts."""
-    above = f(np.array(high)) > 0
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
+def first_change(f: Callable[[Array], Array], low: ArrayLike, high: ArrayLike) -> Array:
+    """Where f first changes its sign between pairs of parameters (...,), to rounding; a jump counts."""
+    low, high = np.asarray(low, dtype=float)[..., None], np.asarray(high, dtype=float)[..., None]
+    above = f(high) > 0
+    for _ in range(12):  # sixty halvings
+        t = low + (high - low) * SHARES
+        beyond = (f(t) > 0) == above
+        beyond[..., 0], beyond[..., -1] = False, True
+        k = beyond.argmax(axis=-1)[..., None]
+        before, (low, high) = (low, high), (np.take_along_axis(t, k - 1, -1), np.take_along_axis(t, k, -1))
+        if (low == before[0]).all() and (high == before[1]).all():
             break
-        low, high = (low, middle) if (f(np.array(middle)) > 0) == above else (middle, high)
-    return float(0.5 * (low + high))
+    return (0.5 * (low + high))[..., 0]
 
 
 def _middles(t: Array) -> Array:
@@ -286,18 +304,22 @@ def _near(a: Array, b: Array) -> tuple[Array, Array]:
 
 def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Array, v: Array, size: float) -> tuple[Array, Array]:
     """Parameters where two curves cross, by Newton's steps from near by; none for steps that lead nowhere."""
+    u, v, moving = u.copy(), v.copy(), np.arange(len(u))
     for _ in range(MOST_STEPS):
-        if not len(u):
-            return u, v
-        apart = b.point(v) - a.point(u)
-        mine, theirs = a.velocity(u), b.velocity(v)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            du, dv = cross(apart, theirs) / cross(mine, theirs), cross(apart, mine) / cross(mine, theirs)
-        sure = np.isfinite(du) & np.isfinite(dv)
-        u, v, du, dv = u[sure], v[sure], du[sure], dv[sure]
-        u_before, v_before = u, v
-        u, v = np.clip(u + du, a.start, a.end), np.clip(v + dv, b.start, b.end)
-        if np.all(np.abs(u - u_before) + np.abs(v - v_before) < 1e-15):
+        if not len(moving):
             break
+        here, mine = a.course(u[moving])
+        there, theirs = b.course(v[moving])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = cross(mine, theirs)
+            du, dv = cross(there - here, theirs) / turn, cross(there - here, mine) / turn
+        sure = np.isfinite(du) & np.isfinite(dv)
+        u[moving[~sure]] = np.nan
+        moving, du, dv = moving[sure], du[sure], dv[sure]
+        before = u[moving], v[moving]
+        u[moving], v[moving] = np.clip(before[0] + du, a.start, a.end), np.clip(before[1] + dv, b.start, b.end)
+        moving = moving[np.abs(u[moving] - before[0]) + np.abs(v[moving] - before[1]) > SETTLED]
+    sure = np.isfinite(u)
+    u, v = u[sure], v[sure]
     met = np.abs(b.point(v) - a.point(u)) < 1e-11 * size
     return u[met], v[met]

@@ -36,20 +36,8 @@ class PlanetarySet:
                 self._fitting_ring(),
             )
         self.outer  # refuses a ring in which the planets jam
-        if (self.sun.teeth + self.ring.teeth) % self.planets:
-            fitting = [n for n in range(1, 101) if (self.sun.teeth + self.ring.teeth) % n == 0 and self._room(n) > 0]
-            near = min(fitting, key=lambda n: (abs(n - self.planets), n))
-            raise DesignError(
-                "planets",
-                f"found {self.planets}, by which {self.sun.teeth} + {self.ring.teeth} teeth cannot be divided: "
-                "they could not be put in evenly",
-                f"give {near}, or other teeth",
-            )
-        if self._room(self.planets) <= 0:
-            most = max(n for n in range(1, self.planets) if self._room(n) > 0)
-            raise DesignError(
-                "planets", f"found {self.planets}, whose tips would touch each other", f"give at most {most}"
-            )
+        if not self._can_hold(self.planets):
+            raise DesignError("planets", *self._wrong_planets())
 
     @cached_property
     def inner(self) -> GearPair:
@@ -117,6 +105,21 @@ class PlanetarySet:
         if planets == 1:
             return float("inf")
         return 2 * self.inner.centre_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
+
+    def _can_hold(self, planets: int) -> bool:
+        """Whether so many planets can be put in evenly, clear of each other."""
+        return (self.sun.teeth + self.ring.teeth) % planets == 0 and self._room(planets) > 0
+
+    def _wrong_planets(self) -> tuple[str, str]:
+        """What is wrong with the number of planets, and the nearest that can be put in."""
+        # One always can.
+        near = min((n for n in range(1, 101) if self._can_hold(n)), key=lambda n: (abs(n - self.planets), n))
+        if self._room(self.planets) <= 0:
+            return f"found {self.planets}, whose tips would touch each other", f"give {near}, or other teeth"
+        return (
+            f"found {self.planets}, by which {self.sun.teeth} + {self.ring.teeth} teeth cannot be divided: "
+            "they could not be put in evenly"
+        ), f"give {near}, or other teeth"
 
     @property
     def _outer_distance(self) -> float:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..plane.vec import Array, cross, direction_deg, dot
+from ..plane.vec import Array, direction_deg
 from .closure import Driven
 from .continued import followed, run, started
 from .dyads import Dyad
@@ -75,14 +75,11 @@ class Chain(Solution):
 
     @cached_property
     def transmission_angle(self) -> Array:
-        angles = []
+        least = np.full(self.shape, np.nan)
         for step in self.steps:
-            ways = step.meeting(self._upto(0)[0])
-            if ways is not None:
-                angles.append(np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways))))
-        least = np.full(self.shape, np.pi / 2)
-        for angle in angles:
-            least = np.minimum(least, angle)
+            angle = step.transmission_angle(self._upto(0)[0])
+            if angle is not None:
+                least = np.fmin(least, angle)
         return np.where(self.closed, least, np.nan)
 
     def _column(self, q: Array) -> Array:

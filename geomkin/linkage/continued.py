@@ -9,6 +9,7 @@ import numpy as np
 from ..plane.vec import Array
 from .closure import Driven
 from .dyads import Dyad
+from .loops import Loops
 from .steps import Pass, Step, Turned
 
 # Steps of the finer row of drives, rad, and of a slider as a share of its whole way: coarser, and a prediction
@@ -42,9 +43,20 @@ def followed(
     steps: Sequence[Step], ground: str, drive: Array, signs: Mapping[str, int], follow: bool
 ) -> tuple[list[Pass], Mapping[str, Array | int]]:
     """All passes, and the branches by joint, worked out step by step along a finer row of drives."""
-    fine, places = _finer(drive, FINEST_TURN if isinstance(steps[0], Turned) else FINEST_SHARE * np.ptp([*drive, 0]))
-    p0, p1, p2 = started(ground, fine), _still(ground), _still(ground)
+    finest = FINEST_TURN if isinstance(steps[0], Turned) else FINEST_SHARE * np.ptp([*drive, 0])
+    fine, places = _finer(drive, finest) if follow else (drive, np.arange(len(drive)))
     branch: dict[str, Array | int] = {}
+    rising = np.argsort(fine, kind="stable")
+
+    def before(q: Array) -> list[Pass]:
+        # Signs that differ by frame are those of the nearest frame.
+        near = np.searchsorted(0.5 * (fine[rising][1:] + fine[rising][:-1]), q)
+        signs = {joint: s if np.ndim(s) == 0 else np.asarray(s)[rising][near] for joint, s in branch.items()}
+        passes = [started(ground, q)]
+        run([step for step in steps if not isinstance(step, Loops)], ground, signs, passes, 1)
+        return passes
+
+    p0, p1, p2 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, fine, {}, before), _still(ground), _still(ground)
     with np.errstate(all="ignore"):
         for step in steps:
             side: Array | int = 1

@@ -51,3 +51,13 @@ def newton_raphson(
             converged = True
             break
     return Root(x, converged, float(np.abs(np.atleast_1d(np.asarray(f(x), dtype=float))).max()), np.array(path))
+
+
+def solved(matrices: Array, right: Array) -> Array:
+    """x with matrix x = right for every one of (k, n, n) and (k, n); nan where a matrix is singular or not finite."""
+    found = np.full(right.shape, np.nan)
+    known = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    # A sign of zero is a pivot of zero, which `solve` would refuse all of them for.
+    known[known] = np.linalg.slogdet(matrices[known])[0] != 0
+    found[known] = np.linalg.solve(matrices[known], right[known][..., None])[..., 0]
+    return found

@@ -32,8 +32,10 @@ def _planned(linkage: Linkage, follow: bool) -> list[Step]:
     _check_mobility(linkage)
     planner = _Planner(linkage, follow)
     planner.drive()
-    while planner.carry() or planner.dyad():
-        pass
+    # Every round finds a direction or a place of one body at least.
+    for _ in range(2 * len(linkage.bodies)):
+        if not (planner.carry() or planner.dyad()):
+            break
     planner.rest()
     return planner.steps
 
@@ -222,7 +224,9 @@ class _Planner:
         if waiting:
             if self.actuator:
                 self.steps.append(Drawn(self.actuator.name))
-            self.steps.append(Loops(self.linkage, tuple(waiting), frozenset(self.oriented), frozenset(self.placed)))
+            joined = frozenset(self.oriented), frozenset(self.placed)
+            turns = any(isinstance(step, Turned) for step in self.steps)
+            self.steps.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))
 
     def append(self, dyad: RRR | RRP) -> None:
         """The dyad, in the form that keeps its digits at a toggle where the driver alone moves it."""

@@ -7,13 +7,14 @@ by the drive q.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..plane.vec import Array
+from ..plane.vec import Array, cross, dot
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,13 +23,15 @@ class Pass:
 
     origin: places, mm, of the bodies' origins; turn: their directions, unit complex. In the passes of
     derivatives: both by the drive, the turn as an angle. drive: q, rad or mm. kept: what a step worked
-    out and needs again.
+    out and needs again. elsewhere: passes of order 0 and 1 at other drives, of the steps before one that looks between
+    the frames.
     """
 
     origin: dict[str, Array] = field(default_factory=dict)
     turn: dict[str, Array] = field(default_factory=dict)
     drive: Array = field(default_factory=lambda: np.zeros(()))
     kept: dict[Any, Any] = field(default_factory=dict)
+    elsewhere: Callable[[Array], list[Pass]] = lambda q: []
 
     @cached_property
     def half(self) -> tuple[Array, Array]:
@@ -114,6 +117,11 @@ class Step(ABC):
     def meeting(self, p0: Pass) -> tuple[Array, Array] | None:
         """Where a joint has two ways to go, those directions, of any length: parallel at a dead centre."""
         return None
+
+    def transmission_angle(self, p0: Pass) -> Array | None:
+        """Least acute angle between the ways in which a joint's two members let it move, rad; None where none has."""
+        ways = self.meeting(p0)
+        return None if ways is None else np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways)))
 
 
 @dataclass(frozen=True, eq=False)

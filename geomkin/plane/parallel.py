@@ -10,16 +10,19 @@ from .flatten import smooth_runs
 from .joined import Path, Ring
 from .primitives import Arc, Polyline, Segment
 from .spread import CORNER, direction
-from .vec import Array
+from .vec import Array, cross
 
+# Newton steps to where two curves meet. From the ends of neighbours that overlap by far less than they are long
+# four do; what has not met by then misses, or would have to be trimmed beyond the neighbours.
+STEPS = 20
 Known = dict[tuple[AbstractCurve, float], AbstractCurve]
 
 
 def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
     """A closed curve moved by `distance`, mm, to its right, with an arc round every corner that opens.
 
-    None where a corner closes instead, since the curves would have to be trimmed there. A distance
-    beyond a radius of curvature gives loops, which nothing trims either.
+    At a corner that closes both sides end where they meet; None where one of them ends before. A distance
+    beyond a radius of curvature, or half the width of a gap, gives loops, which nothing trims.
     """
     if distance == 0:
         return curve
@@ -35,21 +38,69 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
 
 
 def _pieces(curve: AbstractCurve, distance: float, first_after: complex) -> list[AbstractCurve] | None:
-    """Offset stretches and corner arcs, the arc at the end included; the start comes again turned by `first_after`."""
+    """Offset stretches and corner arcs, the arc at the end included; the start comes again turned by `first_after`.
+
+    None where a side of a corner that closes would have to be trimmed as a whole.
+    """
     runs = smooth_runs(curve)
     pieces: list[AbstractCurve] = []
+    closing: list[tuple[int, complex]] = []
     known: Known = {}
     for k, run in enumerate(runs):
         pieces.extend(_beside(curve, run, distance, known))
         following = runs[(k + 1) % len(runs)][0]
-        turn = _turn(curve, run[-1], following, first_after if k == len(runs) - 1 else 1 + 0j)
+        turned = first_after if k == len(runs) - 1 else 1 + 0j
+        turn = _turn(curve, run[-1], following, turned)
         if turn * distance < 0:
-            return None
-        if turn:
+            closing.append((len(pieces) - 1, turned))
+        elif turn:
             corner = complex(curve.point(run[-1]))
             start = complex(pieces[-1].point(pieces[-1].breaks[-1]))
             pieces.append(Arc(corner, start, turn))
-    return pieces
+    return _trimmed(pieces, closing)
+
+
+def _trimmed(pieces: list[AbstractCurve], closing: list[tuple[int, complex]]) -> list[AbstractCurve] | None:
+    """The pieces, with those before a corner that closes and after it cut off where they meet.
+
+    closing: number of the piece before each, and by what the piece after it is turned.
+    """
+    spans = [[float(p.breaks[0]), float(p.breaks[-1])] for p in pieces]
+    for before, turned in closing:
+        after = (before + 1) % len(pieces)
+        spans[before][1], spans[after][0] = _meeting(pieces[before], pieces[after], turned)
+    # Where nothing meets, or nothing is left, the comparison is False.
+    if not all(low < high for low, high in spans):
+        return None
+    touched = {k for before, _ in closing for k in (before, (before + 1) % len(pieces))}
+    return [_part(piece, *spans[k]) if k in touched else piece for k, piece in enumerate(pieces)]
+
+
+def _meeting(one: AbstractCurve, two: AbstractCurve, turned: complex) -> tuple[float, float]:
+    """Parameters at which the end of one curve meets the start of another, turned about the origin; nan for none."""
+    (first, last), (start, end) = one.breaks[[0, -1]], two.breaks[[0, -1]]
+    s, t, rounding = last, start, 1e-13 * float(np.abs(one.point(one.breaks)).max())
+    for _ in range(STEPS):
+        gap = turned * two.point(t) - one.point(s)
+        if abs(gap) <= rounding:
+            return float(s), float(t)
+        u, v = one.velocity(s), turned * two.velocity(t)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s, t = s + cross(gap, v) / cross(u, v), t + cross(gap, u) / cross(u, v)
+        if not (first <= s <= last and start <= t <= end):
+            break
+    return np.nan, np.nan
+
+
+def _part(curve: AbstractCurve, low: float, high: float) -> AbstractCurve:
+    """A curve between two of its parameters; of arcs and straight edges, such a one."""
+    match curve:
+        case Segment():
+            return Segment(complex(curve.point(low)), complex(curve.point(high)))
+        case Arc():
+            return Arc(curve.centre, complex(curve.point(low)), curve.sweep * (high - low))
+    inner = curve.breaks[(curve.breaks > low) & (curve.breaks < high)]
+    return Stretch(curve, np.array([low, *inner, high]))
 
 
 def _beside(curve: AbstractCurve, run: Array, distance: float, known: Known) -> list[AbstractCurve]:

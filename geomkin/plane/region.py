@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ..errors import DesignError
-from .vec import Array, xy
+from .vec import Array, cross, dot, unit, xy
 
 Loops = list[Array]
 
@@ -58,6 +58,79 @@ def contains(outer: Array, inner: Array) -> bool:
 def gap(a: Array, b: Array) -> float:
     """Least distance between two polygons' boundaries, mm."""
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
+
+
+def spacing(loops: Sequence[Array], radii: Sequence[float]) -> float:
+    """Least distance, mm, between the boundaries of a plate and its openings; inf where there is but one.
+
+    loops: the outline and what lies in it, apart from each other. One place stands for a circle of its radius about
+    it, which is exact; the radii of the others are 0.
+    """
+    (outline, *holes), (outer, *inner) = loops, radii
+    if not holes:
+        return np.inf
+    shapes = np.array(
+        [shapely.Point(z[0].real, z[0].imag) if r else shapely.LinearRing(xy(z)) for z, r in zip(holes, inner)]
+    )
+    radius = np.array(inner)
+    if outer:
+        reach = np.array([np.abs(z - outline[0]).max() for z in holes])
+        least = float((outer - reach - radius).min())
+    else:
+        least = float((shapely.distance(shapely.LinearRing(xy(outline)), shapes) - radius).min())
+    near = least + 2 * float(radius.max())
+    one, two = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=near)
+    one, two = one[one < two], two[one < two]
+    between = shapely.distance(shapes[one], shapes[two]) - radius[one] - radius[two]
+    return min(least, float(between.min(initial=np.inf)))
+
+
+def neck(loops: Sequence[Array], tried: Sequence[int], within: float) -> float:
+    """Least width, mm, of material between two places of one boundary; inf where none is less than `within`.
+
+    A neck is where the boundary faces itself squarely: a step along it from either end makes the way across no
+    shorter. So has a bar with parallel sides, and a tapered one has none. loops: material on their left. tried: of
+    how many vertices of each, from the first on, necks are sought that begin there.
+    """
+    # Rounding of directions; larger takes sides for parallel that are not.
+    even = 1e-6
+    z = np.concatenate(loops)
+    loop = np.repeat(np.arange(len(loops)), [len(one) for one in loops])
+    start = np.concatenate([[0], np.cumsum([len(one) for one in loops])])[loop]
+    count = np.array([len(one) for one in loops])[loop]
+    index = np.arange(len(z))
+    after, before = start + (index - start + 1) % count, start + (index - start - 1) % count
+    ahead = unit(z[after] - z)
+    behind = ahead[before]
+    edges = shapely.linestrings(np.stack([xy(z), xy(z[after])], axis=1))
+    tree = shapely.STRtree(edges)
+    sought = index[index - start < np.asarray(tried)[loop]]
+    least = within
+    # So many at a time that a place's neighbours fit into memory, however far the neck reaches.
+    for some in np.array_split(sought, len(sought) // 256 + 1):
+        v, e = tree.query(shapely.points(xy(z[some])), predicate="dwithin", distance=least)
+        v = some[v]
+        own = (loop[v] == loop[e]) & (v != e) & (v != after[e])
+        v, e = v[own], e[own]
+        edge = z[after[e]] - z[e]
+        share = np.clip(dot(edge, z[v] - z[e]) / np.abs(edge) ** 2, 0, 1)
+        foot = z[e] + share * edge
+        width = np.abs(foot - z[v])
+        across = unit(foot - z[v])
+        # Where the foot is an end of its edge, the directions there.
+        foot_ahead = np.where(share < 1, ahead[e], ahead[after[e]])
+        foot_behind = np.where(share > 0, ahead[e], behind[e])
+        square = (dot(across, ahead[v]) <= even) & (dot(across, behind[v]) >= -even)
+        square &= (dot(across, foot_ahead) >= -even) & (dot(across, foot_behind) <= even)
+        inward = (cross(ahead[v] + behind[v], across) > 0) & (cross(foot_ahead + foot_behind, across) < 0)
+        found = np.flatnonzero(square & inward & (width < least))
+        for k in found[np.argsort(width[found])]:
+            ends = np.array([0.999 * z[v[k]] + 0.001 * foot[k], 0.001 * z[v[k]] + 0.999 * foot[k]])
+            # What leaves the material on its way is no neck.
+            if not len(tree.query(shapely.LineString(xy(ends)), predicate="intersects")):
+                least = float(width[k])
+                break
+    return least if least < within else np.inf
 
 
 def triangulate(loops: Loops) -> tuple[Array, Array]:

@@ -112,11 +112,6 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
         checks.append(Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice))
-    if recipe.stock.bore:
-        outline = recipe.cut.outline
-        inner = np.abs(outline.point(np.linspace(outline.breaks[:-1], outline.breaks[1:], 65))).min()
-        wall = inner - recipe.stock.bore / 2 - recipe.stock.keyway_depth
-        checks.append(Check("wall around the bore", wall, "at least", 1, "mm", "give a smaller bore"))
     roller = getattr(cam.follower, "roller_radius", 0.0)
     if roller:
         room = tightest_convex(cam)[0] / roller

@@ -161,11 +161,11 @@ def _pair_checks(recipe: GearPairRecipe) -> list[Check]:
 
 def _pair_parts(recipe: GearPairRecipe) -> list[Part]:
     parts = [part for name, gear, stock in recipe.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
-    bores = [recipe.first_stock.bore, recipe.second_stock.bore]
-    if all(bores):
+    holes = [recipe.first_stock.hole_diameter, recipe.second_stock.hole_diameter]
+    if all(holes):
         # As much plate around a hole as the hole is wide.
         axes = [0j, complex(recipe.pair.centre_distance)]
-        parts.append(base_plate("base", axes, bores, max(bores), recipe.first_stock.thickness))
+        parts.append(base_plate("base", axes, holes, max(holes), recipe.first_stock.thickness))
     return parts
 
 

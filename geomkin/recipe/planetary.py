@@ -72,7 +72,8 @@ def _parts(recipe: PlanetaryRecipe) -> list[Part]:
     parts += gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets)
     parts.append(ring_part(gears.ring, recipe.ring_stock))
     if planet.bore:
-        parts.append(carrier(gears, (sun.bore, planet.bore), planet.bore, planet.thickness))
+        holes = sun.hole_diameter, planet.hole_diameter
+        parts.append(carrier(gears, holes, planet.hole_diameter, planet.thickness))
     return parts
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import DesignError
-from ..plane.primitives import Circle, Polyline
+from ..plane.primitives import Polyline
 
 # Radius of outer corners, mm: a sharp one cuts fingers and chips in a drop, and beams burn it.
 CORNER = 1.0
@@ -98,16 +98,3 @@ def _polyline(corners: list[complex], bulges: list[float]) -> Polyline:
     z, b = np.array(corners, dtype=complex), np.array(bulges, dtype=float)
     kept = np.abs(np.roll(z, -1) - z) > 1e-12 * np.abs(z).max()
     return Polyline(z[kept], b[kept])
-
-
-def hole(place: complex, diameter: float, width: float, key: str) -> tuple[Circle, ...]:
-    """A round hole in the middle of a bar or boss, or none for diameter 0."""
-    if diameter == 0:
-        return ()
-    if not 0.01 <= diameter < width:
-        raise DesignError(
-            key,
-            f"found {diameter:g} mm in a bar {width:g} mm wide",
-            f"give 0 for none, or at least 0.01 and less than {width:g} mm",
-        )
-    return (Circle(place, diameter / 2),)

@@ -15,8 +15,8 @@ from ..cam.undercut import Undercut, undercut
 from ..part import Part
 from ..plane.primitives import Circle, rounded_hull
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .bore import bore
-from .cam_followers import CORNER, faced_arm, hole, rounded, stemmed_face
+from .bore import bore, clearance, shaft, widened
+from .cam_followers import CORNER, faced_arm, rounded, stemmed_face
 from .keyway import keyed_bore
 from .timing import timing_marks
 
@@ -26,10 +26,8 @@ class CamStock:
     """What a cam and its follower are cut from."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
-    bore: float = quantity("diameter of the hole for the cam shaft, 0 for none", "mm", default=8.0, at_least=0)
-    roller_bore: float = quantity(
-        "diameter of the hole for the roller's pin, 0 for none", "mm", default=4.0, at_least=0
-    )
+    bore: float = shaft("the cam shaft", 8.0)
+    roller_bore: float = shaft("the roller's pin", 4.0)
     keyway_width: float = quantity(
         "width of the keyway in the bore, 0 for none", "mm", default=0.0, at_least=0, at_most=FARTHEST
     )
@@ -48,9 +46,8 @@ class CamStock:
     stem_length: float = quantity(
         "distance from a translating flat face to the hole in its stem", "mm", default=40.0, above=0, at_most=FARTHEST
     )
-    pivot_bore: float = quantity(
-        "diameter of the hole for an arm's pivot or in a stem, 0 for none", "mm", default=6.0, at_least=0
-    )
+    pivot_bore: float = shaft("an arm's pivot, or of the pin in a stem", 6.0)
+    clearance: float = clearance(0.0)
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -68,10 +65,11 @@ def _plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     narrowest = 2 * float(np.abs(cut.outline.point(samples(cut.outline.breaks))).min())
     start = complex(cam.profile.point(0.0))
     towards = start / abs(start)
-    holes = keyed_bore(stock.bore, stock.keyway_width, stock.keyway_depth, towards, narrowest, "stock")
+    play, width, depth = stock.clearance, stock.keyway_width, stock.keyway_depth
+    holes = keyed_bore(stock.bore, play, width, depth, towards, narrowest, "stock")
     if not stock.timing_mark:
         return Part("cam", cut.outline, holes, stock.thickness)
-    inner = abs(complex(stock.bore / 2 + stock.keyway_depth, stock.keyway_width / 2))
+    inner = abs(complex(widened(stock.bore, play) / 2 + depth, width / 2))
     marks = timing_marks(towards, inner, narrowest / 2, cam.sense)
     return Part("cam", cut.outline, holes, stock.thickness, marks=marks)
 
@@ -80,30 +78,33 @@ def _rollers(cam: Cam, stock: CamStock) -> list[Part]:
     if not isinstance(cam.follower, Roller) or cam.follower.roller_radius == 0:
         return []
     radius = cam.follower.roller_radius
-    return [
-        Part("roller", Circle(0j, radius), bore(stock.roller_bore, 2 * radius, "stock.roller_bore"), stock.thickness)
-    ]
+    hole = bore(stock.roller_bore, stock.clearance, 2 * radius, "stock.roller_bore")
+    return [Part("roller", Circle(0j, radius), hole, stock.thickness)]
 
 
 def _carriers(cam: Cam, stock: CamStock) -> list[Part]:
     """The plate of a follower in its own frame; none of a roller that moves straight, which needs a guide to fit."""
     follower, width = cam.follower, stock.bar_width
+
+    def hole(diameter: float, key: str, place: complex = 0j) -> tuple[Circle, ...]:
+        return bore(diameter, stock.clearance, width, f"stock.{key}", place)
+
     # The corners of a face lie beyond what the cam touches.
     corner = min(CORNER, stock.overhang)
     match follower:
         case TranslatingFlat():
             outline, place = stemmed_face(_face(cam, stock), follower.tilt, width, stock.stem_length)
-            holes = hole(place, stock.pivot_bore, width, "stock.pivot_bore")
+            holes = hole(stock.pivot_bore, "pivot_bore", place)
             return [Part("follower", rounded(outline, corner), holes, stock.thickness)]
         case OscillatingFlat():
             arm = faced_arm(_face(cam, stock), follower.face_offset, width, side_sign(follower.side))
-            holes = hole(0j, stock.pivot_bore, width, "stock.pivot_bore")
+            holes = hole(stock.pivot_bore, "pivot_bore")
             return [Part("arm", rounded(arm, corner), holes, stock.thickness)]
         case OscillatingRoller():
             end = complex(follower.arm_length)
-            holes = hole(0j, stock.pivot_bore, width, "stock.pivot_bore")
+            holes = hole(stock.pivot_bore, "pivot_bore")
             if follower.roller_radius:
-                holes += hole(end, stock.roller_bore, width, "stock.roller_bore")
+                holes += hole(stock.roller_bore, "roller_bore", end)
             return [Part("arm", rounded_hull([0j, end], width / 2), holes, stock.thickness)]
     return []
 

@@ -11,7 +11,7 @@ from ..gear.lantern import LanternPinion
 from ..part import Part
 from ..plane.primitives import Circle
 from ..sizes import FARTHEST, check_sizes, quantity
-from .bore import bore
+from .bore import bore, clearance, shaft
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,9 @@ class PairStock:
     """What a gear and its mate are cut from."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = quantity("diameter of the hole for the gear's shaft, 0 for none", "mm", default=8.0, at_least=0)
-    mate_bore: float = quantity("diameter of the hole for the mate's shaft, 0 for none", "mm", default=8.0, at_least=0)
+    bore: float = shaft("the gear's shaft", 8.0)
+    mate_bore: float = shaft("the mate's shaft", 8.0)
+    clearance: float = clearance(0.0)
     rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
@@ -32,11 +33,9 @@ class LanternStock:
     """What a lantern pinion's discs and its wheel are cut from; the pins are rods."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = quantity("diameter of the hole for the pinion's shaft, 0 for none", "mm", default=8.0, at_least=0)
-    mate_bore: float = quantity("diameter of the hole for the wheel's shaft, 0 for none", "mm", default=8.0, at_least=0)
-    clearance: float = quantity(
-        "how much wider than its pin a hole is", "mm", default=0.1, at_least=0, at_most=FARTHEST
-    )
+    bore: float = shaft("the pinion's shaft", 8.0)
+    mate_bore: float = shaft("the wheel's shaft", 8.0)
+    clearance: float = clearance(0.1)
     edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
     rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
 
@@ -46,10 +45,10 @@ class LanternStock:
 
 def pair_parts(gear: FlankGear, mate: Conjugate, stock: PairStock) -> list[Part]:
     """The gear and its mate, each about its own axis."""
-    holes = bore(stock.bore, 2 * gear.root_radius, "stock.bore")
+    holes = bore(stock.bore, stock.clearance, 2 * gear.root_radius, "stock.bore")
     return [
         Part("gear", gear.outline, holes, stock.thickness),
-        mate_part(mate, stock.thickness, stock.mate_bore, stock.rim),
+        mate_part(mate, stock),
     ]
 
 
@@ -64,16 +63,17 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
             f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
         )
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
-    shaft = bore(stock.bore, 2 * (pinion.pitch_radius - hole), "stock.bore")
+    middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
     return [
-        Part("disc", outer, (*shaft, *pins), stock.thickness, count=2),
-        mate_part(mate, stock.thickness, stock.mate_bore, stock.rim),
+        Part("disc", outer, (*middle, *pins), stock.thickness, count=2),
+        mate_part(mate, stock),
     ]
 
 
-def mate_part(mate: Conjugate, thickness: float, diameter: float, rim: float) -> Part:
+def mate_part(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     """The mate's plate: a gear with its bore, or a ring with its teeth inside."""
     if mate.is_ring:
-        return Part("ring", Circle(0j, mate.root_radius + rim), (mate.outline,), thickness)
-    return Part("mate", mate.outline, bore(diameter, 2 * mate.root_radius, "stock.mate_bore"), thickness)
+        return Part("ring", Circle(0j, mate.root_radius + stock.rim), (mate.outline,), stock.thickness)
+    hole = bore(stock.mate_bore, stock.clearance, 2 * mate.root_radius, "stock.mate_bore")
+    return Part("mate", mate.outline, hole, stock.thickness)

@@ -11,28 +11,30 @@ from .bore import bore
 
 
 def keyed_bore(
-    diameter: float, width: float, depth: float, towards: complex, widest: float, key: str
+    diameter: float, clearance: float, width: float, depth: float, towards: complex, widest: float, key: str
 ) -> tuple[AbstractCurve, ...]:
     """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, on one side.
 
-    depth: of the slot beyond the bore, along its middle. towards: unit direction of that middle. The slot has
-    square corners and opens into the bore, as one outline. Width and depth 0: a plain bore; bore 0: no hole.
+    diameter: of the shaft; the bore is wider by the clearance. depth: of the slot beyond the bore, along its middle.
+    towards: unit direction of that middle. The slot has square corners and opens into the bore, as one outline.
+    Width and depth 0: a plain bore; diameter 0: no hole.
     Raises DesignError, of sizes named `key`.bore and so on, where the hole does not leave a part of `widest` mm
     across where it is narrowest.
     """
-    holes: tuple[Circle, ...] = bore(diameter, widest, f"{key}.bore")
+    holes: tuple[Circle, ...] = bore(diameter, clearance, widest, f"{key}.bore")
     if width == 0 and depth == 0:
         return holes
     if width == 0 or depth == 0:
         missing = "width" if width == 0 else "depth"
         raise DesignError(f"{key}.keyway_{missing}", "found 0 mm", "give width and depth of the keyway, or neither")
-    if width >= diameter:
+    across = diameter + clearance
+    if width >= across:
         raise DesignError(
             f"{key}.keyway_width",
-            f"found {width:g} mm in a bore of {diameter:g} mm",
+            f"found {width:g} mm in a bore of {across:g} mm",
             "give a keyway narrower than the bore",
         )
-    radius = diameter / 2
+    radius = across / 2
     corner = radius + depth + 0.5j * width
     if abs(corner) >= widest / 2:
         raise DesignError(

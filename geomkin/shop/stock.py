@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..errors import DesignError
 from ..sizes import FARTHEST, check_sizes, quantity
+from .bore import clearance as wider
 
 
 @dataclass(frozen=True)
@@ -15,9 +16,7 @@ class LinkStock:
     thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
     bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
-    clearance: float = quantity(
-        "how much wider than its pin a hole is", "mm", default=0.2, at_least=0, at_most=FARTHEST
-    )
+    clearance: float = wider(0.2)
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -18,6 +18,7 @@ from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
 from geomkin.export.stl import stl
 from geomkin.export.svg import svg
+from geomkin.shop.keyway import keyed_bore
 from geomkin.table import xy_columns
 
 TOLERANCE = 0.005
@@ -63,6 +64,38 @@ def test_dxf_says_millimetres_has_clean_layers_and_the_right_area(arcs):
     assert abs(net - wanted) < TOLERANCE * outlines
     has_bulges = any(v[2] for e in document.modelspace().query("LWPOLYLINE") for v in e.get_points("xyb"))
     assert has_bulges == arcs
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize("count", [1, 4])
+def test_dxf_extents_are_those_of_what_is_cut(arcs, count):
+    """Against every arc and line of it, in fine steps, as the library reads them."""
+    hook = gk.Part("hook", gk.Polyline(np.array([0, 10 - 5j, 20 + 5j, 3j]), np.array([0.9, -0.3, 1.0, 0.2])), (), 1)
+    document = read_dxf(dxf(sheet_of([hook, *PARTS][:count], arcs=arcs)))
+    space = document.modelspace()
+    edges = [edge for e in space.query("LWPOLYLINE") for edge in e.virtual_entities()]
+    places = [edge.flattening(1e-5) if edge.dxftype() == "ARC" else (edge.dxf.start, edge.dxf.end) for edge in edges]
+    x, y, _ = np.array([p.xyz for row in places for p in row]).T
+    assert np.array(document.header["$EXTMIN"])[:2] == pytest.approx([x.min(), y.min()], abs=3e-5)
+    assert np.array(document.header["$EXTMAX"])[:2] == pytest.approx([x.max(), y.max()], abs=3e-5)
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+def test_coordinates_carry_no_more_decimals_than_the_tolerance_asks(arcs):
+    """Short decimals plus whole millimetres are not: 1.2345678 + 37 ends in ...0000000000003."""
+    text = dxf(sheet_of(PARTS, arcs=arcs)).decode().split("ENTITIES")[1].split("ENDSEC")[0].split("\n")
+    coordinates = [value.strip() for code, value in zip(text[1::2], text[2::2]) if code.strip() in ("10", "20", "40")]
+    assert len(coordinates) > 100
+    assert max(len(value.partition(".")[2]) for value in coordinates) <= 7
+
+
+def test_holes_and_marks_come_before_the_outline_that_frees_the_part():
+    marked = gk.Part("marked", gk.Circle(0, 30), (gk.Circle(0, 4), gk.Circle(15, 3)), 2, marks=(gk.Circle(-15, 2),))
+    sheet = sheet_of([marked, PLATE])
+    wanted = ["HOLE", "HOLE", "ENGRAVE", "CUT", *["HOLE", "HOLE", "CUT"] * PLATE.count]
+    assert [e.dxf.layer for e in read_dxf(dxf(sheet)).modelspace()] == wanted
+    drawn = ET.fromstring(svg(sheet, "order")).iter()
+    assert [e.get("class") for e in drawn if e.get("class")] == wanted
 
 
 def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
@@ -120,15 +153,18 @@ def test_stl_is_closed_upright_and_of_the_right_volume(part):
 @pytest.mark.parametrize("arcs", [False, True])
 def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
     sheet = sheet_of(PARTS, arcs=arcs)
-    root = ET.fromstring(svg(sheet, "a <b> & c", TOLERANCE))
+    root = ET.fromstring(svg(sheet, "a <b> & c"))
     assert root.get("width") == f"{sheet.width:g}mm" and root.get("viewBox") == f"0 0 {sheet.width:g} {sheet.height:g}"
     space = "{http://www.w3.org/2000/svg}"
     assert root.find(f"{space}title").text == "a <b> & c"
-    drawn = [e for e in root.iter() if e.get("class") in ("CUT", "HOLE")]
-    cuts = [loop for placed in sheet.placed for loop in placed.cut.loops]
+    shapes = [e for e in root.iter() if e.tag not in {space + name for name in ("svg", "title", "g")}]
+    drawn = [e for e in shapes if e.get("class") in ("CUT", "HOLE")]
+    # No background either: a cutter would cut it.
+    assert shapes == drawn
+    # Holes before the outline that holds them.
+    cuts = [(loop, p.shift) for p in sheet.placed for loop in (*p.cut.loops[1:], p.cut.loops[0])]
     assert len(drawn) == len(cuts)
-    starts = [placed.shift for placed in sheet.placed for _ in placed.cut.loops]
-    for element, loop, shift in zip(drawn, cuts, starts):
+    for element, (loop, shift) in zip(drawn, cuts):
         if element.tag == f"{space}circle":
             assert float(element.get("r")) == loop.shape.radius
             continue
@@ -174,9 +210,25 @@ def test_what_cannot_be_cut_is_refused(part, words):
         cut(part, TOLERANCE)
 
 
-def test_a_kerf_wider_than_a_hole_is_refused():
+@pytest.mark.parametrize("hole", [gk.Circle(40, 2.1), gk.slot(30, 50, 2.1)], ids=["round", "slot"])
+def test_a_kerf_wider_than_a_hole_is_refused(hole):
+    """What is left of a slot narrower than the beam is a slot again, turned inside out."""
+    plate = gk.Part("plate", gk.slot(0, 90, 9), (hole,), 3.0)
+    assert cut(plate, TOLERANCE, kerf=4).area > 0
     with pytest.raises(gk.DesignError, match="kerf"):
-        cut(PLATE, TOLERANCE, kerf=5)
+        cut(plate, TOLERANCE, kerf=5)
+
+
+def test_arcs_of_a_keyed_bore_survive_the_kerf():
+    """Its keyway has corners that close as the hole shrinks: four edges before, four edges after."""
+    (keyed,) = keyed_bore(20, 0, 6, 3, 1j, 60, "stock")
+    made = cut(gk.Part("hub", gk.Circle(0, 30), (keyed,), 3), TOLERANCE, kerf=0.2, arcs=True)
+    hole = made.loops[1].shape
+    bends = np.abs(hole.bulges[hole.bulges != 0])
+    assert len(hole.vertices) <= 8 and len(bends) >= 3
+    shrunk = shapely.Polygon(gk.xy(gk.flatten(keyed, 1e-5))).buffer(-0.1, quad_segs=2000)
+    written = shapely.Polygon(gk.xy(gk.flatten(hole, 1e-5)))
+    assert written.symmetric_difference(shrunk).area < 1e-4 * shrunk.length
 
 
 def test_a_hundred_thousand_points_stay_linear():

@@ -76,7 +76,7 @@ def test_a_mark_changes_nothing_but_itself():
 
 def test_marks_in_the_svg_are_open_where_their_curves_are():
     made = sheet(*MARKS.values())
-    root = ET.fromstring(svg(made, "marks", TOLERANCE))
+    root = ET.fromstring(svg(made, "marks"))
     drawn = [e for e in root.iter() if e.get("class") == "ENGRAVE"]
     assert len(drawn) == len(MARKS)
     for element, curve in zip(drawn, MARKS.values()):

@@ -1,11 +1,14 @@
 """Planetary sets: outlines of all their gears laid over each other, ratios from rolling without slip."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import geomkin as gk
 from geomkin.plane import region
 
+SPUR_12 = gk.SpurGear(12, 2)
 SUN, PLANET, RING = gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8)
 
 
@@ -66,7 +69,12 @@ def test_ratios_follow_from_rolling_without_slip(gears):
     ("make", "field", "remedy"),
     [
         (lambda: gk.PlanetarySet(SUN, PLANET, RING, 5), "planets", "give 4"),
-        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 14), "planets", "give at most"),
+        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 14), "planets", "give 6"),
+        (
+            lambda: gk.PlanetarySet(SPUR_12, SPUR_12, gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6),
+            "planets",
+            "give 4",
+        ),
         (lambda: gk.PlanetarySet(SUN, gk.SpurGear(16, 2), RING, 3), "ring.profile_shift", "give the ring 56 teeth"),
         (lambda: gk.PlanetarySet(SUN, PLANET, RING, 0), "planets", "at least 1"),
     ],
@@ -75,3 +83,22 @@ def test_sets_that_cannot_be_put_together_are_refused_by_name(make, field, remed
     with pytest.raises(gk.DesignError) as caught:
         make()
     assert caught.value.field == field and remedy in caught.value.remedy
+
+
+def test_the_number_of_planets_named_in_a_refusal_can_be_put_in_at_first_go():
+    """Over many numbers of teeth and planets; evenly and clear of each other by the places of their axes and tips."""
+    refused = 0
+    for sun in (12, 13, 17, 24, 40, 61):
+        for planet in (12, 14, 19, 33):
+            ring = gk.RingGear(sun + 2 * planet, 2, addendum=0.5, cutter=gk.PinionCutter(12))
+            gears = gk.PlanetarySet(gk.SpurGear(sun, 2), gk.SpurGear(planet, 2), ring, 1)
+            for planets in range(2, 101, 7 if sun > 20 else 3):
+                try:
+                    replace(gears, planets=planets)
+                except gk.DesignError as error:
+                    refused += 1
+                    named = int(error.remedy.removeprefix("give ").split(",")[0])
+                    apart = abs(np.exp(2j * np.pi / named) - 1) * (sun + planet)
+                    assert named == 1 or apart > 2 * gears.planet.tip_radius
+                    assert replace(gears, planets=named).planets == named
+    assert refused > 300

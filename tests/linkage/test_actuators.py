@@ -326,6 +326,25 @@ def test_an_actuator_among_loops_needs_only_its_pins_as_a_start():
     assert caught.value.field == "estimate" and "K" in caught.value.problem
 
 
+def test_an_actuator_among_loops_reaches_as_far_as_the_bars_it_pushes_apart():
+    """The longest that crank and rocker draw it, by narrowing down the crank's angle where they do."""
+    linkage, stroke, by_crank, _ = between()
+
+    def drawn(angle):
+        motion = gk.move(by_crank, angle)
+        return np.sqrt(np.abs(motion.point("K").position - motion.point("L").position) ** 2 - 3**2) - 20
+
+    low, high = -0.5, 0.9
+    for _ in range(12):
+        angles = np.linspace(low, high, 21)
+        top = int(np.argmax(drawn(angles)))
+        low, high = angles[max(top - 1, 0)], angles[min(top + 1, 20)]
+    ((start, end),) = gk.driver_limits(linkage, span=(stroke[0], stroke[0] + 40))
+    assert start == stroke[0] and end == pytest.approx(drawn(np.array([low]))[0], rel=1e-12)
+    angles = gk.move(linkage, [stroke[0], end - 1e-2, end - 1e-6]).transmission_angle
+    assert angles[1] < 0.1 and angles[2] < 1.1e-2 * angles[1]
+
+
 def test_ends_at_one_place_are_refused():
     with pytest.raises(gk.DesignError, match="one place"):
         gk.move(bar_on_actuator(0, 60, 0), [60.0])

@@ -1,9 +1,12 @@
 """Every linkage by second roads: lengths kept, central differences, time histories, other solvers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.motion import Solution
 from tests.linkage.examples import ALL, FOUR_BAR, TURN, locked
 
 
@@ -234,3 +237,48 @@ def test_a_drive_that_is_no_row_of_numbers_is_refused(drive):
         gk.move(FOUR_BAR, drive)
     with pytest.raises(gk.DesignError, match="speed"):
         gk.move(FOUR_BAR, TURN, speed=[1.0, 2.0])
+
+
+class Shifted(Solution):
+    """A solution with one body moved off, mm, from where its joints want it."""
+
+    def __init__(self, solution, body, by):
+        self.solution, self.body, self.by = solution, body, by
+
+    def origin(self, body, order):
+        return self.solution.origin(body, order) + (self.by if body == self.body and order == 0 else 0)
+
+    def turn(self, body, order):
+        return self.solution.turn(body, order)
+
+    closed = property(lambda self: self.solution.closed)
+    branches = property(lambda self: self.solution.branches)
+    transmission_angle = property(lambda self: self.solution.transmission_angle)
+
+
+@pytest.mark.parametrize(
+    ("linkage", "body", "by", "residual"),
+    [
+        (FOUR_BAR, "coupler", 3 + 4j, 5.0),
+        (FOUR_BAR, "rocker", -2j, 2.0),
+        (gk.ScotchYoke(30, 100, 70), "yoke", 3j, 3.0),
+        # Along its rail a slider may stand anywhere, so that only its pins are missed.
+        (gk.SliderCrank(30, 90, 12), "slider", 3.0, 3.0),
+        (gk.SliderCrank(30, 90, 12), "slider", 4.0 + 3j, 5.0),
+        (gk.EllipticTrammel(60, 100, 80), "shuttle", 0.5, 0.5),
+    ],
+)
+def test_the_residual_is_how_far_a_joint_is_from_closing(linkage, body, by, residual):
+    motion = gk.move(linkage, TURN)
+    off = replace(motion, solution=Shifted(motion.solution, body, by))
+    assert off.residual == pytest.approx(np.full(len(TURN), residual), abs=1e-12)
+
+
+def test_the_residual_of_a_slide_is_the_distance_across_its_line():
+    """A body that nothing but slides hold, moved along one of them: the other is missed by what is across it."""
+    motion = gk.move(gk.OldhamCoupling(6), TURN)
+    disc = next(b for b in motion.linkage.bodies if all(b not in bodies for bodies in motion.linkage.pins.values()))
+    slider = motion.linkage.sliders[0]
+    ahead = motion.bodies[slider.along].direction * slider.direction
+    off = replace(motion, solution=Shifted(motion.solution, disc, 2.0 * ahead))
+    assert off.residual == pytest.approx(np.full(len(TURN), 2.0), abs=1e-12)

@@ -75,22 +75,43 @@ def test_parallel_has_no_corner(name):
     assert np.abs(np.angle(np.roll(into, -1) / out)).max() < 1e-4
 
 
-@pytest.mark.parametrize(
-    "curve, distance",
-    [
-        (SQUARE, -0.5),
-        (Reversed(SQUARE), 0.5),
-        (BULGED, -0.1),
-        (STAR, 0.1),
-        (STAR, -0.1),
-        (GEAR, -0.1),
-        (GROWN["lens"][0], -0.1),
-        (Polyline(np.array([0, 4, 4 + 4j, 2 + 1j, 4j])), 0.1),
-        (Path((Arc(0j, 3 + 0j, np.pi), Segment(-3 + 0j, 3 + 0j))), -0.1),
-    ],
+KEYED = Polyline(
+    np.array([3 + 1j, 3 - 1j, 5 - 1j, 5 + 1j]), np.array([np.tan((np.pi - np.arctan(1 / 3)) / 2), 0, 0, 0])
 )
-def test_none_where_a_corner_closes(curve, distance):
-    assert parallel(curve, distance) is None
+CLOSING = [
+    (SQUARE, -0.5),
+    (Reversed(SQUARE), 0.5),
+    (BULGED, -0.1),
+    (STAR, 0.1),
+    (STAR, -0.1),
+    (GEAR, -0.1),
+    (GROWN["lens"][0], -0.1),
+    (Polyline(np.array([0, 4, 4 + 4j, 2 + 1j, 4j])), 0.1),
+    (Path((Arc(0j, 3 + 0j, np.pi), Segment(-3 + 0j, 3 + 0j))), -0.1),
+    (KEYED, -0.2),
+    (KEYED, 0.2),
+    (Moved(KEYED, Pose(2 - 3j, np.exp(2j))), -0.2),
+]
+
+
+@pytest.mark.parametrize("curve, distance", CLOSING)
+def test_sides_of_a_corner_that_closes_end_where_they_meet(curve, distance):
+    moved = parallel(curve, distance)
+    sense = np.sign(measure.area(curve))
+    expected = polygon(curve).buffer(distance * sense, quad_segs=500, join_style="round")
+    assert moved.closed
+    assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
+    # The ends meet to rounding, and no end stands nearer to the outline than the distance.
+    ends = moved.point(moved.breaks)
+    assert np.allclose(measure.nearest(curve, ends)[1], abs(distance), rtol=1e-9)
+
+
+@pytest.mark.parametrize("curve, distance", [(SQUARE, -2.5), (STAR, -3.0), (KEYED, -1.2), (slot(0j, 1j, 1.0), -3.0)])
+def test_nothing_or_what_is_no_outline_where_a_side_is_trimmed_away(curve, distance):
+    moved = parallel(curve, distance)
+    if moved is not None:
+        loop = shapely.LinearRing(xy(flatten(moved, 1e-3)))
+        assert not loop.is_simple or shapely.is_ccw(loop) != (measure.area(curve) > 0)
 
 
 def test_reversed_outline_grows_with_the_other_sign():
@@ -105,7 +126,8 @@ def test_outline_whose_only_corner_is_its_start():
     moved = parallel(drop, 0.5)
     expected = measure.area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
     assert moved.closed and np.isclose(measure.area(moved), expected, rtol=1e-10)
-    assert parallel(drop, -0.5) is None
+    inward = parallel(drop, -0.5)
+    assert np.isclose(measure.area(inward), polygon(drop).buffer(-0.5, quad_segs=500).area, rtol=1e-5)
 
 
 def test_smooth_outline_is_kept_as_one_exact_curve():

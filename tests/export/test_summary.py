@@ -1,0 +1,49 @@
+"""Sizes that summary.json tells, against the files beside it."""
+
+import json
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+import trimesh
+
+import geomkin as gk
+
+RECIPE = """
+kind = "four-bar"
+linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }
+files = { kerf = 0.4, tolerance = 0.1, curves = "%s" }
+"""
+
+
+@pytest.mark.parametrize("curves", ["chords", "arcs"])
+def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves):
+    """At this tolerance chords lose 0.5 % of the area, which a reader of the files must be able to tell."""
+    (tmp_path / "bars.toml").write_text(RECIPE % curves)
+    gk.make(tmp_path / "bars.toml", tmp_path)
+    parts = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
+    rings = {"CUT": [], "HOLE": []}
+    for entity in ezdxf.readfile(tmp_path / "bars" / "bars.dxf").modelspace():
+        if entity.dxftype() == "CIRCLE":
+            points = entity.flattening(1e-7)
+        else:
+            edges = list(entity.virtual_entities())
+            points = [p for e in edges for p in (e.flattening(1e-7) if e.dxftype() == "ARC" else [e.dxf.start])]
+        rings[entity.dxf.layer].append(shapely.Polygon([(p.x, p.y) for p in points]))
+    cut = [ring.area - sum(h.area for h in rings["HOLE"] if ring.contains(h)) for ring in rings["CUT"]]
+    assert [p["written_area_mm2"] for p in parts] == pytest.approx(cut, rel=1e-6)
+    for part in parts:
+        mesh = trimesh.load(tmp_path / "bars" / f"{part['name']}.stl")
+        assert part["written_volume_mm3"] == pytest.approx(mesh.volume, rel=1e-6)
+        assert abs(part["written_volume_mm3"] / part["volume_mm3"] - 1) > 1e-4
+        # The path lies half a kerf off the part on every side.
+        around = 2 * np.pi * 7 + 2 * np.pi * 2.1 * 2
+        assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
+
+
+def test_sizes_of_files_that_are_not_written_are_not_told(tmp_path):
+    (tmp_path / "bars.toml").write_text(RECIPE % "chords")
+    gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
+    (first, *_) = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
+    assert {key for key in first if "written" in key} == set() and first["area_mm2"] > 0

@@ -1,0 +1,63 @@
+"""The boundary of what a tooth sweeps: where it goes on, how exactly its curves cross, and what that costs."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from geomkin.gear.conjugate import conjugate
+from geomkin.gear.conjugate_curve import ConjugateCurve
+from geomkin.gear.envelope import GRID, Swept
+from geomkin.gear.lantern import LanternPinion
+from geomkin.gear.straight_sided import StraightSidedGear
+
+
+def straight():
+    gear = StraightSidedGear(100, 2, 25, 1.0, 1.2)
+    return conjugate(gear.gear.cutter(0.4), 100, gear.pitch_radius, 30, 2.0)
+
+
+def lantern():
+    return conjugate(LanternPinion(12, 4, 5.5).cutter(0.5, 0.2), 12, 24.0, 48, 7.0)
+
+
+@pytest.mark.parametrize(("make", "most"), [(straight, 700), (lantern, 700)])
+def test_the_boundary_takes_few_looks_at_its_curves(make, most, monkeypatch):
+    """Half of what full rounds of Newton's steps for every crossing took."""
+    looks, meeting = [], ConjugateCurve._meeting
+    monkeypatch.setattr(ConjugateCurve, "_meeting", lambda curve, u: looks.append(u) or meeting(curve, u))
+    make()
+    assert 50 < len(looks) < most
+
+
+def test_curves_of_the_boundary_meet_to_rounding_where_they_cross():
+    """Teeth undercut more and less, down to a ten-thousandth beyond the limit."""
+    crossings = 0
+    for height in (0.8, 0.5, 0.305, 0.3012, 0.3):
+        gear = StraightSidedGear(40, 2, 20, height, 1.2)
+        mate = conjugate(gear.gear.cutter(0.0), 40, gear.pitch_radius, 9, 1.5)
+        for one, two in zip(mate.steps, mate.steps[1:]):
+            end, start = complex(one.curve.point(one.end)), complex(two.curve.point(two.start))
+            assert abs(end - start) < 1e-12 * mate.pitch_radius
+            crossings += one.end not in (one.curve.start, one.curve.end)
+    assert crossings >= 4
+
+
+PLACE = 30 + 40j
+
+
+def bend(curvature, long):
+    """An arc from PLACE along +x, as a curve of the boundary: its length from 0 to `long`."""
+    point = lambda t: PLACE + 1j * (1 - np.exp(1j * curvature * np.asarray(t))) / curvature
+    return SimpleNamespace(point=point, start=0.0, end=long)
+
+
+@pytest.mark.parametrize("longer", [3.0, 40.0, 0.7])
+@pytest.mark.parametrize(("bends", "outer"), [((-0.02, -0.021), 2), ((0.02, 0.021), 1)])
+def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, bends, outer):
+    """Two arcs that touch where they begin: at one distance the one bent more to the right, whatever their grids."""
+    arrives = SimpleNamespace(point=lambda t: PLACE + np.asarray(t) - 1, start=0.0, end=1.0)
+    curves = [arrives, bend(bends[0], longer), bend(bends[1], 1.1)]
+    grids = [c.start + (c.end - c.start) * GRID for c in curves]
+    swept = Swept(curves, [1, 1, 1], [c.point(g) for c, g in zip(curves, grids)], grids, 100.0)
+    assert swept._next(0, PLACE, 1) == outer

@@ -1,0 +1,98 @@
+"""Holes for shafts and pins: wider by the clearance, in every kind of part, and refused where nothing is left."""
+
+import dataclasses
+
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.kinds import kind
+from geomkin.recipe.load import parse
+from geomkin.recipe.template import template
+from geomkin.shop.bore import bore
+from geomkin.shop.cams import CamStock
+from geomkin.shop.gears import GearStock, gear_parts
+from geomkin.shop.keyway import keyed_bore
+
+PLAY = 0.4
+KINDS = [
+    "four-bar",
+    "disk-cam",
+    "spur-gear",
+    "gear-pair",
+    "rack-and-pinion",
+    "planetary",
+    "straight-sided-gears",
+    "point-tooth-gears",
+    "lantern-gears",
+]
+# Followers on stems and arms.
+GALLERY = ["flat-cam", "rocker-cam", "flat-rocker-cam"]
+
+
+def round_holes(recipe, clearance):
+    """Diameters of the round holes of each part when all stock tables have that clearance, and every shaft a hole."""
+    tables = {}
+    for field in dataclasses.fields(recipe):
+        table = getattr(recipe, field.name)
+        if "stock" in field.name and hasattr(table, "clearance"):
+            bores = {"bore": 8.0} if getattr(table, "bore", None) == 0 else {}
+            tables[field.name] = dataclasses.replace(table, clearance=clearance, **bores)
+    assert tables
+    recipe = dataclasses.replace(recipe, **tables)
+    return {
+        part.name: [2 * hole.radius for hole in part.holes if isinstance(hole, gk.Circle)]
+        for part in kind(recipe.kind).parts(recipe)
+    }
+
+
+@pytest.mark.parametrize("name", KINDS + GALLERY)
+def test_every_hole_for_a_shaft_or_pin_takes_the_clearance(name):
+    recipe = parse(template(name)) if name in KINDS else gk.load(f"recipes/{name}.toml")
+    tight, wide = (round_holes(recipe, clearance) for clearance in (0.0, PLAY))
+    assert any(tight.values()) and set(tight) == set(wide)
+    for part in tight:
+        assert wide[part] == pytest.approx([d + PLAY for d in tight[part]], rel=1e-12), part
+
+
+def test_a_clearance_of_a_bore_that_is_none_makes_no_hole():
+    assert not gear_parts(gk.SpurGear(24, 2), GearStock(bore=0, clearance=0.3))[0].holes
+
+
+def test_a_keyway_keeps_its_width_and_its_depth_beyond_the_wider_bore():
+    (tight,), (wide,) = (keyed_bore(20, c, 6, 3, 1 + 0j, 60, "stock") for c in (0, 0.5))
+    (a, b), (c, d) = (loop.vertices[[0, 3]] for loop in (tight, wide))
+    assert (abs(b.imag), abs(d.imag)) == (3, 3) and d.real - b.real == pytest.approx(0.25)
+    assert abs(a) == pytest.approx(10) and abs(c) == pytest.approx(10.25)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.5])
+def test_the_bore_that_is_advised_works_and_a_little_more_does_not(clearance):
+    with pytest.raises(gk.DesignError, match="stock.bore") as caught:
+        bore(40, clearance, 30, "stock.bore")
+    most = float(caught.value.remedy.split("less than ")[1].split()[0])
+    (hole,) = bore(most - 1e-6, clearance, 30, "stock.bore")
+    assert 2 * hole.radius == pytest.approx(30, abs=1e-5)
+    with pytest.raises(gk.DesignError):
+        bore(most, clearance, 30, "stock.bore")
+
+
+def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
+    with pytest.raises(gk.DesignError, match="stock.clearance") as caught:
+        bore(29, 1.5, 30, "stock.roller_bore")
+    most = float(caught.value.remedy.split("less than ")[1].split()[0])
+    assert bore(29, most - 1e-6, 30, "stock.roller_bore") and "roller_bore" in caught.value.remedy
+    with pytest.raises(gk.DesignError):
+        bore(29, most, 30, "stock.roller_bore")
+
+
+def test_all_stock_tables_mean_the_same_by_clearance():
+    from geomkin.shop.conjugates import LanternStock, PairStock
+    from geomkin.shop.stock import LinkStock
+
+    words = {
+        field.metadata["description"]
+        for table in (LinkStock, GearStock, CamStock, PairStock, LanternStock)
+        for field in dataclasses.fields(table)
+        if field.name == "clearance"
+    }
+    assert words == {"how much wider than its pin or shaft a hole is, mm"}

@@ -1,0 +1,183 @@
+"""The thinnest wall of a part, against dense samples of its exact curves, known necks and whole recipes."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.build import check_recipe
+from geomkin.plane.pose import Pose
+from geomkin.shop.keyway import keyed_bore
+from geomkin.shop.spokes import Web, openings
+from geomkin.shop.walls import least_wall, thinnest_wall, wall_checks
+
+LIMIT = 1.5
+PLATE = gk.Polyline(np.array([0, 100, 100 + 60j, 60j]))
+HULL = gk.rounded_hull([0, 90, 40 + 45j], 12)
+
+
+def part(outline, *holes, thickness=3.0):
+    return gk.Part("plate", outline, holes, thickness)
+
+
+def sampled(curves):
+    """Least distance between samples of different curves, and how far from the exact one it may be."""
+    z = [c.point(np.linspace(c.breaks[:-1], c.breaks[1:], 1 + 1200 // (len(c.breaks) - 1)).T.ravel()) for c in curves]
+    step = max(np.abs(np.diff(one)).max() for one in z)
+    pairs = [(one, two) for k, one in enumerate(z) for two in z[:k]]
+    return min(np.abs(one[:, None] - two).min() for one, two in pairs), step
+
+
+# Made when asked for: a fault in one of them is that case's.
+CASES = {
+    "hole near the middle of a long edge": lambda: (PLATE, gk.Circle(50 + 3.2j, 3)),
+    "hole in a corner arc": lambda: (HULL, gk.Circle(95 - 4j, 4)),
+    "two holes": lambda: (PLATE, gk.Circle(30 + 30j, 8), gk.Circle(45 + 31j, 6)),
+    "three holes of which the far two are nearest": lambda: (PLATE, *(gk.Circle(z + 30j, 4) for z in (20, 60, 69))),
+    "round plate": lambda: (gk.Circle(1j, 30), gk.Circle(11 + 3j, 15)),
+    "slot to edge": lambda: (HULL, gk.slot(10, 70 - 5j, 3)),
+    "slot to slot": lambda: (PLATE, gk.slot(20 + 20j, 60 + 25j, 4), gk.slot(30 + 40j, 80 + 33j, 3)),
+    "slot in a circle": lambda: (gk.Circle(0, 20), gk.slot(-12, 12 + 3j, 4)),
+    "gear and bore": lambda: (gk.SpurGear(17, 2).outline, gk.Circle(0, 12)),
+    "gear and keyed bore": lambda: (gk.SpurGear(17, 2).outline, *keyed_bore(20, 0, 6, 2, 1j, 60, "stock")),
+    "gear with spokes": lambda: (
+        gk.SpurGear(20, 4).outline,
+        gk.Circle(0, 6),
+        *openings(Web(20, 3, count=3), 6, 35, "web"),
+    ),
+    "gear with holes": lambda: (gk.SpurGear(20, 4).outline, *openings(Web(40, 3, "holes", 4), 6, 35, "web")),
+    "ring": lambda: (gk.Circle(0, 45), gk.Reversed(gk.SpurGear(20, 4).outline)),
+    "cam": lambda: (gk.load("recipes/roller-cam.toml").cam.profile, gk.Circle(20, 15)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_thinnest_wall_is_the_least_distance_of_the_exact_curves(name):
+    outline, *holes = curves = CASES[name]()
+    wanted, step = sampled(curves)
+    found = thinnest_wall(part(outline, *holes), LIMIT)
+    # Samples are no nearer than the curves; half a step along both puts them off by less than this.
+    assert wanted - step**2 / max(wanted, step) - 1e-3 <= found <= wanted + 1e-3
+
+
+@pytest.mark.parametrize("scale", [1e-5, 1.0, 1e4])
+@pytest.mark.parametrize("turn", [0.0, 1.0])
+def test_walls_grow_with_the_part_and_turn_with_it(scale, turn):
+    pose = Pose(scale * (300 - 20j), np.exp(1j * turn))
+    outline = gk.Moved(gk.rounded_hull(scale * np.array([0, 90, 40 + 45j]), 12 * scale), pose)
+    hole = gk.Moved(gk.slot(10 * scale, (70 - 8j) * scale, 3 * scale), pose)
+    # Sides of the slot's far end to the lower edge.
+    assert thinnest_wall(part(outline, hole), LIMIT * scale) == pytest.approx(scale, rel=1e-3)
+
+
+def hourglass(neck, radius=10.0):
+    """Two blocks joined by a waist between two arcs of a radius that bulge inwards."""
+    side, high = 20.0, neck / 2 + radius
+    z = np.array([-radius - side - 1j * high, -radius - 1j * high, radius - 1j * high, radius + side - 1j * high])
+    return gk.Polyline(np.concatenate([z, -z]), np.array([0, -1, 0, 0, 0, -1, 0, 0.0]))
+
+
+@pytest.mark.parametrize("neck", [0.4, 1.0, 2.9])
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
+def test_neck_of_an_outline(neck, turn):
+    turned = gk.Moved(hourglass(neck), Pose(5 - 3j, np.exp(1j * turn)))
+    assert thinnest_wall(part(turned), LIMIT) == pytest.approx(neck, abs=5e-4)
+
+
+def test_a_neck_wider_than_two_limits_is_not_told():
+    assert thinnest_wall(part(hourglass(3.2)), LIMIT) == np.inf
+
+
+def test_a_bar_with_parallel_sides_is_a_wall_and_a_tapered_one_is_none():
+    bar = np.array([0, 50, 50 + 1j, 1j])
+    assert thinnest_wall(part(gk.Polyline(bar)), LIMIT) == 1.0
+    assert thinnest_wall(part(gk.Polyline(np.array([0, 50, 50 + 1j, 8j]))), LIMIT) == np.inf
+    tine = gk.Polyline(np.array([0, 40, 40 + 20j, 20 + 20j, 20 + 60j, 19.2 + 60j, 19.2 + 20j, 20j]))
+    assert thinnest_wall(part(tine), LIMIT) == pytest.approx(0.8, abs=5e-4)
+
+
+def test_the_way_between_two_prongs_is_air():
+    """0.5 mm across the gap of a fork, and 0.5 mm through a slot, are no material."""
+    fork = gk.Polyline(np.array([0, 40, 40 + 40j, 20.5 + 40j, 20.5 + 10j, 20 + 10j, 20 + 40j, 40j]))
+    assert thinnest_wall(part(fork), LIMIT) == np.inf
+    assert thinnest_wall(part(PLATE, gk.slot(30 + 30j, 60 + 30j, 0.25)), LIMIT) == pytest.approx(29.75, abs=1e-3)
+
+
+def test_a_tongue_within_one_opening_is_a_neck():
+    """An opening that nearly closes on itself leaves its middle on a tongue 0.7 mm wide."""
+    outer, inner, gap = 20.0, 14.0, 0.35
+    a, b = (np.sqrt(r**2 - gap**2) + 1j * gap for r in (outer, inner))
+    turn = [2 * np.pi - 2 * np.angle(a), 2 * np.pi - 2 * np.angle(b)]
+    opening = gk.Polyline(
+        np.array([a, -a.conjugate(), -a, a.conjugate(), b.conjugate(), -b, -b.conjugate(), b]),
+        np.tan(np.array([np.pi - 2 * np.angle(a), 2 * np.angle(a), np.pi - 2 * np.angle(a), 0] * 2) / 4)
+        * np.array([1, 1, 1, 0, -1, -1, -1, 0]),
+    )
+    assert turn[0] > 6 and thinnest_wall(part(gk.Circle(0, 30), opening), LIMIT) == pytest.approx(0.7, abs=5e-4)
+
+
+def test_waist_of_an_undercut_tooth():
+    """Against the least width of the tooth on +y, level by level."""
+    gear = gk.SpurGear(6, 2)
+    z = gear.outline.point(np.linspace(gear.outline.breaks[0], gear.outline.breaks[-1], 200_001))
+    side = z[(z.real > 0) & (z.real < 2) & (z.imag > gear.root_radius) & (z.imag < gear.pitch_radius)]
+    waist = side[side.real.argmin()]
+    assert gear.root_radius + 0.5 < waist.imag < gear.pitch_radius - 0.5
+    assert thinnest_wall(part(gear.outline), 2.0) == pytest.approx(2 * waist.real, abs=1e-3)
+
+
+def test_limit_is_half_the_thickness_or_two_kerfs():
+    assert (least_wall(3.0, 0.0), least_wall(3.0, 0.2), least_wall(3.0, 1.0)) == (1.5, 1.5, 2.0)
+    plate = part(PLATE, gk.Circle(50 + 4.5j, 3))
+    (check,) = wall_checks([plate], 0.0)
+    assert check.passed and check.value == check.limit == 1.5 and "plate" in check.name
+    (check,) = wall_checks([plate], 0.8)
+    assert not check.passed and check.limit == 1.6
+
+
+def test_a_part_without_walls_has_no_check():
+    assert wall_checks([part(PLATE), part(gk.Circle(0, 5))], 0.0) == ()
+
+
+YOKE = """
+kind = "linkage"
+linkage.driver = "crank"
+linkage.bodies.ground = { a = [0, 0], d = [100, 0] }
+linkage.bodies.crank = { a = [0, 0], b = [30, 0] }
+linkage.bodies.coupler = { b = [0, 0], c = [90, 0], spare = [94.3, 0] }
+linkage.bodies.rocker = { d = [0, 0], c = [70, 0] }
+"""
+FOUR_BAR = """
+kind = "four-bar"
+linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }
+stock = { bar_width = 4.3 }
+"""
+CAM = """
+kind = "disk-cam"
+cam.follower = { kind = "translating-roller", roller_radius = 10 }
+cam.base_radius = 40
+cam.program = [{ kind = "rise", law = "cycloidal", rise = 10, end_deg = 180 }, { kind = "return", law = "cycloidal", end_deg = 360 }]
+stock = { bore = 79.9 }
+"""
+WEB = """
+kind = "spur-gear"
+gear = { teeth = 40, module = 2 }
+stock = { bore = 10, web = { hub = 10.1, rim = 4 } }
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "wall"),
+    [
+        (FOUR_BAR, {"ground", "crank", "coupler", "rocker"}, 0.05),
+        (YOKE, {"coupler"}, 0.1),
+        (CAM, {"cam"}, 0.05),
+        (WEB, {"gear"}, 0.05),
+    ],
+    ids=["hole near an edge", "two holes", "bore of a cam", "opening near a bore"],
+)
+def test_what_would_break_out_fails_a_check(tmp_path, text, names, wall):
+    (tmp_path / "thin.toml").write_text(text)
+    walls = [c for c in check_recipe(tmp_path / "thin.toml").checks if c.name.startswith("thinnest wall")]
+    failed = {c.name.removeprefix("thinnest wall of the "): c for c in walls if not c.passed}
+    assert set(failed) == names
+    assert all(c.value == pytest.approx(wall, abs=1e-3) and c.advice for c in failed.values())
