@@ -156,10 +156,8 @@ class _Tracing:
         self.pairs[which] = crossings(self.raw.curve, self.pairs[which], low, high)
         self.settled[which] = True
         # Chords on both sides of a place lead to the same one.
-        alike = [
-            np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
-            for t in self.pairs.T
-        ]
+        alike = [np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
+                 for t in self.pairs.T]
         first = np.unique(np.stack(alike), axis=1, return_index=True)[1]
         keep = np.zeros(len(self.pairs), bool)
         keep[first] = True

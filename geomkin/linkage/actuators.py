@@ -148,6 +148,12 @@ class ActuatedRRR(Driven):
     def limits(self) -> list[float]:
         return [x - float(self.arm.ahead) for x in self.roots(Pass(), 1).limits()]
 
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        """Lengths, mm, by which it closes: what the actuator lacks to its utmost, and has over its least, length."""
+        s, b = np.abs(self.still), np.abs(self.dyad.arms[1 - self.which])
+        length = np.hypot(p0.drive + self.arm.ahead, self.arm.left)
+        return s + b - length, length - np.abs(s - b)
+
     def place(self, p0: Pass, branch: Array | int) -> None:
         (w, _, squares, bar_turn), root = self._sizes, self.roots(p0, branch)
         square = root.x**2 + self.arm.left**2
@@ -208,6 +214,10 @@ class ActuatedRRP(Driven):
 
     def limits(self) -> list[float]:
         return [x - float(self.arm.ahead) for x in self.roots(Pass(), 1).limits()]
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        """Length, mm, by which it closes: what the actuator has over its distance from the rail."""
+        return (np.hypot(p0.drive + self.arm.ahead, self.arm.left) - np.abs(self._left),)
 
     def place(self, p0: Pass, branch: Array | int) -> None:
         root = p0.kept[self] = self.roots(p0, branch)

@@ -76,7 +76,9 @@ class _Planner:
         if slider is None:
             self.steps.append(Turned(self.linkage.driver))
             self.oriented.add(self.linkage.driver)
-        elif self.actuator is None:
+        elif self.actuator:
+            self.steps.append(Drawn(slider.name))
+        else:
             body = slider.along if slider.body == ground else slider.body
             self.steps.append(Oriented(body, ground, _turn(slider, body)))
             self.oriented.add(body)
@@ -222,8 +224,6 @@ class _Planner:
         """Bodies that no dyad places: all their loops at once, by iteration."""
         waiting = [body for body in self.linkage.bodies if body not in self.placed]
         if waiting:
-            if self.actuator:
-                self.steps.append(Drawn(self.actuator.name))
             joined = frozenset(self.oriented), frozenset(self.placed)
             turns = any(isinstance(step, Turned) for step in self.steps)
             self.steps.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))

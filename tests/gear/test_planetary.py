@@ -70,11 +70,7 @@ def test_ratios_follow_from_rolling_without_slip(gears):
     [
         (lambda: gk.PlanetarySet(SUN, PLANET, RING, 5), "planets", "give 4"),
         (lambda: gk.PlanetarySet(SUN, PLANET, RING, 14), "planets", "give 6"),
-        (
-            lambda: gk.PlanetarySet(SPUR_12, SPUR_12, gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6),
-            "planets",
-            "give 4",
-        ),
+        (lambda: gk.PlanetarySet(SPUR_12, SPUR_12, gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6), "planets", "give 4"),
         (lambda: gk.PlanetarySet(SUN, gk.SpurGear(16, 2), RING, 3), "ring.profile_shift", "give the ring 56 teeth"),
         (lambda: gk.PlanetarySet(SUN, PLANET, RING, 0), "planets", "at least 1"),
     ],
