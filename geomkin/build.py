@@ -211,7 +211,7 @@ def _summary(
     from . import __version__
 
     def part_summary(part: Part) -> dict[str, Any]:
-        exact = abs(area(part.outline)) - sum(abs(area(hole)) for hole in part.holes)
+        exact = area(part.outline) - sum(area(hole) for hole in part.holes)
         return {
             "name": part.name,
             "count": part.count,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from .arguments import Found, check_fields
+
 
 @dataclass(frozen=True)
 class Check:
@@ -14,11 +16,14 @@ class Check:
     """
 
     name: str
-    value: float
+    value: Found
     side: Literal["at least", "at most"]
-    limit: float
+    limit: Found
     unit: str = ""
     advice: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def passed(self) -> bool:

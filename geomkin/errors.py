@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 
 class GeomkinError(Exception):
@@ -20,6 +21,10 @@ class DesignError(GeomkinError, ValueError):
         field, problem, remedy = harmless(field), harmless(problem), harmless(remedy)
         super().__init__(f"{field}: {problem}; {remedy}")
         self.field, self.problem, self.remedy = field, problem, remedy
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is pickled as its class and its text, which this one is not made from.
+        return type(self), (self.field, self.problem, self.remedy), self.__dict__
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,9 @@ class RecipeError(GeomkinError, ValueError):
             lines.append(f"{printable(file)}: and {len(problems) - TOLD:,} more problems; mend these first")
         super().__init__("\n".join(lines))
         self.file, self.problems = file, tuple(problems)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, list(self.problems)), self.__dict__
 
 
 class FileError(GeomkinError, OSError):

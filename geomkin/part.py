@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .arguments import check_fields
 from .names import check_names
 from .plane.curve import AbstractCurve
 
@@ -26,4 +27,5 @@ class Part:
     marks: tuple[AbstractCurve, ...] = ()
 
     def __post_init__(self) -> None:
+        check_fields(self)
         check_names("name", [self.name], "a part")

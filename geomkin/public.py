@@ -63,7 +63,7 @@ from .plane.cycloid import Cycloid
 from .plane.derived import Mirrored, Moved, Offset, Reversed
 from .plane.flatten import flatten
 from .plane.joined import Path, Ring
-from .plane.measure import area, centroid, curvature, length, nearest
+from .plane.measure import area, centroid, convexity, curvature, length, nearest, signed_area
 from .plane.pose import Pose
 from .plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from .plane.roulettes import Involute, Trochoid
@@ -84,11 +84,12 @@ __all__ = [
     "SlideMotion", "Slider", "SliderCrank", "SliderCrankMasses", "Spline", "SpurGear", "StephensonSixBar",
     "StraightSidedGear", "Table", "TranslatingFlat", "TranslatingRoller", "Trochoid", "Undercut", "Untouched",
     "WattSixBar", "acceleration_polygon", "area", "balanced_shifts", "base_pitch", "best_counterbalance",
-    "bobillier", "bobillier_path", "centroid", "chord", "circuits", "cognates", "conjugate", "coupler_curves",
-    "coupler_grid", "crank_path", "curvature", "dashes", "dead_centres", "driver_limits", "euler_savary",
+    "bobillier", "bobillier_path", "centroid", "chord", "circuits", "cognates", "conjugate", "convexity",
+    "coupler_curves", "coupler_grid", "crank_path", "curvature", "dashes", "dead_centres", "driver_limits",
+    "euler_savary",
     "flat_face_base_radius", "flatten", "grashof_type", "inflection_circle", "inflection_circle_of_cranks",
     "instant_centre", "instant_centres", "judged_counterbalance", "least_base_circle", "length",
     "mechanical_advantage", "move", "nearest", "newton_raphson", "over_pins", "path_curvature", "polar_radius",
-    "pressure_angle", "roberts_linkage", "rounded_hull", "segment_limits", "shaking_force", "slot", "span",
-    "third_pivot", "to_arcs", "undercut", "undercut_free_shift", "velocity_polygon", "xy",
+    "pressure_angle", "roberts_linkage", "rounded_hull", "segment_limits", "shaking_force", "signed_area",
+    "slot", "span", "third_pivot", "to_arcs", "undercut", "undercut_free_shift", "velocity_polygon", "xy",
 ]  # fmt: skip

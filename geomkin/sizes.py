@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .arguments import Sort, check_fields, is_place, numbers
 from .errors import DesignError, shown
 
 
@@ -59,28 +60,33 @@ def allowed(metadata: Any) -> str:
     return text.strip() + (f", in {metadata['unit']}" if metadata.get("unit") else "")
 
 
-def check_sizes(thing: Any) -> None:
-    """Raise DesignError for the first quantity of a dataclass that is no finite number in its range.
+def check_sizes(thing: Any, many: bool = False) -> None:
+    """Raise DesignError for the first field of a dataclass that is not what it was declared to be.
 
-    Call it from `__post_init__`. Arrays pass when every element does.
+    Call it from `__post_init__`. Where `many` are one thing, arrays of numbers pass when every element does.
     """
+    check_quantities(thing, many)
+    check_fields(thing)
+
+
+def check_quantities(thing: Any, many: bool = False) -> None:
+    """The same of the quantities alone: finite numbers in their ranges."""
     for field in dataclasses.fields(thing):
         about, value = field.metadata, getattr(thing, field.name)
         if "unit" not in about or (value is None and field.default is None):
             continue
-        if not _fits(value, about):
+        if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
 
 
 _TESTS = {"gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal}
 
 
-def _fits(value: Any, about: Any) -> bool:
-    try:
-        number = np.asarray(value)
-        if number.dtype.kind not in ("iu" if about.get("whole") else "iuf") or not np.isfinite(number).all():
-            return False
-    except (TypeError, ValueError, OverflowError):
+def _fits(value: Any, about: Any, many: bool) -> bool:
+    number = numbers(value, "iu" if about.get("whole") else "iuf")
+    if number is None or isinstance(value, (list, tuple)) or (number.ndim and not many):
+        return False
+    if not np.isfinite(number).all():
         return False
     return all(test(number, about[key]).all() for key, test in _TESTS.items() if key in about)
 
@@ -89,8 +95,17 @@ def _fits(value: Any, about: Any) -> bool:
 FARTHEST = 1e9
 
 
-class PointXY:
-    """Marks a complex field that a recipe gives as `[x, y]` in mm."""
+class PointXY(Sort):
+    """Marks a complex field that a recipe gives as `[x, y]` in mm.
+
+    many: in the library it may be an array, one for each of many linkages.
+    """
+
+    def __init__(self, many: bool = False) -> None:
+        def fits(value: Any) -> bool:
+            return is_place(value) and (many or not np.ndim(value)) and bool((np.abs(value) <= FARTHEST).all())
+
+        super().__init__(fits, f"a finite complex number, x + yj, in mm, no farther than {FARTHEST:g}")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from .arguments import Sort, check_fields
 from .errors import DesignError, shown
+
+Frames = Annotated[np.ndarray, Sort(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,7 +20,10 @@ class Column:
     name: str
     unit: str
     meaning: str
-    values: np.ndarray
+    values: Frames
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def header(self) -> str:
@@ -32,14 +39,15 @@ class Table:
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
+        check_fields(self)
         lengths = {len(c.values) for c in self.columns}
         if len(lengths) != 1:
-            raise ValueError(f"columns must be of one length: {lengths}")
+            raise DesignError("columns", f"found lengths {sorted(lengths)}", "give columns of one length")
         headers = [c.header for c in self.columns]
         twin = next((h for h in headers if headers.count(h) > 1), None)
         if twin is not None:
             raise DesignError(
-                "table", f"two columns would be named {shown(twin)}", "give one body or point another name"
+                "columns", f"two columns would be named {shown(twin)}", "give one body or point another name"
             )
 
 

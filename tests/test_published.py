@@ -140,7 +140,7 @@ def test_cam_worked_case_with_offset():
     profile = [40.616209122 - 11.619222011j, -56.485225210 - 10.920662631j]
     assert cam.profile.point(angles) == pytest.approx(profile, abs=6e-10)
     assert np.degrees(gk.pressure_angle(cam, angles)) == pytest.approx([-2.182224728, -17.115454754], abs=6e-10)
-    assert 1 / gk.curvature(cam.pitch_curve, angles) == pytest.approx([104.124385915, 53.972778506], abs=6e-10)
+    assert 1 / gk.convexity(cam.pitch_curve, angles) == pytest.approx([104.124385915, 53.972778506], abs=6e-10)
 
 
 def test_cam_worked_case_of_a_harmonic_lift_equal_to_the_prime_radius():
@@ -150,6 +150,6 @@ def test_cam_worked_case_of_a_harmonic_lift_equal_to_the_prime_radius():
     leaning = np.abs(gk.pressure_angle(cam, angles))
     assert leaning.max() == pytest.approx(np.arcsin(1 / 3), abs=1e-8)
     assert np.degrees(angles[:10001][leaning[:10001].argmax()]) == pytest.approx(70.5288, abs=0.02)
-    radius = 1 / gk.curvature(cam.pitch_curve, angles)
+    radius = 1 / gk.convexity(cam.pitch_curve, angles)
     assert [radius[0], radius[10000]] == pytest.approx([4, 3.2])
     assert radius.min() == pytest.approx(2 * np.sqrt(2), abs=1e-7)

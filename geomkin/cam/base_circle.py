@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array
 from .cam import Cam, check_lifts
@@ -42,6 +43,7 @@ class BaseCircle:
     cam_angle: float
 
 
+@checked
 def least_base_circle(
     follower: Follower,
     program: Program,
@@ -90,6 +92,7 @@ def least_base_circle(
     return _uncrossed(follower, program, direction, BaseCircle(radius, most, limit, angle), scale)
 
 
+@checked
 def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg: float = 0.0) -> float:
     """Least base radius, mm, for which a translating flat face leaves no radius of curvature below `least_radius`.
 

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Reals, checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
@@ -129,7 +130,8 @@ def check_lifts(follower: Follower, program: Program) -> None:
     )
 
 
-def pressure_angle(cam: Cam, angle: ArrayLike) -> Array:
+@checked
+def pressure_angle(cam: Cam, angle: Reals) -> Array:
     """Signed angle, rad, between the follower's path and the force on it, at cam angles in rad.
 
     Of a follower that moves straight, positive when the force leans the way the cam's surface runs under it;

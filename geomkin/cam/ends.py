@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ..errors import DesignError, shown
 from ..plane.vec import Array
-from ..sizes import check_sizes
-from .lift_rows import read_rows
+from ..sizes import check_quantities
+from .lift_rows import checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
 # Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
@@ -55,7 +56,7 @@ def naming(place: str) -> Iterator[None]:
         raise DesignError(field, error.problem, error.remedy) from None
 
 
-def spans(segments: Sequence[Segment], folder: str | None) -> list[Span]:
+def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
     """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
     made: list[Span] = []
     angle, lift = 0.0, 0.0
@@ -64,7 +65,7 @@ def spans(segments: Sequence[Segment], folder: str | None) -> list[Span]:
         with naming(place):
             if not isinstance(segment, Segment):
                 raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise")
-            check_sizes(segment)
+            check_quantities(segment)
             if isinstance(segment, Pointed):
                 span = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
             else:
@@ -154,7 +155,7 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     return end, oscillates
 
 
-def _given(place: str, segment: Pointed, before: float, lift: float | None, folder: str | None, alone: bool) -> Span:
+def _given(place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool) -> Span:
     """A segment from its own points. lift: that of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
     # A row of a file is found by what it says.
@@ -202,7 +203,9 @@ def rounding(segment: Segment) -> float:
 def _between(segment: Timed, start: float, end: float) -> Array:
     if not isinstance(segment, LiftPolynomial):
         return np.zeros((0, 2))
-    points = np.array(segment.through, dtype=float).reshape(-1, 2)
+    if isinstance(segment.through, (tuple, list)) and not segment.through:
+        return np.zeros((0, 2))
+    points = checked_rows(segment.through, "through")
     outside = np.flatnonzero((points[:, 0] <= start) | (points[:, 0] >= end))
     if len(outside):
         k = int(outside[0])

@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.vec import Array
 
 Law = Callable[[Array], Array]
@@ -165,7 +165,7 @@ def checked(law: Any) -> Law:
             raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable")
         return LAWS[law]
     if not callable(law):
-        raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable")
+        raise DesignError("law", f"found {shown(law)}", f"give {', '.join(LAWS)} or a callable")
     breaks = breaks_of(law)
     if breaks.ndim != 1 or breaks.size < 2 or breaks[0] != 0 or breaks[-1] != 1 or np.any(np.diff(breaks) <= 0):
         raise DesignError("law.breaks", f"found {breaks}", "give rising numbers from 0 to 1")

@@ -19,7 +19,7 @@ LARGEST = 10_000_000
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
 
 
-def read_rows(segment: Pointed, folder: str | None) -> tuple[str, Array, bool]:
+def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Array, bool]:
     """The field that has them, (n, 2) angles in deg with lifts, and whether the lifts are in degrees."""
     names = ("rows", "rows_deg", "file") if isinstance(segment, LiftTable) else ("points", "points_deg")
     given = [name for name in names if getattr(segment, name) is not None]
@@ -30,13 +30,13 @@ def read_rows(segment: Pointed, folder: str | None) -> tuple[str, Array, bool]:
     if field == "file":
         points, swings = _from_csv(getattr(segment, field), folder)
         return field, points, swings
-    return field, _checked(getattr(segment, field), field), field.endswith("_deg")
+    return field, checked_rows(getattr(segment, field), field), field.endswith("_deg")
 
 
-def _checked(rows: object, field: str) -> Array:
+def checked_rows(rows: object, field: str) -> Array:
     try:
         points = np.array(rows, dtype=float)
-        fits = points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
+        fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
         fits = fits and bool((np.abs(points) <= FARTHEST).all())
     except (TypeError, ValueError, OverflowError):
         fits = False
@@ -47,7 +47,7 @@ def _checked(rows: object, field: str) -> Array:
     return points
 
 
-def _from_csv(name: object, folder: str | None) -> tuple[Array, bool]:
+def _from_csv(name: object, folder: str | Path | None) -> tuple[Array, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
     try:
@@ -92,7 +92,7 @@ def _from_csv(name: object, folder: str | None) -> tuple[Array, bool]:
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
-    return _checked(points, "file"), LIFTS[lifts[0]]
+    return checked_rows(points, "file"), LIFTS[lifts[0]]
 
 
 def _number(line: list[str], column: int, place: str) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array
 from .cam import Cam, convex_curvature, pressure_angle
@@ -28,6 +29,7 @@ class SegmentLimits:
     convex_radius_at: Array
 
 
+@checked
 def segment_limits(cam: Cam) -> SegmentLimits:
     """Pressure angle and convex radius of each segment, at their exact peaks, with both sides of every joint."""
     breaks = cam.program.breaks

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Reals, checked
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 
@@ -16,12 +16,13 @@ STEPS = 6
 ROUNDING = 1e-14
 
 
-def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
-    """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; arrays (n,).
+@checked
+def polar_radius(outline: AbstractCurve, angle: Reals) -> Array:
+    """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; any shape.
 
     Where the outline passes a direction more than once, the farthest point counts: what a probe from outside meets.
     """
-    directions = np.exp(1j * np.asarray(angle, dtype=float))
+    directions = np.exp(1j * np.asarray(angle, dtype=float).ravel())
     breaks = outline.breaks
     t = np.concatenate([np.linspace(a, b, LOOKS)[:-1] for a, b in zip(breaks[:-1], breaks[1:])] + [breaks[-1:]])
     k = _farthest(outline.point(t), directions)
@@ -33,7 +34,7 @@ def polar_radius(outline: AbstractCurve, angle: ArrayLike) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(slope == 0, 0.0, here.imag / slope)
         place = np.clip(place - step, low, high)
-    return np.abs(outline.point(place))
+    return np.abs(outline.point(place)).reshape(np.shape(angle))
 
 
 def _farthest(z: Array, directions: Array) -> Array:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.vec import Array
 from .ends import SLIP, rounding, spans
 from .laws import breaks_of
@@ -42,7 +43,7 @@ class Program:
     """
 
     segments: Sequence[Segment]
-    folder: str | None = None
+    folder: str | Path | None = None
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
@@ -58,6 +59,10 @@ class Program:
         )
 
     def __post_init__(self) -> None:
+        if not isinstance(self.segments, (tuple, list)):
+            raise DesignError("segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell")
+        if not isinstance(self.folder, (str, Path, type(None))):
+            raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder")
         self._resolved  # refuses what does not add up
 
     @cached_property

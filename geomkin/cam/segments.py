@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
+from ..arguments import check_fields
 from ..sizes import FARTHEST, OneOfKinds, entry, quantity
 from .laws import Law, LawName, NamedLaw
 
@@ -181,6 +182,9 @@ class OptimisedPolynomial:
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True)

@@ -65,15 +65,54 @@ def spline_near(x: Array, values: Array, ends: Ends, tolerance: float) -> Piecew
         still: Ends = None if ends is None else ((0.0, 0.0), (0.0, 0.0))
         basis = _at(knots, _quintic(knots, inner, still), x)
         base = _quintic(knots, fixed, ends)
-        # Normal equations: a spline's own knot values are nearly the best already, so they lose no digits that matter.
-        rest = basis.T @ (values - _at(knots, base, x)[:, 0])
-        free = np.linalg.lstsq(basis.T @ basis, rest, rcond=None)[0]
-        coefficients = (base + _quintic(knots, (inner @ free)[:, None], still))[..., 0]
+        free = _nearest(basis, values - _at(knots, base, x)[:, 0])
+        coefficients = (base + _quintic(knots, np.pad(free, 1)[:, None], still))[..., 0]
         spline = PiecewisePolynomial(knots, coefficients, np.array([0.0, 1.0]))
         if np.abs(spline(x)[0] - values).max() <= tolerance:
             return spline
         count += max(1, count // 8)
     return spline_through(x, values, ends)
+
+
+# Share of the largest row sum that is added to the diagonal of the normal equations: unknowns that no value tells of
+# stay near 0. Smaller, and their elimination may divide by rounding; larger shows in the spline's last digits.
+UNTOLD = 1e-14
+# Rows whose products are summed at a time: as many as stay in the processor's cache.
+AT_ONCE = 16
+
+
+def _nearest(basis: Array, values: Array) -> Array:
+    """The weights (m,) of the columns of basis (n, m) whose sum comes nearest to values (n,) in least squares.
+
+    By the normal equations: a spline's own knot values are nearly the best already, so they lose no digits that matter.
+    Summed and eliminated in a fixed order, without the linear-algebra library: its order hangs on the processor, and
+    the last digit of a jerk would with it.
+    """
+    m = basis.shape[1]
+    normal, right = np.zeros((m, m)), (basis * values[:, None]).sum(axis=0)
+    for start in range(0, len(basis), AT_ONCE):
+        rows = basis[start : start + AT_ONCE]
+        normal += (rows[:, :, None] * rows[:, None, :]).sum(axis=0)
+    normal[np.diag_indices(m)] += UNTOLD * np.abs(normal).sum(axis=0).max(initial=0.0)
+    for k in range(m - 1):
+        factor = normal[k + 1 :, k] / normal[k, k]
+        normal[k + 1 :, k + 1 :] -= factor[:, None] * normal[k, k + 1 :]
+        right[k + 1 :] -= factor * right[k]
+    for k in range(m - 1, -1, -1):
+        right[k] /= normal[k, k]
+        right[:k] -= normal[:k, k] * right[k]
+    return right
+
+
+def _times(a: Array, b: Array) -> Array:
+    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order."""
+    return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
+
+
+def _inverse(a: Array) -> Array:
+    """Of a 2 x 2 matrix."""
+    (p, q), (r, s) = a.tolist()
+    return np.array([[s, -q], [-r, p]]) / (p * s - q * r)
 
 
 def _at(knots: Array, coefficients: Array, x: Array) -> Array:
@@ -103,24 +142,27 @@ def _quintic(knots: Array, values: Array, ends: Ends) -> Array:
     before, here, after, right = _links(width, step, np.arange(1, n))
     right = np.concatenate([right, np.zeros((n - 1, 2, 4))], axis=2)
     if n > 1:
-        right[0] -= before[0] @ state[0]
-        right[-1] -= after[-1] @ state[n]
+        right[0] -= _times(before[0], state[0])
+        right[-1] -= _times(after[-1], state[n])
     for i in range(1, n - 1):
-        factor = before[i] @ np.linalg.inv(here[i - 1])
-        here[i] -= factor @ after[i - 1]
-        right[i] -= factor @ right[i - 1]
+        factor = _times(before[i], _inverse(here[i - 1]))
+        here[i] -= _times(factor, after[i - 1])
+        right[i] -= _times(factor, right[i - 1])
     for i in range(n - 2, -1, -1):
-        rest = right[i] - after[i] @ state[i + 2] if i < n - 2 else right[i]
-        state[i + 1] = np.linalg.solve(here[i], rest)
+        rest = right[i] - _times(after[i], state[i + 2]) if i < n - 2 else right[i]
+        state[i + 1] = _times(_inverse(here[i]), rest)
     if ends is None:
         before, here, after, right = _links(width, step, np.array([0]))
-        around = before[0] @ state[n - 1] + here[0] @ state[0] + after[0] @ state[1]
+        links = (before[0], state[n - 1]), (here[0], state[0]), (after[0], state[1])
+        around = sum(_times(link, at) for link, at in links)
         around_ends = around[:, first : first + 2] + around[:, last : last + 2]
-        start = end = np.linalg.solve(around_ends, right[0] - around[:, :columns])
+        start = end = _times(_inverse(around_ends), right[0] - around[:, :columns])
     else:
         # Slopes and curvatures by the scaled x.
         start, end = (np.array([[v / scale], [a / scale**2]]) * np.ones(columns) for v, a in ends)
-    state = state[..., :columns] + state[..., first : first + 2] @ start + state[..., last : last + 2] @ end
+    state = (
+        state[..., :columns] + _times(state[..., first : first + 2], start) + _times(state[..., last : last + 2], end)
+    )
     v0, a0, v1, a1 = state[:-1, 0], state[:-1, 1], state[1:, 0], state[1:, 1]
     h = width[:, None]
     v0h, v1h, a0h, a1h = v0 * h, v1 * h, a0 * h**2 / 2, a1 * h**2 / 2

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import checked
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Array, dot
@@ -89,6 +90,7 @@ class Undercut:
         return float(tops[0][first]), float(tops[1][first] % (2 * np.pi))
 
 
+@checked
 def undercut(cam: Cam) -> Undercut:
     """Undercut of a cam: local, at joints where the velocity jumps, and where one flank cuts into another.
 

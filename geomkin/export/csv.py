@@ -8,6 +8,7 @@ import io
 import numpy as np
 
 from ..errors import harmless
+from ..plane.vec import rounded
 from ..table import Column, Table
 
 # Digits kept of each column, counted from its largest value: more would print the last bit of a
@@ -34,8 +35,7 @@ def _cells(column: Column) -> list[str]:
     largest = np.abs(finite).max() if finite.size else 0.0
     # Rounding to more than 290 decimals overflows; what is so small becomes 0.
     digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
-    rounded = (np.round(values, digits) + 0.0).tolist()
-    return [repr(v) if np.isfinite(v) else "" for v in rounded]
+    return [repr(v) if np.isfinite(v) else "" for v in rounded(values, digits).tolist()]
 
 
 def _harmless(text: str) -> str:

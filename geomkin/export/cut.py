@@ -8,14 +8,13 @@ import numpy as np
 
 from ..errors import DesignError
 from ..part import Part
-from ..plane import region
+from ..plane import measure, region
 from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
-from ..plane.measure import area
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Array
+from ..plane.vec import Array, rounded
 
 # A hundred metres, mm: larger is a slip of units, and its points would fill the disk.
 LARGEST = 1e5
@@ -49,11 +48,11 @@ class Loop:
 
     def moved(self, shift: complex, digits: int) -> Loop:
         """The same elsewhere. Rounded once more, since the sum of two short decimals is seldom one."""
-        points = _round(self.points + shift, digits)
+        points = rounded(self.points + shift, digits)
         if isinstance(self.shape, Circle):
-            centre = _round(np.asarray(self.shape.centre + shift), digits).item()
+            centre = rounded(np.asarray(self.shape.centre + shift), digits).item()
             return Loop(Circle(centre, self.shape.radius), points, self.layer)
-        vertices = _round(np.asarray(self.shape.vertices) + shift, digits)
+        vertices = rounded(np.asarray(self.shape.vertices) + shift, digits)
         return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
 
 
@@ -73,7 +72,7 @@ class Cut:
     @property
     def area(self) -> float:
         """Area within the cuts as they are written, mm2: the outline's less the holes'."""
-        outline, *holes = (area(loop.shape) for loop in self.loops)
+        outline, *holes = (measure.area(loop.shape) for loop in self.loops)
         return outline - sum(holes)
 
     @property
@@ -165,14 +164,14 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
 
 def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     digits = decimals(tolerance)
-    points = _round(flatten(curve, tolerance), digits)
+    points = rounded(flatten(curve, tolerance), digits)
     kept = np.append(True, points[1:] != points[:-1])
     kept[-1] &= not (curve.closed and points[-1] == points[0])
     points = points[kept]
     if len(points) < (3 if curve.closed else 2):
         raise DesignError(part.name, "a mark is smaller than files can tell", "make it larger")
     if isinstance(curve, Circle):
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(curve.radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(curve.radius, digits).item())
         return Loop(circle, points, "ENGRAVE")
     return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
 
@@ -191,9 +190,9 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
         if round(radius, digits) <= 0:
             raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
-        circle = Circle(_round(np.asarray(curve.centre), digits).item(), round(radius, digits))
+        circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
-    sense = float(np.sign(area(curve, 1e-3)))
+    sense = float(np.sign(measure.signed_area(curve, 1e-3)))
     moved = parallel(curve, grow * sense) if grow else curve
     points = flatten(moved, tolerance) if moved else np.empty(0)
     # What a slot narrower than the beam leaves runs the other way round.
@@ -215,7 +214,7 @@ def _is_outline(points: Array) -> bool:
 def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
     digits = decimals(tolerance)
-    z = _round(np.asarray(exact.vertices), digits)
+    z = rounded(exact.vertices, digits)
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
     # An arc that no file can tell from a point would be an edge without direction.
     seen = np.abs(np.roll(z, -1) - z) > tolerance / 100
@@ -224,7 +223,7 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     # Twelve decimals of a bulge lie below the last decimal of any vertex.
     bulges = np.where(flat, 0.0, np.round(bulges, 12))
     shape = Polyline(z, bulges)
-    return shape if area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
+    return shape if measure.signed_area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
 def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
@@ -248,14 +247,9 @@ def _rounded_loop(z: Array, digits: int) -> Array:
     """Rounded, without repeats, counterclockwise."""
     if not len(z):
         return z
-    z = _round(z, digits)
+    z = rounded(z, digits)
     z = z[z != np.roll(z, 1)]
     return z if signed_area(z) >= 0 else z[::-1]
-
-
-def _round(z: Array, digits: int) -> Array:
-    # Adding zero turns -0.0, which prints differently, into 0.0.
-    return np.round(z, digits) + 0.0
 
 
 def signed_area(z: Array) -> float:

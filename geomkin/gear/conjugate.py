@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Reversed
@@ -74,6 +75,7 @@ class Conjugate:
         return float(np.ptp(angles)) * self.gear_teeth / (2 * np.pi) if angles else 0.0
 
 
+@checked
 def conjugate(
     tooth: AbstractCurve,
     teeth: int,

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arguments import Positive, check_fields
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved
@@ -28,10 +29,11 @@ class FlankGear:
 
     flank: AbstractCurve
     teeth: int
-    pitch_radius: float
+    pitch_radius: Positive
 
     def __post_init__(self) -> None:
-        if isinstance(self.teeth, bool) or self.teeth != int(self.teeth) or not 2 <= self.teeth <= 10_000:
+        check_fields(self)
+        if not 2 <= self.teeth <= 10_000:
             raise DesignError("teeth", f"found {self.teeth}", "give a whole number from 2 to 10000")
         z = flatten(self.flank, 1e-4 * self.pitch_radius)
         angle = np.angle(1j / z)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from .involute import inverse_involute, roll_at
 from .ring import RingGear
@@ -41,11 +42,13 @@ class Chord(NamedTuple):
     height: float
 
 
+@checked
 def base_pitch(gear: SpurGear | RingGear) -> float:
     """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
     return 2 * np.pi * gear.base_radius / gear.teeth
 
 
+@checked
 def span(gear: SpurGear, teeth: int | None = None) -> Span:
     """The span over a number of teeth: base pitches between, and one tooth on the base circle.
 
@@ -69,6 +72,7 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
     return Span(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
 
 
+@checked
 def over_pins(gear: SpurGear | RingGear, pin: float | None = None) -> OverPins:
     """The measure over two pins, or between them in a ring, in spaces as opposite as an odd count allows.
 
@@ -107,6 +111,7 @@ def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
     return 2 * base * sign * (float(np.tan(lean)) - m) if lean < np.pi / 2 else float("inf")
 
 
+@checked
 def chord(gear: SpurGear, radius: float | None = None) -> Chord:
     """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
     r = gear.pitch_radius if radius is None else radius

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import Count, checked
 from ..errors import DesignError
 from .involute import inverse_involute, involute_function, roll_at
 from .rack import Rack
@@ -12,7 +13,8 @@ from .rack import Rack
 LEAST, MOST = -2.0, 3.0
 
 
-def undercut_free_shift(teeth: int, rack: Rack | None = None) -> float:
+@checked
+def undercut_free_shift(teeth: Count, rack: Rack | None = None) -> float:
     """The least profile shift, 0 or more, modules, with which a rack does not undercut a gear of `teeth` teeth.
 
     The end of the rack's straight flank must meet the line of action outside the base circle.
@@ -23,7 +25,8 @@ def undercut_free_shift(teeth: int, rack: Rack | None = None) -> float:
     return max(0.0, least + 1e-12 * (1 + abs(least)))
 
 
-def balanced_shifts(first: int, second: int, rack: Rack | None = None, total: float = 0.0) -> tuple[float, float]:
+@checked
+def balanced_shifts(first: Count, second: Count, rack: Rack | None = None, total: float = 0.0) -> tuple[float, float]:
     """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
 
     first, second: numbers of teeth; total: sum of the shifts, 0 for the centre distance of a pair without.

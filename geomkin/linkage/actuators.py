@@ -102,7 +102,8 @@ class ActuatedRRR(Driven):
 
     With w from the actuator's base to the bar's, s = |w|, b the bar, c^2 = x^2 + n^2 the actuator's square:
     L_bar = w (c^2 - s^2 - b^2 + i r) / 2s^2, r = 4 times the triangle's area with the branch's sign, so
-    r^2 = ((s + b)^2 - c^2) (c^2 - (s - b)^2). The bar turns by -2 x / r, the actuator by (n - 2 x (L_bar . L) / r) / c^2.
+    r^2 = ((s + b)^2 - c^2) (c^2 - (s - b)^2). For a step of the rod the bar turns by -2 x / r, the actuator by
+    (n - 2 x (L_bar . L) / r) / c^2. Derived here.
     """
 
     period: ClassVar[float] = 0.0
@@ -190,6 +191,7 @@ class ActuatedRRP(Driven):
     """An actuator on a point that stands still, pinned to a body that slides on a rail that does.
 
     Seen along the rail the actuator is r + i k, r^2 = c^2 - k^2, c^2 = x^2 + n^2: it turns by (n - k x / r) / c^2.
+    Derived here.
     """
 
     period: ClassVar[float] = 0.0

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Points, Reals, checked
 from ..errors import DesignError
 from ..plane.vec import Array, unit
 from .limits import driver_limits
 from .motion import Motion
-from .solve import Branch, Named, move
+from .solve import Branch, Named, OneLinkage, move
 
 # Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,
 # but 3 % too small; nearer to 1, such a chord may exceed the tolerance.
@@ -23,6 +23,7 @@ FINEST = 12
 SHORT = 8
 
 
+@checked
 def coupler_grid(length: float, height: float, rows: int, columns: int, centre: complex = 0j) -> Array:
     """Points (rows, columns), mm in a body's own frame, evenly over a rectangle about `centre`.
 
@@ -43,15 +44,17 @@ def coupler_grid(length: float, height: float, rows: int, columns: int, centre: 
     return centre + x + 1j * y[:, None]
 
 
-def coupler_curves(motion: Motion, points: ArrayLike, body: str = "coupler") -> Array:
+@checked
+def coupler_curves(motion: Motion, points: Points, body: str = "coupler") -> Array:
     """Paths (..., frames) of a body's own points (...,), mm; nan where the linkage is open."""
     _check_body(motion.linkage.bodies, body)
     pose = motion.bodies[body]
     return pose.origin.position + pose.direction * np.asarray(points, dtype=complex)[..., None]
 
 
+@checked
 def dashes(
-    linkage: Named, points: ArrayLike, drive: ArrayLike, tolerance: float, branch: Branch = 1, body: str = "coupler"
+    linkage: OneLinkage, points: Points, drive: Reals, tolerance: float, branch: Branch = 1, body: str = "coupler"
 ) -> list[list[Array]]:
     """Each point's path as dashes: one for the first step of the drive, a gap for the next, and so on.
 
@@ -66,7 +69,7 @@ def dashes(
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     if steps.ndim != 1 or len(steps) < 2 or not np.all(np.diff(steps) > 0):
         raise DesignError("drive", "found no rising row", "give the limits of the steps in rising order, at least two")
-    if local.ndim != 1 or not np.isfinite(local).all():
+    if local.ndim != 1 or not local.size or not np.isfinite(local).all():
         raise DesignError("points", "found no row of finite points", "give finite points; ravel a grid")
     if branch == "follow":
         raise DesignError("branch", "found 'follow'", "give +1, -1 or a table of signs by joint")

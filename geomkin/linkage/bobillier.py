@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Places, checked
 from ..plane.vec import Array, dot, unit
 from .centres import InstantCentre, settled
 from .curvature import PathCurvature
@@ -40,6 +41,7 @@ class Bobillier:
     tangent_foot: Array
 
 
+@checked
 def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
     """From the paths of two points, as two cranks or sliders give them, to the centrode tangent of their body.
 
@@ -58,9 +60,8 @@ def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
     )
 
 
-def bobillier_path(
-    one: PathCurvature, tangent_foot: ArrayLike, tangent: ArrayLike, position: ArrayLike
-) -> PathCurvature:
+@checked
+def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, position: Places) -> PathCurvature:
     """From one crank and the centrode tangent line to the path of the body's point at `position`, mm; any shape.
 
     tangent_foot: a point of the line, mm; tangent: its direction. The instant centre is where the line meets the

@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ..arguments import check_fields, checked
 from ..errors import DesignError
 from ..plane.vec import Array, unit
 from .linkage import Linkage, Slider
@@ -30,11 +31,16 @@ class InstantCentre:
     arm: Array
     weight: Array
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @property
     def position(self) -> Array:
         """mm; nan where at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.weight != 0, self.reference + self.arm / self.weight, complex(np.nan, np.nan))
+            return np.where(
+                self.weight != 0, self.reference + np.divide(self.arm, self.weight), complex(np.nan, np.nan)
+            )
 
     @property
     def direction(self) -> Array:
@@ -45,6 +51,7 @@ class InstantCentre:
         return unit(self.arm)
 
 
+@checked
 def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
     """The point at which two bodies have the same velocity, (frames,); at infinity where they turn alike.
 
@@ -83,6 +90,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
     return InstantCentre(*(np.where(motion.closed, v, np.nan) for v in (reference, arm, weight)))
 
 
+@checked
 def instant_centres(motion: Motion) -> Mapping[tuple[str, str], InstantCentre]:
     """All n (n - 1) / 2 instant centres of n bodies, by pairs of names in the linkage's order."""
     return {(body, other): instant_centre(motion, body, other) for body, other in combinations(motion.bodies, 2)}

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 from .centrodes import Centrodes
 from .coupler import moved_at
-from .solve import Branch, Named
+from .solve import Branch, OneLinkage
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +24,18 @@ class CentrodeCurve(AbstractCurve):
     drive from which a branch is followed.
     """
 
-    linkage: Named
+    linkage: OneLinkage
     body: str
     span: tuple[float, float]
     moving: bool = False
     branch: Branch = 1
     start: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        bodies = self.linkage.linkage.bodies
+        if self.body not in bodies:
+            raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
 
     def _centrodes(self, t: ArrayLike) -> tuple[Centrodes, Array]:
         motion, frames = moved_at(self.linkage, t, self.branch, self.start)

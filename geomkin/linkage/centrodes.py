@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .centres import InstantCentre, instant_centre, size
@@ -26,6 +27,9 @@ class Centrodes:
 
     motion: Motion
     body: str
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @cached_property
     def centre(self) -> InstantCentre:

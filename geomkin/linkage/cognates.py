@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import cross, direction_deg
 from .four_bar import FourBar
@@ -44,6 +45,7 @@ class Cognate:
     turns_with: Mapping[Link, Link]
 
 
+@checked
 def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
     """The given four-bar and its two cognates: three linkages whose coupler points trace one curve.
 
@@ -62,12 +64,14 @@ def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
     return Cognate(given, 0.0, 1, same), left, right
 
 
+@checked
 def third_pivot(four_bar: FourBar) -> complex:
     """The fixed point, mm, at which the two cognates meet: it makes with the pivots the coupler's triangle."""
     ground = four_bar.ground * direction_deg(four_bar.ground_angle_deg)
     return complex(four_bar.origin + four_bar.coupler_point / four_bar.coupler * ground)
 
 
+@checked
 def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -> Linkage:
     """Roberts' figure: the three cognates as one linkage of ten bars, joined at the coupler point.
 

@@ -8,12 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array
 from .limits import driver_limits
 from .motion import Motion, PointMotion
-from .solve import Branch, Named, move
+from .solve import Branch, Named, OneLinkage, move
 
 
 def moved_at(linkage: Named, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Array]:
@@ -35,14 +36,18 @@ class CouplerCurve(AbstractCurve):
     branch as in `move`. Raises DesignError where the linkage does not reach the whole span.
     """
 
-    linkage: Named
+    linkage: OneLinkage
     point_name: str
     branch: Branch = 1
     span: tuple[float, float] = (0.0, 2 * np.pi)
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
+        if self.point_name not in named:
+            raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
         parts = driver_limits(self.linkage, self.branch, self.span)
-        if parts != (self.span,):
+        if parts != (tuple(self.span),):
             reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
             raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
 

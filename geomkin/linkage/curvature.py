@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Extended, Place, Places, RealArray, check_fields, checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
 from .centres import pin_between, settled, size, slider_between
@@ -35,7 +35,10 @@ class PathCurvature:
 
     position: Array
     tangent: Array
-    curvature: Array
+    curvature: RealArray
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def radius(self) -> Array:
@@ -52,7 +55,8 @@ class PathCurvature:
         return np.where(np.isinf(self.curvature), self.position, straight)
 
 
-def crank_path(pin: ArrayLike, pivot: ArrayLike) -> PathCurvature:
+@checked
+def crank_path(pin: Places, pivot: Places) -> PathCurvature:
     """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape.
 
     The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
@@ -62,7 +66,8 @@ def crank_path(pin: ArrayLike, pivot: ArrayLike) -> PathCurvature:
         return PathCurvature(pin, 1j * unit(arm), 1 / np.abs(arm))
 
 
-def path_curvature(motion: Motion, body: str, local: complex) -> PathCurvature:
+@checked
+def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     """Path of a body's point `local`, mm in the body's frame, on the ground, along rising drive; (frames,).
 
     With V and A its first and second kinematic coefficients the curvature is V x A / |V|^3; a body joined to the
@@ -72,6 +77,10 @@ def path_curvature(motion: Motion, body: str, local: complex) -> PathCurvature:
     """
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
+    if np.shape(local) not in ((), motion.closed.shape):
+        raise DesignError(
+            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.closed.shape} of them"
+        )
     carrier, local = _guided(motion, body, local)
     moved, ground = motion.bodies[carrier], motion.linkage.ground
     position = moved.point(local).position
@@ -139,12 +148,13 @@ def path_in(
     return PathCurvature(position, np.where(cusp, np.nan, unit(first)), np.where(speed_terms > 0, curvature, np.nan))
 
 
+@checked
 def euler_savary(
     *,
-    instant_centre: ArrayLike | None = None,
-    point: ArrayLike | None = None,
-    centre: ArrayLike | None = None,
-    inflection: ArrayLike | None = None,
+    instant_centre: Extended | None = None,
+    point: Extended | None = None,
+    centre: Extended | None = None,
+    inflection: Extended | None = None,
 ) -> Array:
     """The fourth of four places on a ray through the instant centre, from the other three.
 

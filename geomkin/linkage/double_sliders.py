@@ -20,7 +20,7 @@ class EllipticTrammel:
     """
 
     rod: float = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
-    rod_point: Annotated[complex, PointXY()] = entry(
+    rod_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the rod, from its first pin, x towards the second, [x, y] in mm", default=0j, example=100 + 0j
     )
     angle_deg: float = quantity(
@@ -31,7 +31,7 @@ class EllipticTrammel:
     ground_angle_deg: float = quantity("direction of the first slot", "deg", default=0.0, at_least=-360, at_most=360)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
         if self.driver not in ("rod", "shuttle"):
             raise DesignError("driver", f"found {self.driver!r}", "give rod or shuttle")
 
@@ -73,7 +73,7 @@ class ScotchYoke:
     ground_angle_deg: float = quantity("direction of the yoke's way", "deg", default=0.0, at_least=-360, at_most=360)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
 
     @cached_property
     def linkage(self) -> Linkage:
@@ -110,7 +110,7 @@ class OldhamCoupling:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
 
     @cached_property
     def linkage(self) -> Linkage:

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..arguments import Place, RealArray, check_fields
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .linkage import Linkage, Slider
@@ -31,15 +32,16 @@ class Contact:
     along the normal, and where the two surfaces have one centre of curvature. DesignError if both are straight.
     """
 
-    point: Array
-    normal: Array
-    driver_radius: Array
-    follower_radius: Array
-    driver_pivot: Array | complex = 0j
-    follower_pivot: Array | complex | None = None
-    follower_direction: Array | complex | None = None
+    point: Place
+    normal: Place
+    driver_radius: RealArray
+    follower_radius: RealArray
+    driver_pivot: Place = 0j
+    follower_pivot: Place | None = None
+    follower_direction: Place | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if (self.follower_pivot is None) == (self.follower_direction is None):
             found = "neither" if self.follower_pivot is None else "both"
             raise DesignError("follower_pivot", f"of it and follower_direction found {found}", "give one of them")
@@ -101,8 +103,9 @@ class Contact:
         Bodies ground, driver, coupler (a bar, or a slider on the straight surface) and follower; the frames of
         driver and follower are turned as the ground's is.
         """
-        if np.ndim(self.point):
-            raise DesignError("point", f"found {np.shape(self.point)} positions", "give one position")
+        for field, given in vars(self).items():
+            if np.ndim(given) and field in self.__dataclass_fields__:
+                raise DesignError(field, f"found {np.shape(given)} positions", "give one position")
         pivot, c1, c2 = complex(self.driver_pivot), complex(self.driver_centre), complex(self.follower_centre)
         ground, driver = {"driver_pivot": pivot}, {"driver_pivot": 0j}
         coupler: dict[str, complex] = {}

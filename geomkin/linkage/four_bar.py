@@ -28,7 +28,7 @@ class FourBar:
         "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
     )
     rocker: float = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
-    coupler_point: Annotated[complex, PointXY()] = entry(
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )
@@ -39,7 +39,7 @@ class FourBar:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
         if self.driver not in ("crank", "coupler", "rocker"):
             raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or rocker")
         if np.ndim(self.ground + self.crank + self.coupler + self.rocker):

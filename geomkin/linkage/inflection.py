@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
 from .centres import InstantCentre, settled
@@ -112,6 +113,7 @@ class InflectionCircle:
         return path_in(place, place - self.reference, *state)
 
 
+@checked
 def inflection_circle(motion: Motion, body: str) -> InflectionCircle:
     """Inflection circle of a body's motion on the ground, in drive for time, (frames,).
 
@@ -122,6 +124,7 @@ def inflection_circle(motion: Motion, body: str) -> InflectionCircle:
     return InflectionCircle(motion.bodies[body].origin.position, *second_order(motion, body))
 
 
+@checked
 def inflection_circle_of_cranks(one: PathCurvature, two: PathCurvature) -> InflectionCircle:
     """Inflection circle of a body from the paths of two of its points, as two cranks or sliders give them.
 

@@ -34,7 +34,7 @@ class InvertedSliderCrank:
         at_most=FARTHEST,
     )
     line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
-    point: Annotated[complex, PointXY()] = entry(
+    point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",
         default=0j,
         example=130 + 0j,
@@ -46,7 +46,7 @@ class InvertedSliderCrank:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
         for field, value, allowed in (
             ("line", self.line, ("rocker", "coupler")),
             ("driver", self.driver, ("crank", "rocker")),

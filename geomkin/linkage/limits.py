@@ -6,13 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .closure import Driven
 from .dyads import Dyad
 from .loops import Loops
 from .plan import plan
-from .solve import Branch, Named, move
+from .solve import Branch, Named, OneLinkage, move
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
@@ -22,8 +23,9 @@ LOOKS = 1440
 STILL = 1e-9
 
 
+@checked
 def driver_limits(
-    linkage: Named, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
 ) -> tuple[tuple[float, float], ...]:
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
@@ -51,8 +53,9 @@ def driver_limits(
     return tuple((low, high) for low, high in parts)
 
 
+@checked
 def dead_centres(
-    linkage: Named, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
 ) -> Array:
     """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke."""
     general = linkage.linkage
@@ -66,7 +69,7 @@ def dead_centres(
     largest = steps[np.argmax(np.abs(steps))]
     turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
     places = (z for points in general.bodies.values() for z in points.values())
-    reach = max((float(np.abs(z).max()) for z in places), default=1.0)
+    reach = max((float(np.abs(z).max()) for z in places), default=0.0) or 1.0
     line = None if turning * reach > STILL * abs(largest) else largest
 
     def way(q: Array) -> Array:

@@ -5,13 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+from ..arguments import Place, Sort, check_fields, is_place
 from ..errors import DesignError, shown
 from ..names import check_names
 from ..plane.vec import Array, direction_deg
+
+
+def _are_bodies(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(
+        isinstance(body, str) and isinstance(points, Mapping) and all(is_place(z, gaps=True) for z in points.values())
+        for body, points in value.items()
+    )
+
+
+# That the points are finite is said with their names.
+Bodies = Annotated[
+    Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +39,13 @@ class Slider:
     name: str
     body: str
     along: str
-    point: complex = 0j
-    through: complex = 0j
+    point: Place = 0j
+    through: Place = 0j
     direction_deg: float = 0.0
     angle_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def direction(self) -> Array:
@@ -50,20 +67,22 @@ class Linkage:
 
     bodies: the fixed body first, each with its points, mm in its own frame. sliders: the sliding
     joints. driver: the body that is driven: its angle from the ground's x axis, or its displacement if it
-    slides on the ground; or the slider that is driven: its displacement, as of a linear actuator between any two
-    bodies, which counts as one bar of changing length wherever branches are told by the order of bodies. origin, ground_angle_deg: where the fixed body's frame stands. estimate: roughly where
-    pins are with the driver at its first frame, mm; needed only where the linkage is no chain of dyads.
+    slides on the ground; or the slider that is driven: its displacement, as of a cylinder and its rod between any
+    two bodies, which count as one bar where a branch goes by the order of bodies. origin, ground_angle_deg: where
+    the fixed body's frame stands. estimate: roughly where pins are with the driver at its first frame, mm; needed
+    only where the linkage is no chain of dyads.
     Points may be arrays (linkages,): many linkages of one make.
     """
 
-    bodies: Mapping[str, Mapping[str, complex]]
+    bodies: Bodies
     driver: str
     sliders: tuple[Slider, ...] = ()
-    origin: complex = 0j
+    origin: Place = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         names = list(self.bodies)
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
@@ -115,6 +134,11 @@ class Linkage:
     def linkage(self) -> Linkage:
         """Itself, as every named linkage has it."""
         return self
+
+    @cached_property
+    def many(self) -> bool:
+        """Whether sizes are arrays: many linkages of one make."""
+        return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
 
     @cached_property
     def ground(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .four_bar import FourBar
@@ -11,6 +12,7 @@ from .motion import Motion
 from .slider_crank import SliderCrank
 
 
+@checked
 def grashof_type(linkage: FourBar) -> str:
     """Which links turn fully: by the shortest link if shortest + longest is no more than the other two.
 
@@ -38,6 +40,7 @@ def _by_length(linkage: FourBar) -> tuple[dict[str, float], str, float]:
     return lengths, by_length[0], spare
 
 
+@checked
 def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Array:
     """The circuit of each frame, +1 or -1: poses of one sign are reached from each other without taking it apart.
 
@@ -66,6 +69,7 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Array:
     return np.where(motion.closed, sign, 0).astype(int)
 
 
+@checked
 def mechanical_advantage(motion: Motion, output: str) -> Array:
     """Output torque or force over input torque or force, by the power that both have: dq over the output's own way.
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Extended, checked
+from ..errors import DesignError
 from ..plane.vec import Array
 
 
@@ -21,10 +23,11 @@ class Root:
     path: Array
 
 
+@checked
 def newton_raphson(
     f: Callable[[Array], ArrayLike],
     jacobian: Callable[[Array], ArrayLike],
-    estimate: ArrayLike,
+    estimate: Extended,
     tolerance: float = 1e-13,
     steps: int = 50,
 ) -> Root:
@@ -33,6 +36,8 @@ def newton_raphson(
     Converged when a step is at most `tolerance` of the size of x (of 1 near zero). Where J is singular or f is
     not finite it stops, not converged, and the value is where that happened: never trust it without looking.
     """
+    if np.ndim(estimate) > 1 or not np.size(estimate):
+        raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)")
     x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
     path = [x]
     converged = False

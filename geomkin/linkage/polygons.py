@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from .linkage import Slider
 from .motion import Motion
@@ -53,6 +54,7 @@ POLE = "pole"
 ROUNDING = 1e-12
 
 
+@checked
 def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None) -> Polygon:
     """Velocity polygon of one frame.
 
@@ -64,6 +66,7 @@ def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale:
     return _polygon(motion, frame, 1, size, scale)
 
 
+@checked
 def acceleration_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None) -> Polygon:
     """Acceleration polygon of one frame: as `velocity_polygon`, scale in mm per mm/s2.
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
@@ -52,9 +53,6 @@ class SliderCrankMasses:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        for name in ("crank_centre", "coupler_centre"):
-            if not np.isfinite(getattr(self, name)):
-                raise DesignError(name, f"found {getattr(self, name)}", "give a finite place, in mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +69,14 @@ class Counterbalance:
     angles: Array
 
 
+@checked
 def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: complex = 0.0) -> Array:
     """Force of a slider-crank's moving parts on the frame, (frames,) complex, N: -sum m a of their centres of mass.
 
     counterbalance: mass times radius, kg mm, as in `Counterbalance`. nan where the linkage is open.
     """
+    if not {"crank", "coupler", "slider"} <= set(motion.bodies):
+        raise DesignError("motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank")
     parts = (
         (masses.crank, "crank", masses.crank_centre),
         (masses.coupler, "coupler", masses.coupler_centre),
@@ -86,6 +87,7 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
     return -NEWTON * np.sum(forces, axis=0)
 
 
+@checked
 def judged_counterbalance(
     linkage: SliderCrank, masses: SliderCrankMasses, product: complex = 0.0, branch: Branch = 1
 ) -> Counterbalance:
@@ -98,6 +100,7 @@ def judged_counterbalance(
     return Counterbalance(product, NEWTON * float(sizes.max()), angles[sizes >= (1 - 1e-9) * sizes.max()])
 
 
+@checked
 def best_counterbalance(
     linkage: SliderCrank, masses: SliderCrankMasses, branch: Branch = 1, turned: bool = False
 ) -> Counterbalance:

@@ -27,7 +27,7 @@ class SliderCrank:
     offset: float = quantity(
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
-    coupler_point: Annotated[complex, PointXY()] = entry(
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
         "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
         default=0j,
     )
@@ -38,7 +38,7 @@ class SliderCrank:
     ground_angle_deg: float = quantity("direction of the slide line", "deg", default=0.0, at_least=-360, at_most=360)
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        check_sizes(self, many=True)
         if self.driver not in ("crank", "coupler", "slider"):
             raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or slider")
         if np.ndim(self.crank + self.coupler + self.offset):

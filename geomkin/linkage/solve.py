@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Reals, Sort, checked
 from ..errors import DesignError
 from .chain import Chain
 from .dyads import Dyad
@@ -25,8 +25,21 @@ class Named(Protocol):
     def linkage(self) -> Linkage: ...
 
 
+def _is_linkage(value: Any) -> bool:
+    # Of a class it would be the property itself.
+    return isinstance(getattr(value, "linkage", None), Linkage)
+
+
+AnyLinkage = Annotated[Named, Sort(_is_linkage, "a linkage, such as FourBar or Linkage")]
+OneLinkage = Annotated[
+    Named,
+    Sort(lambda value: _is_linkage(value) and not value.linkage.many, "one linkage, its sizes numbers and no arrays"),
+]
+
+
+@checked
 def move(
-    linkage: Named, drive: ArrayLike, branch: Branch = 1, speed: ArrayLike = 1.0, acceleration: ArrayLike = 0.0
+    linkage: AnyLinkage, drive: Reals, branch: Branch = 1, speed: Reals = 1.0, acceleration: Reals = 0.0
 ) -> Motion:
     """Motion of a linkage whose driver stands at `drive`: rad from the ground's x axis, mm where a slider drives.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
@@ -20,6 +21,7 @@ SAME = 1e-8
 Chain = tuple[Array, Array]
 
 
+@checked
 def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     """Arcs and straight edges nowhere farther than `tolerance`, mm, from the curve.
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Positive, check_fields
+from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Array
 
@@ -20,10 +22,15 @@ class Cycloid(AbstractCurve):
     `end`; 0 at the cusp on +x, the next one at 2 pi |g| / r.
     """
 
-    radius: float
+    radius: Positive
     rolling: float
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.rolling:
+            raise DesignError("rolling", "found 0", "give a radius above 0 to roll outside, below 0 to roll inside")
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)

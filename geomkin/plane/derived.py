@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from .curve import AbstractCurve, just_before
 from .pose import Pose
 from .vec import Array, unit
@@ -18,6 +19,9 @@ class Moved(AbstractCurve):
 
     curve: AbstractCurve
     pose: Pose
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         return self.pose.place(self.curve.point(t))
@@ -43,6 +47,9 @@ class Reversed(AbstractCurve):
 
     curve: AbstractCurve
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def point(self, t: ArrayLike) -> Array:
         return self.curve.point(-np.asarray(t, dtype=float))
 
@@ -67,6 +74,9 @@ class Mirrored(AbstractCurve):
     """The mirror image of a curve in the y axis."""
 
     curve: AbstractCurve
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         return -np.conj(self.curve.point(t))
@@ -126,6 +136,9 @@ class Offset(AbstractCurve):
 
     curve: AbstractCurve
     distance: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         return self.curve.point(t) - 1j * self.distance * unit(self._moving(t)[1])

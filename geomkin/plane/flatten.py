@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from .arc_chain import chain_points, chords_of_arc, edges_of
 from .curve import AbstractCurve
@@ -18,6 +19,7 @@ from .vec import Array
 SHARES = np.linspace(0, 1, 11)
 
 
+@checked
 def flatten(curve: AbstractCurve, tolerance: float) -> Array:
     """Points (n,) complex on the curve, mm, whose chords are nowhere farther than `tolerance` from it.
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Count, check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Array
@@ -25,6 +26,9 @@ class Path(AbstractCurve):
     pieces: tuple[AbstractCurve, ...]
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        if not len(self.pieces):
+            raise DesignError("pieces", "found none", "give at least one")
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
         if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())
@@ -101,9 +105,10 @@ class Ring(AbstractCurve):
     """
 
     piece: AbstractCurve
-    count: int
+    count: Count
 
     def __post_init__(self) -> None:
+        check_fields(self)
         start, end = self.piece.point(self.piece.breaks[[0, -1]]).tolist()
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):

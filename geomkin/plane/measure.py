@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import Points, Reals, checked
+from ..errors import DesignError
 from .curve import AbstractCurve
 from .joined import Ring
 from .vec import Array
@@ -21,6 +22,7 @@ _DOUBLINGS = 12
 _SAMPLES = 48
 
 
+@checked
 def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     """Arc length, mm, to a relative `accuracy`."""
     if isinstance(curve, Ring):
@@ -28,11 +30,23 @@ def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     return float(_integral(curve, lambda t: np.abs(curve.velocity(t)), accuracy).real)
 
 
+@checked
 def area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
-    """Area enclosed by a closed curve, mm2, positive when it runs counterclockwise.
+    """Area enclosed by a closed curve, mm2, positive whichever way it runs; where it crosses itself, of `signed_area`.
 
     To `accuracy` relative to the square of the curve's length.
     """
+    return abs(signed_area(curve, accuracy))
+
+
+@checked
+def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
+    """Area of a closed curve, mm2, positive when it runs counterclockwise, each part as often as the curve winds round.
+
+    To `accuracy` relative to the square of the curve's length.
+    """
+    if not curve.closed:
+        raise DesignError("curve", "found an open one, which encloses no area", "give a closed curve")
     if isinstance(curve, Ring):
         return curve.count * _sector(curve.piece, 0j, accuracy).real
     return float(_sector(curve, complex(curve.point(curve.breaks[0])), accuracy).real)
@@ -45,6 +59,7 @@ def _sector(curve: AbstractCurve, about: complex, accuracy: float) -> complex:
     return _integral(curve, swept, accuracy)
 
 
+@checked
 def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
     """Centroid of the area enclosed by a closed curve, mm; nan where the area is zero."""
     if isinstance(curve, Ring):
@@ -55,22 +70,30 @@ def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
         z = curve.point(t) - start
         return z * np.imag(np.conj(z) * curve.velocity(t)) / 3
 
-    enclosed = area(curve, accuracy)
+    enclosed = signed_area(curve, accuracy)
     return start + _integral(curve, moment, accuracy) / enclosed if enclosed else complex(np.nan, np.nan)
 
 
-def curvature(curve: AbstractCurve, t: ArrayLike) -> Array:
-    """Signed curvature, 1/mm, at parameters of any shape; at a break, that of the piece that starts there.
+@checked
+def curvature(curve: AbstractCurve, t: Reals) -> Array:
+    """Signed curvature, 1/mm, positive where the curve turns left along rising t; infinite at a cusp.
 
-    A closed curve counts as positive where it is convex as seen from outside the area it encloses,
-    whichever way it runs (a cam that turns counterclockwise has a profile that runs clockwise); an
-    open one where it turns left. Infinite at a cusp.
+    At parameters of any shape; at a break, that of the piece that starts there.
     """
-    bend = curve.curvature(t)
-    return bend * np.sign(area(curve, 1e-3)) if curve.closed else bend
+    return curve.curvature(t)
 
 
-def nearest(curve: AbstractCurve, points: ArrayLike) -> tuple[Array, Array]:
+@checked
+def convexity(curve: AbstractCurve, t: Reals) -> Array:
+    """Curvature of a closed curve, 1/mm, positive where it is convex as seen from outside the area it encloses.
+
+    Whichever way it runs: a cam that turns counterclockwise has a profile that runs clockwise. Else as `curvature`.
+    """
+    return curve.curvature(t) * np.sign(signed_area(curve, 1e-3))
+
+
+@checked
+def nearest(curve: AbstractCurve, points: Points) -> tuple[Array, Array]:
     """Parameter and distance, mm, of the curve's point nearest to each of `points` (any shape).
 
     The distance is within 1e-12 of the curve's size of the least one, unless the curve has a feature
@@ -126,7 +149,7 @@ def _integral(curve: AbstractCurve, f: Callable[[Array], Array], accuracy: float
     for _ in range(_DOUBLINGS):
         half = 0.5 * np.diff(edges)
         t = (edges[:-1] + half)[:, None] + half[:, None] * _NODES
-        cells = (f(t) @ _WEIGHTS) * half
+        cells = (f(t) * _WEIGHTS).sum(axis=-1) * half
         total, scale = complex(cells.sum()), float(np.abs(cells).sum())
         if before is not None and abs(total - before) <= max(accuracy, 1e-15) * scale:
             return total

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import check_fields
 from .vec import Array
 
 
@@ -16,6 +17,9 @@ class Pose:
 
     origin: Array | complex = 0j
     direction: Array | complex = 1 + 0j
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def place(self, z: ArrayLike) -> Array:
         """A body's own points as seen from outside."""

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Positive, Reals, Row, check_fields, checked
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Moved
@@ -22,6 +23,9 @@ class Segment(AbstractCurve):
 
     start: complex
     end: complex
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -53,6 +57,9 @@ class Arc(AbstractCurve):
     start: complex
     sweep: float
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def point(self, t: ArrayLike) -> Array:
         return self.centre + (self.start - self.centre) * np.exp(1j * self.sweep * np.asarray(t))
 
@@ -60,7 +67,8 @@ class Arc(AbstractCurve):
         return 1j * self.sweep * (self.point(t) - self.centre)
 
     def curvature(self, t: ArrayLike) -> Array:
-        return np.full(np.shape(t), np.sign(self.sweep) / abs(self.start - self.centre))
+        with np.errstate(divide="ignore"):
+            return np.full(np.shape(t), np.sign(self.sweep) / np.abs(self.start - self.centre))
 
     @property
     def breaks(self) -> Array:
@@ -79,6 +87,7 @@ class Circle(AbstractCurve):
     radius: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
             raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
 
@@ -108,13 +117,17 @@ class Polyline(AbstractCurve):
     one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left.
     """
 
-    vertices: Array
-    bulges: Array | None = None
+    vertices: Row
+    bulges: Reals | None = None
     is_closed: bool = True
 
     def __post_init__(self) -> None:
-        if len(self.vertices) < 2 or not np.isfinite(self.vertices).all():
-            raise DesignError("vertices", "found fewer than two finite points", "give at least two")
+        check_fields(self)
+        if len(self.vertices) < 2:
+            raise DesignError("vertices", "found fewer than two points", "give at least two")
+        edges = len(self.vertices) - (not self.is_closed)
+        if self.bulges is not None and np.shape(self.bulges) != (edges,):
+            raise DesignError("bulges", f"found shape {np.shape(self.bulges)}", f"give ({edges},), one for each edge")
 
     @cached_property
     def _edges(self) -> tuple[Array, Array]:
@@ -170,12 +183,15 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
     return Moved(curve, pose)
 
 
-def rounded_hull(centres: ArrayLike, radius: float) -> AbstractCurve:
+@checked
+def rounded_hull(centres: Row, radius: Positive) -> AbstractCurve:
     """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
 
     centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
     centre gives a circle, two a slot.
     """
+    if not len(centres):
+        raise DesignError("centres", "found none", "give at least one")
     corners = _convex_hull(np.atleast_1d(np.asarray(centres, dtype=complex)))
     if len(corners) == 1:
         return Circle(corners[0], radius)
@@ -190,7 +206,8 @@ def rounded_hull(centres: ArrayLike, radius: float) -> AbstractCurve:
     return Path(tuple(pieces))
 
 
-def slot(start: complex, end: complex, radius: float) -> AbstractCurve:
+@checked
+def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
     """The outline swept by a disc from `start` to `end`, counterclockwise."""
     return rounded_hull([start, end], radius)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Positive, check_fields
 from .curve import AbstractCurve
 from .vec import Array
 
@@ -19,9 +20,12 @@ class Involute(AbstractCurve):
     +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there.
     """
 
-    base_radius: float
+    base_radius: Positive
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -59,11 +63,14 @@ class Trochoid(AbstractCurve):
     the whole corner is cut at one instant, which the roll angle does not.
     """
 
-    radius: float
+    radius: Positive
     depth: float
     rounding: float
     start: float
     end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def point(self, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Row, check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Array
@@ -23,12 +24,13 @@ class Spline(AbstractCurve):
     distance.
     """
 
-    points: Array
+    points: Row
 
     def __post_init__(self) -> None:
+        check_fields(self)
         z = np.asarray(self.points)
-        if z.ndim != 1 or len(z) < 2 or not np.isfinite(z).all():
-            raise DesignError("points", "found fewer than two finite points", "give a list of at least two")
+        if len(z) < 2:
+            raise DesignError("points", "found fewer than two points", "give a list of at least two")
         steps = np.abs(np.diff(z))
         if steps.min() <= 1e-12 * np.abs(z).max():
             k = int(steps.argmin())

@@ -5,10 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Numbers, checked
+
 Array = np.ndarray
+# Share of the largest number by which the border between two roundings lies below half way. Processors differ by far
+# less, and recipes give numbers of few decimals, which lie half way but not there. Smaller, and the last bit of a
+# processor's sine decides about half; larger, and it shows in the last of ten digits.
+BESIDE_HALF = 2.0**-44
 
 
-def xy(z: ArrayLike) -> Array:
+@checked
+def xy(z: Numbers) -> Array:
     """Points (...,) complex as coordinates (..., 2): a view where `z` is contiguous complex128."""
     z = np.ascontiguousarray(z, dtype=complex)
     return z.view(float).reshape(*z.shape, 2)
@@ -37,3 +44,16 @@ def direction_deg(angle: ArrayLike) -> Array:
     quarters = np.rint(angle / 90.0)
     rest = np.exp(1j * np.radians(angle - 90.0 * quarters))
     return rest * np.array([1, 1j, -1, -1j])[quarters.astype(int) % 4]
+
+
+def rounded(z: ArrayLike, decimals: int) -> Array:
+    """Rounded to decimals, real or complex, to the same number on every processor, and never to -0.0.
+
+    What lies half way between two roundings, to within the last bits that processors differ by, goes away from 0.
+    """
+    z = np.asarray(z)
+    if np.iscomplexobj(z):
+        parts = rounded(np.ascontiguousarray(z, dtype=complex).view(float), decimals)
+        return parts.view(complex).reshape(z.shape)
+    finite = np.abs(z[np.isfinite(z)])
+    return np.round(z + np.copysign(BESIDE_HALF * finite.max(initial=0.0), z), decimals) + 0.0

@@ -12,7 +12,7 @@ from ..plane import region
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
-from ..plane.measure import area
+from ..plane.measure import signed_area
 from ..plane.primitives import Circle
 from ..plane.vec import Array
 
@@ -69,7 +69,7 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
     """
     z = flatten(curve, tolerance)
     z = z[z != np.roll(z, 1)]
-    z = z if area(curve, 1e-3) * sense > 0 else z[::-1]
+    z = z if signed_area(curve, 1e-3) * sense > 0 else z[::-1]
     following = np.roll(z, -1)
     long = np.flatnonzero(np.abs(following - z) > longest)
     return np.insert(z, long + 1, (z + following)[long] / 2)

@@ -254,7 +254,7 @@ def test_a_harmonic_lift_makes_a_circle_of_a_flat_faced_cam():
     program = gk.Program([gk.Rise("harmonic", rise=16, end_deg=180), gk.Return("harmonic", end_deg=360)])
     cam = gk.Cam(TranslatingFlat(), program, 30)
     assert np.abs(cam.profile.point(DEGREES) + 8j) == pytest.approx(38, abs=1e-12)
-    assert gk.curvature(cam.profile, DEGREES) == pytest.approx(1 / 38, abs=1e-14)
+    assert gk.convexity(cam.profile, DEGREES) == pytest.approx(1 / 38, abs=1e-14)
 
 
 def test_a_tilted_face_is_the_upright_one_with_less_lift():

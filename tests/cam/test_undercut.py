@@ -153,7 +153,7 @@ def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
     for follower, bend in [(TranslatingFlat(), 0), (TranslatingRoller(14), -1 / 14)]:
         outline = undercut(gk.Cam(follower, program, 40)).outline
         pieces = [p for p in outline.pieces if len(p.breaks) == 2 and gk.length(p) > 1e-3]
-        assert any(p.curvature(p.breaks.mean()) * np.sign(gk.area(outline)) == pytest.approx(bend) for p in pieces)
+        assert any(p.curvature(p.breaks.mean()) * np.sign(gk.signed_area(outline)) == pytest.approx(bend) for p in pieces)
 
 
 def test_a_knife_edge_cuts_nothing_away():

@@ -29,7 +29,7 @@ PARTS = [PLATE, GEAR, CLOCKWISE]
 
 
 def exact_area(part):
-    return abs(gk.area(part.outline)) - sum(abs(gk.area(h)) for h in part.holes)
+    return gk.area(part.outline) - sum(gk.area(h) for h in part.holes)
 
 
 def sheet_of(parts, **how):

@@ -191,7 +191,7 @@ def test_the_outline_is_one_simple_loop_of_equal_teeth_with_one_on_the_y_axis(
 ):
     _, mate = straight(teeth, mate_teeth, angle, height, addendum, clearance, internal)
     polygon = gk.flatten(mate.outline, 0.002)
-    assert region.is_simple(polygon) and gk.area(mate.outline) > 0
+    assert region.is_simple(polygon) and gk.signed_area(mate.outline) > 0
     reach = np.abs(polygon)
     deepest, highest = (reach.max(), reach.min()) if internal else (reach.min(), reach.max())
     assert highest == pytest.approx(mate.tip_radius, rel=1e-5)

@@ -1,11 +1,15 @@
-"""The same recipe gives the same bytes, whatever the run."""
+"""The same recipe gives the same bytes, whatever the run and the processor."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+from geomkin.plane.vec import rounded
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 
@@ -57,3 +61,56 @@ def test_formats_asked_for_do_not_change_each_other(here, recipe):
         part = make(here / suffix, "r.toml", "--only", suffix, cwd=here)
         assert part[f"r/r.{suffix}"] == whole[f"r/r.{suffix}"]
         assert sorted(part) == [f"r/r.{suffix}", "r/summary.json"]
+
+
+# Kernels of the linear-algebra library that it can be told to use, each with what it asks of the processor.
+KERNELS = {
+    "PRESCOTT": "SSE3",
+    "NEHALEM": "SSE42",
+    "SANDYBRIDGE": "AVX",
+    "HASWELL": "FMA3",
+    "ZEN": "FMA3",
+    "SKYLAKEX": "AVX512_SKX",
+    "COOPERLAKE": "AVX512BF16",
+    "SAPPHIRERAPIDS": "AVX512_SPR",
+}
+# What NumPy's own loops can be told to do without here, from the newest on.
+NEWEST_FIRST = [name for name in reversed(__cpu_dispatch__) if __cpu_features__.get(name)]
+PROCESSORS = {
+    **{name: {"OPENBLAS_CORETYPE": name} for name, needs in KERNELS.items() if __cpu_features__.get(needs)},
+    **{
+        f"without {name}": {"NPY_DISABLE_CPU_FEATURES": " ".join(NEWEST_FIRST[: k + 1])}
+        for k, name in enumerate(NEWEST_FIRST)
+    },
+    # The C library has sines of its own for each.
+    "C library": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"},
+}
+OLDEST = {
+    "OPENBLAS_CORETYPE": "NEHALEM",
+    "NPY_DISABLE_CPU_FEATURES": " ".join(NEWEST_FIRST),
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4",
+}
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("environment", PROCESSORS.values(), ids=PROCESSORS)
+def test_the_processor_does_not_matter(here, plain, environment):
+    assert make(here / "out", RECIPES, cwd=here, **environment) == plain
+
+
+def test_an_old_processor_makes_the_same_cams_gears_and_linkages(here, plain):
+    names = ("table-cam", "roller-cam", "gear-pair", "walking-leg")
+    made = make(here / "out", *(RECIPES / f"{name}.toml" for name in names), cwd=here, **OLDEST)
+    assert made == {file: content for file, content in plain.items() if file.split("/")[0] in names}
+
+
+def test_what_lies_half_way_rounds_alike_whatever_its_last_bits():
+    # Numbers of few decimals, as recipes have them, with the noise that sines and sums differ by.
+    halves = (np.arange(-4000, 4000) + 0.5) / 1000
+    for noise in (0, 1, -1, 5, -5, 100, -100):
+        near = halves + noise * np.spacing(4.0)
+        assert (rounded(near, 3) == rounded(halves, 3)).all()
+        assert (rounded(near + 1j * near[::-1], 3) == rounded(halves + 1j * halves[::-1], 3)).all()
+    z = np.random.default_rng(3).normal(size=1000) * 1e3
+    assert (np.abs(rounded(z, 6) - z) < 0.505e-6).all()
+    assert not np.signbit(rounded([-0.0, -1e-9], 3)).any() and np.isnan(rounded([np.nan, 1.0], 3)).tolist() == [1, 0]

@@ -1,4 +1,4 @@
-"""A slider as the driver: cylinder and rod between any two bodies, by the same linkage driven by an angle and by hand."""
+"""A slider as the driver: cylinder and rod between any two bodies, against other drivers, 60 digits and statics."""
 
 import dataclasses
 from decimal import Decimal

@@ -6,6 +6,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import geomkin as gk
+from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.derived import Mirrored, Moved, Reversed
@@ -34,20 +36,20 @@ def test_involute_by_its_closed_forms(radius, start, more):
     """Length rb (t1^2 - t0^2) / 2; area swept by the string rb^2 t^3 / 6."""
     end = start + more
     assert np.isclose(measure.length(Involute(radius, start, end)), radius * (end**2 - start**2) / 2, rtol=1e-12)
-    assert np.isclose(measure.area(wound(radius, more)), radius**2 * more**3 / 6, rtol=1e-10)
+    assert np.isclose(measure.signed_area(wound(radius, more)), radius**2 * more**3 / 6, rtol=1e-10)
 
 
 def test_circles_slots_and_half_discs_by_their_closed_forms():
     disc = Circle(2 + 1j, 3.0)
     assert np.isclose(measure.length(disc), 6 * np.pi, rtol=1e-14)
-    assert np.isclose(measure.area(disc), 9 * np.pi, rtol=1e-14)
+    assert np.isclose(measure.signed_area(disc), 9 * np.pi, rtol=1e-14)
     assert np.isclose(measure.centroid(disc), 2 + 1j, rtol=1e-14)
     pill = slot(1 - 1j, 4 + 3j, 0.7)
     assert np.isclose(measure.length(pill), 10 + 1.4 * np.pi, rtol=1e-14)
-    assert np.isclose(measure.area(pill), 7 + 0.49 * np.pi, rtol=1e-14)
+    assert np.isclose(measure.signed_area(pill), 7 + 0.49 * np.pi, rtol=1e-14)
     assert np.isclose(measure.centroid(pill), 2.5 + 1j, rtol=1e-14)
     half = Path((Arc(1j, 3 + 1j, np.pi), Segment(-3 + 1j, 3 + 1j)))
-    assert np.isclose(measure.area(half), 4.5 * np.pi) and np.isclose(measure.centroid(half), 1j + 4j / np.pi)
+    assert np.isclose(measure.signed_area(half), 4.5 * np.pi) and np.isclose(measure.centroid(half), 1j + 4j / np.pi)
     assert np.isclose(measure.length(Arc(0j, 2 + 0j, -4.5)), 9.0)
 
 
@@ -55,7 +57,7 @@ def test_circles_slots_and_half_discs_by_their_closed_forms():
 def test_many_waves_in_one_piece(pieces):
     """Area of r = a (1 + b cos 5t) is pi a^2 (1 + b^2 / 2); the length by the sum over very many chords."""
     flower = Flower(3.0, pieces)
-    assert np.isclose(measure.area(flower), 9 * np.pi * 1.02, rtol=1e-12)
+    assert np.isclose(measure.signed_area(flower), 9 * np.pi * 1.02, rtol=1e-12)
     assert abs(measure.centroid(flower)) < 1e-11
     chords = [np.abs(np.diff(flower.point(np.linspace(0, 2 * np.pi, n + 1)))).sum() for n in (2000, 4000)]
     # Richardson: the error of chords falls with the square of their number.
@@ -76,19 +78,19 @@ def test_polygons_as_shapely_has_them(radii, centre):
     """Star-shaped, so never crossing; any place."""
     z = centre + np.array(radii) * np.exp(2j * np.pi * np.arange(len(radii)) / len(radii))
     polygon, curve = shapely.Polygon(xy(z)), Polyline(z)
-    assert np.isclose(measure.area(curve), polygon.area, rtol=1e-10)
+    assert np.isclose(measure.signed_area(curve), polygon.area, rtol=1e-10)
     assert np.isclose(measure.length(curve), polygon.length, rtol=1e-12)
     middle = complex(polygon.centroid.x, polygon.centroid.y)
     assert np.isclose(measure.centroid(curve), middle, rtol=1e-9, atol=1e-9)
-    assert np.isclose(measure.area(Reversed(curve)), -polygon.area, rtol=1e-10)
+    assert np.isclose(measure.signed_area(Reversed(curve)), -polygon.area, rtol=1e-10)
     assert np.isclose(measure.centroid(Reversed(curve)), middle, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("curve", [Flower(3.0), cam_profile(), wound(3.0, 1.5), SpurGear(11, 2, 0.4).outline])
 def test_curved_outlines_as_shapely_has_their_polygons(curve):
     polygon = shapely.Polygon(xy(flatten(curve, 1e-5)))
-    sense = 1 if measure.area(curve) > 0 else -1
-    assert np.isclose(sense * measure.area(curve), polygon.area, atol=1e-5 * polygon.length)
+    sense = 1 if measure.signed_area(curve) > 0 else -1
+    assert np.isclose(sense * measure.signed_area(curve), polygon.area, atol=1e-5 * polygon.length)
     assert np.isclose(measure.length(curve), polygon.length, rtol=1e-5)
     middle = complex(polygon.centroid.x, polygon.centroid.y)
     assert abs(measure.centroid(curve) - middle) < 1e-5 * polygon.length**2 / polygon.area
@@ -175,15 +177,36 @@ def dented():
 
 
 @pytest.mark.parametrize("curve", [dented(), Moved(dented(), Pose(1j, 1j))])
-def test_curvature_of_an_outline_is_positive_where_convex_either_way_round(curve):
+def test_convexity_of_an_outline_is_positive_where_convex_either_way_round(curve):
     middles = np.array([0.5, 1.5, 2.5, 3.5])
-    there = measure.curvature(curve, middles)
-    back = measure.curvature(Reversed(curve), -middles)
-    mirrored = measure.curvature(Mirrored(curve), middles)
+    there = measure.convexity(curve, middles)
+    back = measure.convexity(Reversed(curve), -middles)
+    mirrored = measure.convexity(Mirrored(curve), middles)
     assert np.array_equal(np.sign(there), [1, -1, 1, 1])
     assert np.allclose(there, back) and np.allclose(there, mirrored)
     # Radius from chord and rise: (chord^2 / 4 + rise^2) / (2 rise), with chord 2 and rise a third.
     assert np.isclose(there[1], -1 / ((1 + 1 / 9) / (2 / 3)))
+
+
+def test_area_is_positive_and_curvature_left_positive_either_way_round():
+    dent, middles = dented(), np.array([0.5, 1.5, 2.5, 3.5])
+    assert measure.area(Reversed(dent)) == measure.area(dent) == measure.signed_area(dent) > 0
+    assert np.isclose(measure.signed_area(Reversed(dent)), -measure.area(dent), rtol=1e-12)
+    assert np.allclose(measure.curvature(Reversed(dent), -middles), -measure.curvature(dent, middles))
+    assert np.array_equal(measure.curvature(dent, middles), measure.convexity(dent, middles))
+    for of in (measure.area, measure.signed_area, measure.centroid, lambda curve: measure.convexity(curve, 0.5)):
+        with pytest.raises(DesignError, match="curve: found an open one"):
+            of(Arc(0j, 2 + 0j, 1.0))
+
+
+@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
+def test_a_cam_has_a_positive_area_and_is_convex_where_it_bulges_whichever_way_it_turns(direction):
+    program = gk.Program((gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("cycloidal", end_deg=360)))
+    profile = gk.Cam(gk.TranslatingRoller(10), program, 40, direction).profile
+    polygon = shapely.Polygon(gk.xy(gk.flatten(profile, 1e-3)))
+    assert gk.area(profile) == pytest.approx(polygon.area, rel=1e-4)
+    # At the least and the largest lift the profile is nearest to a circle about the axis.
+    assert gk.convexity(profile, [0.0, np.pi]) == pytest.approx([1 / 40, 1 / 60], rel=1e-9)
 
 
 def test_curvature_of_an_open_curve_is_positive_where_it_turns_left():
@@ -196,5 +219,5 @@ def test_curvature_of_an_open_curve_is_positive_where_it_turns_left():
 
 def test_cam_curvature_is_that_of_its_dwells():
     """On the dwells the profile is a circle about the axis: of the base radius, and of that and the rise."""
-    bend = measure.curvature(cam_profile(), np.radians([45.0, 225.0]))
+    bend = measure.convexity(cam_profile(), np.radians([45.0, 225.0]))
     assert np.allclose(bend, [1 / 40, 1 / (np.hypot(np.sqrt(50**2 - 5**2) + 20, 5) - 10)], rtol=1e-9)

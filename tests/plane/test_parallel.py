@@ -48,7 +48,7 @@ def test_parallel_encloses_what_a_polygon_grown_as_far_does(name):
     moved = parallel(curve, distance)
     expected = polygon(curve).buffer(distance, quad_segs=500)
     assert moved.closed
-    assert np.isclose(measure.area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
+    assert np.isclose(measure.signed_area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
     # Everywhere at the distance from the outline, corner arcs included.
     middles = moved.point((moved.breaks[1:] + moved.breaks[:-1]) / 2)
@@ -60,8 +60,8 @@ def test_convex_outline_grows_by_steiners_formula(name):
     """Area + length d + pi d^2 and length + 2 pi d, with no polygon in between."""
     curve, distance = GROWN[name]
     moved = parallel(curve, distance)
-    grown = measure.area(curve) + measure.length(curve) * distance + np.pi * distance**2
-    assert np.isclose(measure.area(moved), grown, rtol=1e-10)
+    grown = measure.signed_area(curve) + measure.length(curve) * distance + np.pi * distance**2
+    assert np.isclose(measure.signed_area(moved), grown, rtol=1e-10)
     assert np.isclose(measure.length(moved), measure.length(curve) + 2 * np.pi * distance, rtol=1e-10)
 
 
@@ -97,7 +97,7 @@ CLOSING = [
 @pytest.mark.parametrize("curve, distance", CLOSING)
 def test_sides_of_a_corner_that_closes_end_where_they_meet(curve, distance):
     moved = parallel(curve, distance)
-    sense = np.sign(measure.area(curve))
+    sense = np.sign(measure.signed_area(curve))
     expected = polygon(curve).buffer(distance * sense, quad_segs=500, join_style="round")
     assert moved.closed
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
@@ -111,21 +111,21 @@ def test_nothing_or_what_is_no_outline_where_a_side_is_trimmed_away(curve, dista
     moved = parallel(curve, distance)
     if moved is not None:
         loop = shapely.LinearRing(xy(flatten(moved, 1e-3)))
-        assert not loop.is_simple or shapely.is_ccw(loop) != (measure.area(curve) > 0)
+        assert not loop.is_simple or shapely.is_ccw(loop) != (measure.signed_area(curve) > 0)
 
 
 def test_reversed_outline_grows_with_the_other_sign():
     for curve, distance in GROWN.values():
         back = parallel(Reversed(curve), -distance)
-        assert np.isclose(measure.area(back), -measure.area(parallel(curve, distance)), rtol=1e-9)
+        assert np.isclose(measure.signed_area(back), -measure.signed_area(parallel(curve, distance)), rtol=1e-9)
 
 
 def test_outline_whose_only_corner_is_its_start():
     """A drop: one smooth stretch that comes back to its start at an angle."""
     drop = Path((Segment(0j, 3 - 3j), Arc(6 + 0j, 3 - 3j, 1.5 * np.pi), Segment(3 + 3j, 0j)))
     moved = parallel(drop, 0.5)
-    expected = measure.area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
-    assert moved.closed and np.isclose(measure.area(moved), expected, rtol=1e-10)
+    expected = measure.signed_area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
+    assert moved.closed and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
     inward = parallel(drop, -0.5)
     assert np.isclose(measure.area(inward), polygon(drop).buffer(-0.5, quad_segs=500).area, rtol=1e-5)
 

@@ -150,7 +150,7 @@ def cams():
         cam = gk.load(ROOT / "recipes" / f"{name}.toml").cam
 
         def everything(cam=cam):
-            return cam.profile.point(angles), gk.pressure_angle(cam, angles), gk.curvature(cam.profile, angles)
+            return cam.profile.point(angles), gk.pressure_angle(cam, angles), gk.convexity(cam.profile, angles)
 
         print(f"  {name:<18}{1000 * best_ms(everything, 30):6.0f}")
     print("least peak acceleration of a rise of 2 in 90 deg: ms, peak per rad2, gap to the proven bound")

@@ -1,0 +1,242 @@
+"""Arguments of public calls, refused at the door where they are not what the signature says they are.
+
+The annotations are the one list of what may be given: `checked` holds a function to them, `check_fields` a dataclass.
+What Python's own types cannot say, such as finite points of any shape, is a `Sort` in the annotation.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, wraps
+from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import DesignError, shown
+
+P = ParamSpec("P")
+R = TypeVar("R")
+# Largest number, of whatever unit: from here on a fifth power overflows. Smaller refuses what can still be worked out.
+LARGEST = 1e60
+
+
+@dataclasses.dataclass(frozen=True)
+class Sort:
+    """What an argument may be: a test that never raises, and the same in words for the one who has to mend it."""
+
+    fits: Callable[[Any], bool]
+    allowed: str
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
+    names = function.__code__.co_varnames  # type: ignore[attr-defined]
+
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        sorts = _sorts(function)
+        for name, value in (*zip(names, args), *kwargs.items()):
+            sort = sorts.get(name)
+            if sort is not None and not sort.fits(value):
+                raise refused(name, value, sort)
+        return function(*args, **kwargs)
+
+    return call
+
+
+def check_fields(thing: Any) -> None:
+    """Raise DesignError for the first field of a dataclass that its annotation does not allow, bar `quantity` fields.
+
+    Call it from `__post_init__`.
+    """
+    for name, sort in _field_sorts(type(thing)):
+        value = getattr(thing, name)
+        if not sort.fits(value):
+            raise refused(name, value, sort)
+
+
+def refused(name: str, value: object, sort: Sort) -> DesignError:
+    return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
+
+
+@cache
+def _sorts(function: Callable[..., Any]) -> dict[str, Sort]:
+    hints = get_type_hints(function, include_extras=True)
+    return {name: sort for name, hint in hints.items() if (sort := sort_of(hint)) and name != "return"}
+
+
+@cache
+def _field_sorts(kind: type) -> tuple[tuple[str, Sort], ...]:
+    hints = get_type_hints(kind, include_extras=True)
+    found = []
+    for field in dataclasses.fields(kind):
+        sort = None if "unit" in field.metadata else sort_of(hints[field.name])
+        if sort and field.default is None:
+            # Left out, for the class itself to fill.
+            sort = _either([sort, NOTHING])
+        if sort:
+            found.append((field.name, sort))
+    return tuple(found)
+
+
+def sort_of(hint: Any) -> Sort | None:
+    """What an annotation allows; None for those that leave it to the code."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return next((mark for mark in inner[1:] if isinstance(mark, Sort)), None) or sort_of(inner[0])
+    if origin in (Union, types.UnionType):
+        sorts = [sort_of(option) for option in inner]
+        return None if None in sorts else _either([sort for sort in sorts if sort])
+    if origin is Literal:
+        words = [str(choice) for choice in inner]
+        return Sort(lambda value: _chosen(value, inner), _listed(words))
+    if origin in (tuple, Sequence, list) and inner:
+        return _row(sort_of(inner[0]), None if inner[-1] is ... or origin is not tuple else len(inner))
+    if origin is Mapping:
+        return _table(sort_of(inner[0]), sort_of(inner[1]))
+    if origin is Callable or hint is Callable:
+        return Sort(callable, "a function")
+    if hint in PLAIN:
+        return PLAIN[hint]
+    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+        return Sort(lambda value: isinstance(value, hint), f"a {hint.__name__}")
+    return None
+
+
+def _either(sorts: list[Sort]) -> Sort:
+    told = [sort.allowed for sort in sorts if sort is not NOTHING]
+    return Sort(lambda value: any(sort.fits(value) for sort in sorts), _listed(told))
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _chosen(value: Any, choices: tuple[Any, ...]) -> bool:
+    return isinstance(value, (str, int)) and not isinstance(value, bool) and value in choices
+
+
+def _row(each: Sort | None, count: int | None) -> Sort | None:
+    if each is None:
+        return None
+    many = f"a row of {count}" if count else "a tuple"
+
+    def fits(value: Any) -> bool:
+        row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
+        return bool(row) and all(each.fits(v) for v in value)
+
+    return Sort(fits, f"{many}, each {each.allowed}")
+
+
+def _table(key: Sort | None, each: Sort | None) -> Sort | None:
+    if key is None or each is None:
+        return None
+
+    def fits(value: Any) -> bool:
+        return isinstance(value, Mapping) and all(key.fits(k) and each.fits(v) for k, v in value.items())
+
+    return Sort(fits, f"a table, each {each.allowed}")
+
+
+def is_real(value: Any) -> bool:
+    """Whether this is one finite real number of bearable size."""
+    value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
+    return isinstance(value, REAL) and not isinstance(value, bool) and bool(-LARGEST < value < LARGEST)
+
+
+def is_whole(value: Any) -> bool:
+    """Whether this is one whole number of bearable size; 3.0 is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and abs(value) < LARGEST
+
+
+def is_complex(value: Any) -> bool:
+    """Whether this is one finite number, real or complex, of bearable size."""
+    value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
+    if isinstance(value, COMPLEX):
+        return -LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST
+    return is_real(value)
+
+
+def numbers(value: Any, kinds: str = "iufc") -> np.ndarray | None:
+    """The value as an array of numbers of these NumPy kinds, nan allowed; None where it is none."""
+    if isinstance(value, np.ndarray):
+        return value if value.dtype.kind in kinds else None
+    if isinstance(value, (str, bytes)):
+        return None
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return array if array.dtype.kind in kinds else None
+
+
+def _whole(value: Any, kinds: str = "iufc") -> np.ndarray | None:
+    """The same of what can be added to and multiplied, as a list cannot."""
+    return None if isinstance(value, (list, tuple)) else numbers(value, kinds)
+
+
+def _bounded(array: np.ndarray | None, gaps: bool = False) -> bool:
+    """Whether all is finite and of bearable size; `gaps`: or nan."""
+    if array is None:
+        return False
+    if array.dtype.kind == "c":
+        return _bounded(array.real, gaps) and _bounded(array.imag, gaps)
+    if gaps:
+        return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
+    return not array.size or bool(array.max() < LARGEST and array.min() > -LARGEST)
+
+
+def are_reals(value: Any) -> bool:
+    """Whether these are finite real numbers, of any shape."""
+    return _bounded(numbers(value, "iuf"))
+
+
+def are_points(value: Any) -> bool:
+    """Whether these are finite complex numbers, of any shape, and not pairs x, y."""
+    array = numbers(value)
+    if array is not None and array.dtype.kind != "c" and array.ndim and array.shape[-1] == 2:
+        # A row of two places on the x axis would be the same numbers: in a list or an array it is taken as that.
+        pairs = array.ndim > 1 or isinstance(value, tuple)
+        return not pairs and _bounded(array)
+    return _bounded(array)
+
+
+def is_place(value: Any, gaps: bool = False) -> bool:
+    """Whether this is a finite complex number or an array of them: a list would not add up. gaps: or nan."""
+    return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
+
+
+REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
+NOTHING = Sort(lambda value: value is None, "nothing")
+PLAIN = {
+    float: Sort(is_real, "a finite number"),
+    int: Sort(is_whole, "a whole number"),
+    complex: Sort(is_complex, "a finite complex number, x + yj"),
+    bool: Sort(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
+    str: Sort(lambda value: isinstance(value, str), "a text"),
+    type(None): NOTHING,
+    np.ndarray: Sort(lambda value: _whole(value) is not None, "a number or an array of numbers"),
+}
+Reals = Annotated[ArrayLike, Sort(are_reals, "finite real numbers, one or an array")]
+# The same with infinity allowed, as where a point of a ray may be at infinity.
+Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
+Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
+# Of a field that is one place, or one for each of many linkages.
+Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
+# The points that a curve is made of, in a row.
+Row = Annotated[
+    np.ndarray, Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj")
+]
+Count = Annotated[int, Sort(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
+Positive = Annotated[float, Sort(lambda value: is_real(value) and value > 0, "a number above 0")]
+# What a number was found to be, which may be nothing.
+Found = Annotated[float, Sort(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")]
+RealArray = Annotated[
+    np.ndarray, Sort(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them")
+]
+# Places over the frames, nan where there is none.
+Places = Annotated[ArrayLike, Sort(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")]
+Points = Annotated[ArrayLike, Sort(are_points, "finite points as complex numbers x + yj, one or an array")]

@@ -1,0 +1,238 @@
+"""Every public name, called well and then with each argument in turn replaced by what it cannot be.
+
+What comes of it is a GeomkinError that names the argument, or a sound result: no error of Python's own from the
+inside, and no warning.
+"""
+
+import dataclasses
+import inspect
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin import public
+
+FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
+CRANK = gk.SliderCrank(30, 90, 5)
+DRIVE = np.linspace(0.1, 6, 9)
+MOTION = gk.move(FOUR_BAR, DRIVE)
+SLIDING = gk.move(CRANK, DRIVE)
+CIRCLE = gk.Circle(1j, 3.0)
+PROGRAM = gk.Program(
+    (gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360))
+)
+ROLLER = gk.TranslatingRoller(10)
+CAM = gk.Cam(ROLLER, PROGRAM, 40)
+PATHS = gk.crank_path(30j, 0), gk.crank_path(90 + 40j, 100)
+ROD = {"ground": {"O": 0, "C": 60}, "slider": {"S": 0}, "rod": {"S": 0, "P": 70}, "arm": {"C": 0, "P": 40}}
+WAY = gk.Slider("way", "slider", "ground", through=30j)
+MASSES = gk.SliderCrankMasses(0.5, 0.6, 0.8)
+GEAR, RING = gk.SpurGear(24, 2), gk.RingGear(60, 2)
+POINTS = 3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j
+FLANK = gk.StraightSidedGear(20, 2)
+ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 361, 30))
+RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
+
+# Good arguments of every public name, by name.
+GOOD = {
+    "Arc": {"centre": 0j, "start": 2 + 0j, "sweep": 1.0},
+    "Cam": {"follower": ROLLER, "program": PROGRAM, "base_radius": 40.0, "direction": "clockwise"},
+    "CentrodeCurve": {"linkage": FOUR_BAR, "body": "coupler", "span": (0.5, 0.7), "moving": True, "branch": 1, "start": 0.5},
+    "Centrodes": {"motion": MOTION, "body": "coupler"},
+    "Check": {"name": "a", "value": 1.0, "side": "at least", "limit": 2.0, "unit": "mm", "advice": "b"},
+    "Circle": {"centre": 0j, "radius": 2.0},
+    "Column": {"name": "a", "unit": "mm", "meaning": "b", "values": np.arange(3.0)},
+    "Contact": {"point": 10 + 5j, "normal": 1j, "driver_radius": 12.0, "follower_radius": 8.0, "driver_pivot": 0j, "follower_pivot": 50 + 0j},
+    "CouplerCurve": {"linkage": FOUR_BAR, "point_name": "coupler_point", "branch": 1, "span": (0.0, 6.0)},
+    "Cycloid": {"radius": 10.0, "rolling": 3.0, "start": 0.1, "end": 1.0},
+    "DesignError": {"field": "a", "problem": "b", "remedy": "c"},
+    "Dwell": {"end_deg": 90},
+    "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
+    "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
+    "FollowerMotion": {name: DRIVE for name in ("lift", "velocity", "acceleration", "jerk")},
+    "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
+    "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
+    "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
+    "InstantCentre": {"reference": 0j, "arm": 1j, "weight": 1.0},
+    "InvertedSliderCrank": {"ground": 100, "crank": 30, "offset": 5, "line": "rocker", "point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
+    "Involute": {"base_radius": 10.0, "start": 0.1, "end": 1.0},
+    "LanternPinion": {"pins": 10, "module": 2.0, "pin_diameter": 3.0},
+    "LiftPolynomial": {"through": ((120, 8.0),), **RISE_ENDS},
+    "LiftSpline": {"points": ROWS},
+    "LiftTable": {"decimals": 3, "rows": ROWS},
+    "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
+    "Mirrored": {"curve": CIRCLE},
+    "Moved": {"curve": CIRCLE, "pose": gk.Pose(1j, 1j)},
+    "Offset": {"curve": CIRCLE, "distance": 0.5},
+    "OldhamCoupling": {"shift": 6, "origin": 0j, "ground_angle_deg": 0},
+    "OptimisedPolynomial": {"degree": 9, "match_jerk": False, "jerk_limit": None, **RISE_ENDS},
+    "OptimisedSpline": {"intervals": 20, "jerk_limit": None, **RISE_ENDS},
+    "OscillatingFlat": {"pivot_distance": 100, "face_offset": 5, "side": "above"},
+    "OscillatingRoller": {"roller_radius": 10, "pivot_distance": 100, "arm_length": 80, "side": "below"},
+    "Part": {"name": "a", "outline": CIRCLE, "holes": (CIRCLE,), "thickness": 3.0, "layer": "CUT", "count": 1, "marks": ()},
+    "Path": {"pieces": (gk.Segment(0j, 1j), gk.Segment(1j, 2 + 0j))},
+    "PathCurvature": {"position": 1j, "tangent": 1 + 0j, "curvature": 0.1},
+    "PinionCutter": {"teeth": 24, "pressure_angle_deg": 20, "addendum": 1.25, "tip_radius": 0.2, "profile_shift": 0},
+    "PlanetarySet": {"sun": gk.SpurGear(12, 2), "planet": gk.SpurGear(24, 2), "ring": RING, "planets": 3},
+    "PointToothGear": {"teeth": 24, "module": 3.0, "points": POINTS},
+    "Polyline": {"vertices": np.array([0, 1, 1j]), "bulges": np.array([0.0, 0.5, 0.0]), "is_closed": True},
+    "Pose": {"origin": 1j, "direction": 1j},
+    "Program": {"segments": PROGRAM.segments, "folder": ""},
+    "Rack": {"pressure_angle_deg": 20, "addendum": 1, "dedendum": 1.25, "tip_radius": 0.38},
+    "RackPair": {"pinion": GEAR, "rack": gk.GearRack(10, 2), "distance": 24.1},
+    "Return": {"law": "harmonic", "end_lift": 0, "end_deg": 360},
+    "Reversed": {"curve": CIRCLE},
+    "Ring": {"piece": gk.Segment(1 + 0j, 1j), "count": 4},
+    "RingGear": {"teeth": 60, "module": 2.0, "profile_shift": 0, "addendum": 1, "thinning": 0},
+    "Rise": {"law": "cycloidal", **RISE_ENDS},
+    "ScotchYoke": {"crank": 30, "guide": 100, "slot_deg": 90, "origin": 0j, "ground_angle_deg": 0},
+    "Segment": {"start": 0j, "end": 1j},
+    "Shaper": {"ground": 90, "crank": 30, "lever": 180, "link": 60, "ram_height": 85, "origin": 0j, "ground_angle_deg": -90},
+    "Slider": {"name": "a", "body": "b", "along": "c", "point": 0j, "through": 1j, "direction_deg": 10.0, "angle_deg": 5.0},
+    "SliderCrank": {"crank": 30, "coupler": 90, "offset": 5, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
+    "SliderCrankMasses": {"crank": 0.5, "coupler": 0.6, "slider": 0.8, "crank_centre": 0j, "coupler_centre": 30 + 0j},
+    "Spline": {"points": np.array([0, 1, 1 + 1j])},
+    "SpurGear": {"teeth": 24, "module": 2.0, "profile_shift": 0, "rack": gk.Rack(), "addendum": 1.0, "thinning": 0, "tip_rounding": 0, "tip_chamfer": 0, "pointed": "cut"},
+    "StephensonSixBar": {"four_bar": FOUR_BAR, "link": 120, "output": 90, "output_pivot": 100 + 100j},
+    "StraightSidedGear": {"teeth": 20, "module": 2.0, "flank_angle_deg": 25, "addendum": 1, "dedendum": 1.2},
+    "Table": {"columns": (gk.Column("a", "mm", "b", DRIVE),)},
+    "TranslatingFlat": {"tilt_deg": 5},
+    "TranslatingRoller": {"roller_radius": 10, "offset": 5},
+    "Trochoid": {"radius": 20.0, "depth": 1.0, "rounding": 0.4, "start": 0.0, "end": 1.0},
+    "WattSixBar": {"four_bar": FOUR_BAR, "rocker_point": 50 - 30j, "link": 90, "output": 60, "output_pivot": 180 + 0j},
+    "acceleration_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
+    "area": {"curve": CIRCLE, "accuracy": 1e-9},
+    "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
+    "base_pitch": {"gear": GEAR},
+    "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
+    "bobillier": {"one": PATHS[0], "two": PATHS[1]},
+    "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
+    "centroid": {"curve": CIRCLE, "accuracy": 1e-9},
+    "chord": {"gear": GEAR, "radius": 24.0},
+    "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
+    "cognates": {"four_bar": FOUR_BAR},
+    "conjugate": {"tooth": GEAR.outline.piece, "teeth": 24, "pitch_radius": 24.0, "mate_teeth": 40, "addendum": 2.0, "internal": False},
+    "convexity": {"curve": CIRCLE, "t": DRIVE},
+    "coupler_curves": {"motion": MOTION, "points": np.array([1j, 2.0]), "body": "coupler"},
+    "coupler_grid": {"length": 10.0, "height": 5.0, "rows": 2, "columns": 3, "centre": 1j},
+    "crank_path": {"pin": 1j, "pivot": 0j},
+    "curvature": {"curve": CIRCLE, "t": DRIVE},
+    "dashes": {"linkage": FOUR_BAR, "points": np.array([1j]), "drive": DRIVE, "tolerance": 0.1, "branch": 1, "body": "coupler"},
+    "dead_centres": {"linkage": FOUR_BAR, "output": "rocker", "branch": 1, "span": (0.0, 6.0)},
+    "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
+    "euler_savary": {"instant_centre": 0.0, "point": 3.0, "centre": -2.0},
+    "flat_face_base_radius": {"program": PROGRAM, "least_radius": 1.0, "tilt_deg": 5.0},
+    "flatten": {"curve": CIRCLE, "tolerance": 0.01},
+    "grashof_type": {"linkage": FOUR_BAR},
+    "inflection_circle": {"motion": MOTION, "body": "coupler"},
+    "inflection_circle_of_cranks": {"one": PATHS[0], "two": PATHS[1]},
+    "instant_centre": {"motion": MOTION, "body": "coupler", "other": "ground"},
+    "instant_centres": {"motion": MOTION},
+    "judged_counterbalance": {"linkage": CRANK, "masses": MASSES, "product": 3 + 1j, "branch": 1},
+    "least_base_circle": {"follower": ROLLER, "program": PROGRAM, "direction": "clockwise", "pressure_angle_deg": 30.0, "least_radius": 1.0},
+    "length": {"curve": CIRCLE, "accuracy": 1e-9},
+    "mechanical_advantage": {"motion": MOTION, "output": "rocker"},
+    "move": {"linkage": FOUR_BAR, "drive": DRIVE, "branch": 1, "speed": 10.0, "acceleration": DRIVE},
+    "nearest": {"curve": CIRCLE, "points": np.array([5j, 2.0])},
+    "newton_raphson": {"f": lambda x: 3 * x - 6, "jacobian": lambda x: np.diag(np.full(len(x), 3.0)), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
+    "over_pins": {"gear": GEAR, "pin": 3.5},
+    "path_curvature": {"motion": MOTION, "body": "coupler", "local": 40 + 25j},
+    "polar_radius": {"outline": CIRCLE, "angle": DRIVE},
+    "pressure_angle": {"cam": CAM, "angle": DRIVE},
+    "roberts_linkage": {"four_bar": FOUR_BAR, "start": 0.5, "branch": 1},
+    "rounded_hull": {"centres": np.array([0, 10, 5j]), "radius": 2.0},
+    "segment_limits": {"cam": CAM},
+    "shaking_force": {"motion": SLIDING, "masses": MASSES, "counterbalance": 3.0 + 0j},
+    "signed_area": {"curve": CIRCLE, "accuracy": 1e-9},
+    "slot": {"start": 0j, "end": 10 + 0j, "radius": 2.0},
+    "span": {"gear": GEAR, "teeth": 3},
+    "third_pivot": {"four_bar": FOUR_BAR},
+    "to_arcs": {"curve": CIRCLE, "tolerance": 0.01},
+    "undercut": {"cam": CAM},
+    "undercut_free_shift": {"teeth": 12, "rack": gk.Rack()},
+    "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
+    "xy": {"z": np.array([1j, 2.0])},
+}  # fmt: skip
+# What only geomkin itself makes, and bases that are not called.
+MADE = {
+    "AbstractCurve", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
+    "GeomkinError", "InflectionCircle", "Motion", "PointMotion", "Polygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+}  # fmt: skip
+BAD = {
+    "None": None,
+    "text": "3 mm",
+    "nan": float("nan"),
+    "inf": float("inf"),
+    "complex nan": complex(0, np.nan),
+    "pair": (3, 4),
+    "list": [1.0, 2.0],
+    "array": np.array([20.0, 30.0]),
+    "matrix": np.ones((2, 3)),
+    "empty": np.array([]),
+    "array of nan": np.full(9, np.nan),
+    "array of texts": np.array(["a", "b"]),
+    "ragged": [[1], [2, 3]],
+    "table": {"a": 1},
+    "true": True,
+    "object": object(),
+    "class": gk.FourBar,
+    "curve": CIRCLE,
+    "linkage": FOUR_BAR,
+    "motion": MOTION,
+    "zero": 0,
+    "negative": -7.5,
+    "huge": 1e300,
+    "endless": 10**400,
+    "complex": 3 + 4j,
+}
+# What nothing takes: its refusal names the argument itself.
+NEVER = ("object", "array of texts", "complex nan")
+
+
+def test_every_public_name_is_tried():
+    assert set(GOOD) | MADE == set(public.__all__) and not set(GOOD) & MADE
+
+
+def used(result):
+    """A result, after a look at all it offers: what was taken without a look may still break there."""
+    if isinstance(result, gk.AbstractCurve):
+        t = np.append(result.breaks, 0.5 * (result.breaks[1:] + result.breaks[:-1]))
+        result.point(t), result.velocity(t), result.curvature(t)
+    elif dataclasses.is_dataclass(result) and type(result).__module__.startswith("geomkin"):
+        for name, member in inspect.getmembers_static(type(result)):
+            if not name.startswith("_") and not inspect.isfunction(member) and name != "optima":
+                getattr(result, name)
+    if isinstance(result, gk.Dwell | gk.Rise | gk.LiftPolynomial | gk.OptimisedSpline | gk.OptimisedPolynomial):
+        rise = (gk.Rise("3-4-5", rise=20, end_deg=180),) if isinstance(result, gk.Dwell) else ()
+        dwell = () if isinstance(result, gk.Dwell) else (gk.Dwell(end_deg=90),)
+        gk.Program((*dwell, result, *rise, gk.Return("3-4-5", end_deg=360))).motion([1.0, 2.0])
+    if isinstance(result, gk.Return):
+        gk.Program((gk.Rise("3-4-5", rise=20, end_deg=180), result)).motion([1.0, 2.0])
+    if isinstance(result, gk.LiftTable | gk.LiftSpline):
+        gk.Program((result,)).motion([1.0, 2.0])
+    if hasattr(type(result), "linkage") and not isinstance(result, gk.Contact):
+        try:
+            gk.move(result, [0.3])
+        except gk.DesignError:
+            pass
+    return result
+
+
+@pytest.mark.parametrize("name", sorted(GOOD))
+def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
+    call, good = getattr(gk, name), GOOD[name]
+    used(call(**good))
+    broken = []
+    for argument in good:
+        for what, bad in BAD.items():
+            if what == "class" and (inspect.isfunction(good[argument]) or argument == "law"):
+                continue  # it can be called, and what it raises is its own
+            try:
+                used(call(**good | {argument: bad}))
+            except gk.GeomkinError as error:
+                if not str(error).isprintable() or (what in NEVER and not error.field.endswith(argument)):
+                    broken.append(f"{argument} = {what}: {error}")
+            except Exception as error:
+                broken.append(f"{argument} = {what}: {type(error).__name__}: {error}")
+    assert not broken, "\n".join([f"{name}: {len(broken)} raw errors", *broken])
