@@ -113,7 +113,7 @@ def _taken(p: Pass, places: Array) -> Pass:
     def take(values: Mapping[str, Array]) -> dict[str, Array]:
         return {k: v[places] if np.ndim(v) else v for k, v in values.items()}
 
-    return Pass(take(p.origin), take(p.turn))
+    return Pass(take(p.origin), take(p.turn), p.drive[places] if np.ndim(p.drive) else p.drive)
 
 
 def _still(ground: str) -> Pass:

@@ -18,6 +18,9 @@ from .solve import Branch, Named, OneLinkage, move
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
+# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
+# is more a body that turns.
+STILL = 1e-9
 
 
 @checked
@@ -64,7 +67,11 @@ def dead_centres(
     body = move(linkage, looks, branch).bodies[output]
     # A body that only slides goes along one line: that of its largest step.
     steps = np.nan_to_num(body.origin.first, nan=0.0, posinf=0.0, neginf=0.0)
-    line = None if np.nan_to_num(body.first).any() else steps[np.argmax(np.abs(steps))]
+    largest = steps[np.argmax(np.abs(steps))]
+    turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
+    places = (z for points in general.bodies.values() for z in points.values())
+    reach = max((float(np.abs(z).max()) for z in places), default=0.0) or 1.0
+    line = None if turning * reach > STILL * abs(largest) else largest
 
     def way(q: Array) -> Array:
         moved = move(linkage, [span[0], *q], branch).bodies[output]
@@ -85,10 +92,12 @@ def _exact(linkage: Named, span: tuple[float, float]) -> list[float]:
     for step in plan(linkage.linkage):
         if isinstance(step, Driven):
             for limit in step.limits():
-                turns = np.arange(
-                    np.floor((span[0] - limit) / (2 * np.pi)), np.ceil((span[1] - limit) / (2 * np.pi)) + 1
-                )
-                found += [q for q in (limit + 2 * np.pi * turns).tolist() if span[0] < q < span[1]]
+                turns = np.zeros(1)
+                if step.period:
+                    turns = np.arange(
+                        np.floor((span[0] - limit) / step.period), np.ceil((span[1] - limit) / step.period) + 1
+                    )
+                found += [q for q in (limit + step.period * turns).tolist() if span[0] < q < span[1]]
     return found
 
 

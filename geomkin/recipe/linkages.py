@@ -48,9 +48,7 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
         fields.append(("branches", dict[str, Annotated[Literal[1, -1], NotBoolean()]], branches))
     fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
     if slides:
-        fields.append(
-            ("stroke", Stroke | None, entry("how the driver slides, where a sliding body drives", default=None))
-        )
+        fields.append(("stroke", Stroke | None, entry("how the driver slides, where a slide drives", default=None)))
     fields += [
         ("stock", LinkStock, entry("what the links are cut from", default=LinkStock())),
         ("files", Files, entry("what is written", default=Files())),
@@ -90,11 +88,9 @@ def _fit(sizes: type) -> Callable[[Mapping[str, str]], dict[str, Any]]:
 
 
 def _agree(recipe: Any) -> None:
-    sliding = getattr(recipe.linkage, "driver", "") in ("slider", "shuttle") or (
-        isinstance(recipe.linkage, DyadList) and recipe.linkage.driver_slides
-    )
+    sliding = recipe.linkage.linkage.driven_slider is not None
     if sliding and recipe.stroke is None:
-        raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
+        raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
     if not sliding and getattr(recipe, "stroke", None) is not None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
     # At most so many columns come of the bodies, the slides and the points that are no pins.
@@ -131,11 +127,11 @@ def _checks(recipe: Any) -> list[Check]:
     least = angle.min() if motion.closed.all() else np.nan
     # Where the driver drives nothing else there is no angle to judge.
     untold = motion.closed.any() and np.isnan(angle).all()
-    driver = motion.linkage.driver
+    driver, turns = motion.linkage.driver, motion.linkage.driven_slider is None
     return [
         Check(
-            f"share of the {driver}'s turn reached", reached, "at least", 100, "%",
-            f"shorten the {driver} or give a shorter way",
+            f"share of the {driver}'s {'turn' if turns else 'stroke'} reached", reached, "at least", 100, "%",
+            f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke",
         ),
         *([] if untold else [Check(
             "least transmission angle", least, "at least", 40, "deg",

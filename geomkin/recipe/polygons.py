@@ -59,7 +59,7 @@ class PolygonsRecipe:
     @cached_property
     def motion(self) -> Motion:
         """The linkage at its position."""
-        place = self.position if self.linkage.driver_slides else np.radians(self.position)
+        place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
         joints = move(self.linkage, [place]).branches
         unknown = [joint for joint in self.branches if joint not in joints]
         if unknown:

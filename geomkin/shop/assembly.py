@@ -125,8 +125,9 @@ def _block(linkage: Linkage, slider: Slider) -> str | None:
 
 def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
     points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
-    # What is driven by its angle needs a plate to hold it by.
-    if body == linkage.ground or (body == linkage.driver and other != linkage.ground):
+    # What is driven by its angle, or as half of an actuator, needs a plate to hold it by.
+    driven = body == linkage.driver or slider is linkage.driven_slider
+    if body == linkage.ground or (driven and other != linkage.ground):
         return False
     joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
     if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:

@@ -167,8 +167,7 @@ def _collisions(contacts: Contacts, spans: list[PinSpan], layers: Mapping[str, i
 
 
 def _told(contacts: Contacts, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
-    linkage = contacts.motion.linkage
-    slides = any({s.body, s.along} == {linkage.driver, linkage.ground} for s in linkage.sliders)
+    slides = contacts.motion.linkage.driven_slider is not None
     for run in runs:
         first, last = run if slides else np.degrees(run)
         yield Collision(pin, other, float(first), float(last), "mm" if slides else "deg")
