@@ -8,7 +8,8 @@ from itertools import combinations, islice
 
 import numpy as np
 
-from ..errors import DesignError
+from ..errors import DesignError, printable
+from .branch import Chosen
 from .chain import Chain
 from .closure import DrivenRRP, DrivenRRR
 from .continued import reach_of
@@ -70,7 +71,7 @@ def opening(motion: Motion) -> Opening | None:
         raise DesignError("motion", "found one that was not solved by steps", "give what `move` returns")
     step = next(s for s in solution.steps if _open(s, solution, frame))
     turns = isinstance(solution.steps[0], Turned)
-    at = f"at {motion.linkage.driver} {_shown(drive, turns)}"
+    at = f"at {printable(motion.linkage.driver)} {_shown(drive, turns)}"
     kind = type(step.dyad) if isinstance(step, DrivenRRR | DrivenRRP) else type(step)
     if isinstance(step, Dyad):
         gaps = [float(np.broadcast_to(gap, motion.closed.shape)[frame]) for gap in step.gaps(solution.poses)]
@@ -79,15 +80,15 @@ def opening(motion: Motion) -> Opening | None:
         lacking = max(lacking, 0.0)
         number = f"{lacking * 1.0005:.4g}"
         name, text, remedy = step.joint, problem.format(f"{lacking:.4g}"), remedy.format(number)
-        text = f"the dyad at {name} opens first, {at}: {text}"
+        text = f"the dyad at {printable(name)} opens first, {at}: {text}"
     else:
         name, lacking = ", ".join(_bodies(step)), np.nan
-        text = f"{name} cannot be placed, {at}"
+        text = f"{printable(name)} cannot be placed, {at}"
         remedy = "turn its guides so that they do not stand parallel, or give another estimate of its pins"
     branch = _closing(motion, solution, frame, step)
     if branch is not None:
         changed = {joint: sign for joint, sign in branch.items() if sign != solution.signs[joint][frame]}
-        text += f"; it closes there with {', '.join(f'{joint} = {sign}' for joint, sign in changed.items())}"
+        text += f"; it closes there with {', '.join(f'{printable(joint)} = {sign}' for joint, sign in changed.items())}"
     return Opening(name, frame, drive, lacking, branch, text, remedy)
 
 
@@ -100,7 +101,7 @@ def never_closed(motion: Motion) -> DesignError:
         remedy = "take that branch"
     elif parts := _reached(motion, found):
         driver = motion.linkage.driver
-        remedy = f"drive the {driver} between {' or '.join(parts)}, where it closes"
+        remedy = f"drive the {printable(driver)} between {' or '.join(parts)}, where it closes"
     return DesignError("drive", f"the linkage closes at no frame; {found.text}", remedy)
 
 
@@ -126,10 +127,15 @@ def _closing(motion: Motion, solution: Chain, frame: int, opened: Step) -> dict[
     best: tuple[float, dict[str, int]] = (0.0, {})
     for flipped in islice(_choices(before), TRIED):
         signs = own | {joint: -own[joint] for joint in flipped}
-        closed = move(solution.linkage, row, signs).closed
+        closed = move(solution.linkage, row, _fixed(solution, signs)).closed
         if closed[0] and closed.mean() > best[0]:
             best = float(closed.mean()), signs
     return best[1] or None
+
+
+def _fixed(solution: Chain, signs: Mapping[str, int]) -> Chosen:
+    """These signs, with the places that were given, from which what is no dyad starts."""
+    return Chosen(1, signs, solution.branch.near, False)
 
 
 def _choices(joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -141,11 +147,14 @@ def _reached(motion: Motion, found: Opening) -> list[str]:
     solution = motion.solution
     assert isinstance(solution, Chain)
     turns = isinstance(solution.steps[0], Turned)
-    reach = np.pi if turns else reach_of(solution.linkage)
-    middle = found.drive if turns else 0.0
+    reach = reach_of(solution.linkage)
+    # From the open drive round to it again, so that no part is cut in two.
+    span = (found.drive, found.drive + 2 * np.pi) if turns else (-reach, reach)
     signs = {joint: int(row[found.frame]) or 1 for joint, row in solution.signs.items()}
     words = []
-    for part in driver_limits(solution.linkage, signs, (middle - reach, middle + reach)):
+    for part in driver_limits(solution.linkage, _fixed(solution, signs), span):
+        whole = 2 * np.pi * np.round(np.mean(part) / (2 * np.pi)) if turns else 0.0
+        part = (part[0] - whole, part[1] - whole)
         low, high = np.degrees(part) if turns else part
         step = 10.0 ** np.floor(np.log10(high - low) - 2)
         low, high = np.ceil(low / step) * step, np.floor(high / step) * step

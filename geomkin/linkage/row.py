@@ -67,7 +67,9 @@ class Row:
             found, most = np.degrees(high - low), MOST // many - 5
             raise DesignError("drive", f"found {found:.6g} deg to follow a branch over", f"give at most {most} deg")
         if parts * many > MOST:
-            raise DesignError("bodies", f"found {many} linkages to follow", f"give at most {int(MOST // parts)} at a time")
+            raise DesignError(
+                "bodies", f"found {many} linkages to follow", f"give at most {int(MOST // parts)} at a time"
+            )
         return np.linspace(low - 2 * finest, high + 2 * finest, int(parts) + 1)
 
 
