@@ -32,10 +32,12 @@ class Meetings:
     def sign(self, q: Array, gaps: tuple[Array, ...]) -> Array:
         """Signs, (drives, linkages), where the dyad has these gaps at the drives q, (drives, 1); 0 at a meeting."""
         row, many = q.reshape(-1), int(np.prod(self.linkages))
-        away = row - self.at[:, None]
         changes, beside = np.zeros((many, len(row)), dtype=int), np.zeros((many, len(row)), dtype=bool)
-        np.add.at(changes, self.of, (away > 0).astype(int) - (self.first > self.at[:, None]))
-        np.logical_or.at(beside, self.of, np.abs(away) < BESIDE * self.unit)
+        for own in np.unique(self.of).tolist():
+            at = np.sort(self.at[self.of == own])
+            passed, ends = np.searchsorted(at, row), np.concatenate([[-np.inf], at, [np.inf]])
+            changes[own] = passed - np.searchsorted(at, self.first)
+            beside[own] = np.minimum(row - ends[passed], ends[passed + 1] - row) < BESIDE * self.unit
         signs = self.start * np.where(changes % 2, -1, 1).T.reshape(-1, *self.linkages)
         least = np.fmin.reduce(np.broadcast_arrays(*gaps))
         meets = beside.T.reshape(signs.shape) & (least <= 0) & (least >= -self.gap)
