@@ -82,6 +82,30 @@ def test_a_change_point_is_reached_and_left_at_the_frame_itself():
         assert np.abs(motion.bodies["rod0"].direction - ahead).max() < 1e-7
 
 
+def test_limits_of_a_followed_branch_are_followed_from_the_start_of_the_span():
+    """Just before a change point, behind which +1 is what the parallelogram turns inside out to."""
+    linkage, pins = chain(1)
+    ground = {**linkage.bodies["ground"], "F": 60 + 20j}
+    bodies = {**linkage.bodies, "ground": ground, "rod": {"Q0": 0, "S": 12}, "last": {"F": 0, "S": 26}}
+    wide = gk.Linkage(bodies, "crank")
+    start = 2 * np.pi - np.angle(15 + 5j) - 1e-3
+    signs = {joint: int(row[-1]) for joint, row in gk.move(wide, [0.4, start], gk.Follow(pins)).branches.items()}
+    branch = gk.Follow(signs | {"S": 1})
+    parts = gk.driver_limits(wide, branch, (start, start + 2 * np.pi))
+    looks = np.linspace(start, start + 2 * np.pi, 2001)
+    closed = gk.move(wide, looks, branch).closed
+    inside = np.any([(low <= looks) & (looks <= high) for low, high in parts], axis=0)
+    assert 0 < closed.mean() < 1 and np.mean(inside != closed) < 2e-3
+
+
+def test_frames_as_near_to_a_change_point_as_rounding_are_closed():
+    linkage, pins = chain(2)
+    at = np.pi - np.angle(15 + 5j)
+    motion = gk.move(linkage, np.append(0.4, at + np.linspace(-1e-7, 1e-7, 401)), gk.Follow(pins))
+    assert motion.closed.all()
+    assert np.abs(motion.bodies["rod1"].direction - 1).max() < 1e-6
+
+
 def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
     linkage, _ = chain(1)
     start = np.pi - np.angle(15 + 5j)
@@ -163,6 +187,10 @@ def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start(
     signs = {"rocker_pin": -1, "output_pin": -1}
     near = {p: gk.move(six_bar, [0.0], signs).point(p).position[0] for p in signs}
     assert gk.driver_limits(six_bar, near) == gk.driver_limits(six_bar, signs)
+    assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
+    # Hardly nearer to the one branch at the start, and often to the other later.
+    pins = [gk.move(six_bar, [0.0], signs | {"output_pin": s}).point("output_pin").position[0] for s in (1, -1)]
+    near["output_pin"] = 0.49 * pins[0] + 0.51 * pins[1]
     assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
     t = np.array([3.0, 1.0, 2.0])
     curves = [gk.CouplerCurve(six_bar, "output_pin", branch, (0.0, 6.0)).point(t) for branch in (near, signs)]
