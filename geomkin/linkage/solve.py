@@ -54,7 +54,7 @@ def move(
 
 
 def planned(linkage: Linkage, branch: Branch) -> list[Step]:
-    """The steps that a linkage is solved by on a branch; DesignError for a branch of joints or points that it has not."""
+    """The steps that a linkage is solved by on a branch; DesignError for joints or points that it has not."""
     wanted = chosen(branch)
     told = replace(linkage, estimate={**linkage.estimate, **wanted.near}) if wanted.near else linkage
     steps = plan(told, wanted.follow)

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 from ..linkage.branch import Branch, Chosen
 from ..sizes import SignOrPlace, entry
 
-
 Branches = dict[str, Annotated[Any, SignOrPlace()]]
 
 
