@@ -74,6 +74,9 @@ class DrivenRRR(Driven):
     def leader(self) -> str:
         return self.dyad.leader
 
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
+
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
         return self.dyad.meeting(p0)
 
@@ -181,6 +184,9 @@ class DrivenRRP(Driven):
     @property
     def leader(self) -> str:
         return self.dyad.leader
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
         return self.dyad.meeting(p0)

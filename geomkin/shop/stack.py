@@ -90,8 +90,6 @@ def stack_links(motion: Motion, stock: LinkStock) -> Stack:
     frame closes.
     """
     found = assemble(motion, stock)
-    if not motion.closed.any():
-        raise DesignError("drive", "the linkage closes at no frame", "drive it where it can be put together")
     contacts = Contacts(motion, stock, found)
     if len(contacts.moving) > LARGEST:
         raise DesignError(
