@@ -24,6 +24,9 @@ class Follow:
 
     start: Start = 1
 
+    def __post_init__(self) -> None:
+        _told(self.start, "start", True)
+
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
@@ -57,24 +60,28 @@ def chosen(branch: Branch) -> Chosen:
     """What a branch asks for; DesignError for what is none."""
     if isinstance(branch, Chosen):
         return branch
-    follow = isinstance(branch, Follow) or (isinstance(branch, str) and branch == "follow")
-    start = branch.start if isinstance(branch, Follow) else 1 if isinstance(branch, str) and follow else branch
+    if isinstance(branch, Follow):
+        return _told(branch.start, "start", True)
+    if isinstance(branch, str) and branch == "follow":
+        return Chosen(1, {}, {}, True)
+    return _told(branch, "branch", False)
+
+
+def _told(start: object, field: str, follow: bool) -> Chosen:
     if isinstance(start, Mapping):
-        signs = {name: int(sign) for name, sign in start.items() if _is_sign(sign)}  # type: ignore[arg-type]
+        signs = {name: int(sign) for name, sign in start.items() if _is_sign(sign)}
         near = {name: complex(z) for name, z in start.items() if isinstance(z, complex) and np.isfinite(z)}
         if len(signs) + len(near) == len(start):
             return Chosen(1, signs, near, follow)
         wrong = next(value for name, value in start.items() if name not in signs and name not in near)
-        raise DesignError("branch", f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm")
-    if not _is_sign(start):
-        raise DesignError(
-            "branch",
-            f"found {shown(branch)}",
-            'give +1, -1, "follow", or a table of signs by joint or of places of pins as complex numbers',
-        )
-    return Chosen(int(start), {}, {}, follow)  # type: ignore[arg-type]
+        raise DesignError(field, f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm")
+    if _is_sign(start):
+        return Chosen(1 if start == 1 else -1, {}, {}, follow)
+    words = "+1, -1" if follow else '+1, -1, "follow"'
+    remedy = f"give {words}, or a table of signs by joint or of places of pins as complex numbers"
+    raise DesignError(field, f"found {shown(start)}", remedy)
 
 
 def _is_sign(value: object) -> bool:
     real = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    return real and value in (1, -1)
+    return bool(real and value in (1, -1))

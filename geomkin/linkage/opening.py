@@ -8,6 +8,7 @@ from itertools import combinations, islice
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError, printable
 from .actuators import ActuatedRRP, ActuatedRRR
 from .branch import Chosen
@@ -62,6 +63,7 @@ class Opening:
         return self.text
 
 
+@checked
 def opening(motion: Motion) -> Opening | None:
     """Where a motion first opens and what opens there; None where every frame is closed.
 

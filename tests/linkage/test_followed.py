@@ -202,7 +202,7 @@ def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start(
 @pytest.mark.parametrize(
     ("branch", "word"),
     [
-        (gk.Follow(0), "Follow"), (gk.Follow({"output_pin": 2}), "2"), ({"output_pin": 40.0}, "40.0"),
+        ({"output_pin": 2}, "2"), ({"output_pin": 40.0}, "40.0"),
         ({"output_pin": complex(np.nan, 0)}, "nan"), ({"elsewhere": 1j}, "elsewhere"), ({"coupler_point": 1}, "coupler_point"),
         ("follow me", "follow me"), (True, "True"), (None, "None"), ({"output_pin": True}, "True"), ((1, -1), r"\(1, -1\)"),
     ],
@@ -211,6 +211,13 @@ def test_what_is_no_branch_is_refused(branch, word):
     with pytest.raises(gk.DesignError, match=word) as caught:
         gk.move(gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, branch)
     assert caught.value.field == "branch"
+
+
+@pytest.mark.parametrize("start", [0, True, None, "follow", {"output_pin": 2}, {"output_pin": complex(np.nan, 0)}])
+def test_what_is_no_start_is_refused(start):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.Follow(start)
+    assert caught.value.field == "start"
 
 
 def test_turns_without_end_are_refused_with_the_number_that_works():
