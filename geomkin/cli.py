@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 
 
@@ -17,8 +18,9 @@ def main() -> None:
 
             sys.exit(cli(standalone_mode=False))
         except click.ClickException as error:
-            error.message = harmless(error.message)
-            error.show()
+            told = io.StringIO()
+            error.show(told)
+            sys.stderr.writelines(f"{harmless(line)}\n" for line in told.getvalue().splitlines())
             sys.exit(error.exit_code)
         except click.Abort:
             sys.exit(130)

@@ -28,6 +28,7 @@ from .gear.straight_sided import StraightSidedGear
 from .gear.untouched import Untouched
 from .linkage.atlas import coupler_curves, coupler_grid, dashes
 from .linkage.bobillier import Bobillier, bobillier, bobillier_path
+from .linkage.branch import Follow
 from .linkage.centres import InstantCentre, instant_centre, instant_centres
 from .linkage.centrode_curve import CentrodeCurve
 from .linkage.centrodes import Centrodes
@@ -41,9 +42,10 @@ from .linkage.inflection import InflectionCircle, inflection_circle, inflection_
 from .linkage.inverted_slider_crank import InvertedSliderCrank
 from .linkage.limits import dead_centres, driver_limits
 from .linkage.linkage import Linkage, Slider
-from .linkage.measures import circuits, grashof_type, mechanical_advantage
+from .linkage.measures import circuits, grashof_type, least_transmission_angle, mechanical_advantage
 from .linkage.motion import Body, Motion, PointMotion, SlideMotion
 from .linkage.newton import Root, newton_raphson
+from .linkage.opening import Opening, opening
 from .linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
 from .linkage.shaking import (
     Counterbalance,
@@ -74,10 +76,10 @@ from .table import Column, Table
 __all__ = [
     "AbstractCurve", "Arc", "BaseCircle", "Bobillier", "Body", "Cam", "CentrodeCurve", "Centrodes", "Check",
     "Circle", "Cognate", "Column", "Conjugate", "Contact", "Counterbalance", "CouplerCurve", "Cycloid",
-    "DesignError", "Dwell", "EllipticTrammel", "FileError", "FlankGear", "FollowerMotion", "FourBar",
+    "DesignError", "Dwell", "EllipticTrammel", "FileError", "FlankGear", "Follow", "FollowerMotion", "FourBar",
     "GearPair", "GearRack", "GeomkinError", "InflectionCircle", "InstantCentre", "InvertedSliderCrank",
     "Involute", "LanternPinion", "LiftPolynomial", "LiftSpline", "LiftTable", "Linkage", "Mirrored", "Motion",
-    "Moved", "Offset", "OldhamCoupling", "OptimisedPolynomial", "OptimisedSpline", "OscillatingFlat",
+    "Moved", "Offset", "OldhamCoupling", "Opening", "OptimisedPolynomial", "OptimisedSpline", "OscillatingFlat",
     "OscillatingRoller", "Part", "Path", "PathCurvature", "PinionCutter", "PlanetarySet", "PointMotion",
     "PointToothGear", "Polygon", "Polyline", "Pose", "Program", "Rack", "RackPair", "RecipeError", "Return",
     "Reversed", "Ring", "RingGear", "Rise", "Root", "ScotchYoke", "Segment", "SegmentLimits", "Shaper",
@@ -88,8 +90,8 @@ __all__ = [
     "coupler_curves", "coupler_grid", "crank_path", "curvature", "dashes", "dead_centres", "driver_limits",
     "euler_savary",
     "flat_face_base_radius", "flatten", "grashof_type", "inflection_circle", "inflection_circle_of_cranks",
-    "instant_centre", "instant_centres", "judged_counterbalance", "least_base_circle", "length",
-    "mechanical_advantage", "move", "nearest", "newton_raphson", "over_pins", "path_curvature", "polar_radius",
+    "instant_centre", "instant_centres", "judged_counterbalance", "least_base_circle", "least_transmission_angle", "length",
+    "mechanical_advantage", "move", "nearest", "newton_raphson", "opening", "over_pins", "path_curvature", "polar_radius",
     "pressure_angle", "roberts_linkage", "rounded_hull", "segment_limits", "shaking_force", "signed_area",
     "slot", "span", "third_pivot", "to_arcs", "undercut", "undercut_free_shift", "velocity_polygon", "xy",
 ]  # fmt: skip

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import MISSING
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -167,6 +167,24 @@ class NotBoolean:
 
         return core_schema.no_info_before_validator_function(
             lambda value: str(value).lower() if isinstance(value, bool) else value, handler(source)
+        )
+
+
+class SignOrPlace:
+    """Marks a branch of one joint: 1 or -1, or the place `[x, y]` of a point, in mm, that it is nearest to."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        sign = NotBoolean().__get_pydantic_core_schema__(Literal[1, -1], lambda choice: handler.generate_schema(choice))
+        place = PointXY().__get_pydantic_core_schema__(complex, handler)
+        return core_schema.union_schema(
+            [sign, place],
+            custom_error_type="branch",
+            custom_error_message="1, -1 or [x, y]",
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: [value.real, value.imag] if isinstance(value, complex) else value
+            ),
         )
 
 

@@ -7,12 +7,13 @@ from collections.abc import Collection
 import numpy as np
 
 from ..arguments import Points, Reals, checked
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.vec import Array, unit
 from ..sizes import rounded_up
+from .branch import Branch, chosen
 from .limits import driver_limits
 from .motion import Motion
-from .solve import Branch, Named, OneLinkage, move
+from .solve import Named, OneLinkage, move
 
 # Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,
 # but 3 % too small; nearer to 1, such a chord may exceed the tolerance.
@@ -74,9 +75,12 @@ def dashes(
         raise DesignError("drive", "found no rising row", "give the limits of the steps in rising order, at least two")
     if local.ndim != 1 or not local.size or not np.isfinite(local).all():
         raise DesignError("points", "found no row of finite points", "give finite points; ravel a grid")
-    if branch == "follow":
-        raise DesignError("branch", "found 'follow'", "give +1, -1 or a table of signs by joint")
+    if chosen(branch).follow:
+        raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint")
     _check_body(linkage.linkage.bodies, body)
+    if chosen(branch).near:
+        # Near the places given at the first step, whatever drives a dash is looked at.
+        branch = {joint: int(signs[0]) or 1 for joint, signs in move(linkage, steps, branch).solution.signs.items()}
     return _drawn(linkage, local, _dash_limits(linkage, steps, branch), tolerance, branch, body)
 
 

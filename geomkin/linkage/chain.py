@@ -9,12 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from ..plane.vec import Array, direction_deg
+from .branch import Chosen
 from .closure import Driven
-from .continued import followed, run, started
+from .continued import sides_along
 from .dyads import Dyad
 from .linkage import Linkage
-from .loops import Loops
 from .motion import Solution
+from .row import Row, run, started
 from .steps import Pass, Step
 
 # The system's allocator gives freed arrays back at once and then pays for every page of the next one, which
@@ -26,16 +27,12 @@ np.empty(KEPT, dtype=np.uint8)
 
 @dataclass(frozen=True, eq=False)
 class Chain(Solution):
-    """A linkage's steps over a row of drives; nothing is worked out before it is asked for.
-
-    signs: the branch of each dyad by its joint; follow: those are where the first frame stands.
-    """
+    """A linkage's steps over a row of drives, on a branch; nothing is worked out before it is asked for."""
 
     linkage: Linkage
     steps: tuple[Step, ...]
     drive: Array
-    signs: Mapping[str, int]
-    follow: bool
+    branch: Chosen
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -58,20 +55,28 @@ class Chain(Solution):
                 closed &= np.isfinite(reached)
         return closed
 
+    @property
+    def poses(self) -> Pass:
+        """Where all bodies are, in the fixed body's frame; nan from the first one on that cannot be placed."""
+        return self._upto(0)[0]
+
     @cached_property
-    def branches(self) -> Mapping[str, Array]:
+    def signs(self) -> Mapping[str, Array]:
         found: dict[str, Array] = {}
         for step in self.steps:
+            if not isinstance(step, Dyad):
+                continue
+            sign = self._row.side(step, self.poses)
             if isinstance(step, Driven):
                 with np.errstate(invalid="ignore"):
-                    r = step.roots(Pass(drive=self._column(self.drive)), self._branch[step.joint]).r
-                sign = np.where(self.closed, np.sign(r), 0)
-            elif isinstance(step, Dyad):
-                sign = np.asarray(self._branch[step.joint])
-            else:
-                continue
-            found[step.joint] = np.where(self.closed, sign, 0).astype(int)
+                    r = step.roots(Pass(drive=self._column(self.drive)), sign).r
+                sign = np.where(np.isfinite(r), np.sign(r), sign)
+            found[step.joint] = np.broadcast_to(sign, self.shape)
         return found
+
+    @cached_property
+    def branches(self) -> Mapping[str, Array]:
+        return {joint: np.where(self.closed, sign, 0).astype(int) for joint, sign in self.signs.items()}
 
     @cached_property
     def transmission_angle(self) -> Array:
@@ -87,33 +92,18 @@ class Chain(Solution):
         return q.reshape(-1, *(1,) * (len(self.shape) - 1))
 
     @cached_property
-    def _history(self) -> tuple[list[Pass], Mapping[str, Array | int]] | None:
-        """All passes and branches by continuation, for linkages that no formula continues."""
-        plain = [step for step in self.steps if isinstance(step, Dyad) and not isinstance(step, Driven)]
-        if any(isinstance(step, Loops) for step in self.steps) or (self.follow and plain):
-            return followed(self.steps, self.linkage.ground, self.drive, self.signs, self.follow)
-        return None
-
-    @cached_property
-    def _branch(self) -> Mapping[str, Array | int]:
-        """Signs that the steps take: a number, or one per frame where continuation found them."""
-        if self._history is not None:
-            return self._history[1]
-        if not self.follow:
-            return self.signs
-        return {s.joint: s.sign_from(self.drive, self.signs[s.joint]) for s in self.steps if isinstance(s, Driven)}
+    def _row(self) -> Row:
+        return sides_along(self.linkage, self.steps, self.drive, self.shape[1:], self.branch)
 
     @cached_property
     def _started(self) -> list[Pass]:
         """Passes of as many orders as were asked for so far, in the fixed body's frame."""
-        if self._history is not None:
-            return self._history[0]
-        return [started(self.linkage.ground, self._column(self.drive))]
+        return [started(self.linkage.ground, self._column(self.drive), self._row.before)]
 
     def _upto(self, order: int) -> list[Pass]:
         passes = self._started
         if len(passes) <= order or len(passes[0].turn) == 1:
-            run(self.steps, self.linkage.ground, self._branch, passes, order)
+            run(self._row, passes, order)
         return passes
 
     def _seen(self, body: str, order: int, turn: bool) -> Array:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -19,21 +20,31 @@ from .roots import Gaps, Roots, gap_of, half_limits
 from .steps import Pass, scaled
 
 
+class Root(Protocol):
+    """The root of a loop over the frames."""
+
+    @property
+    def r(self) -> Array:
+        """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
+
+
 @dataclass(frozen=True, eq=False)
 class Driven(Dyad):
-    """A dyad whose loop is C + K e^{iq} for the drive q. `follow`: run smoothly through change points."""
+    """A dyad that the driver alone moves. `follow`: run smoothly through change points.
 
-    still: complex
-    turning: complex
+    period: of the drive, after which everything comes again; 0 where the driver slides.
+    """
+
+    period: ClassVar[float] = 2 * np.pi
     follow: bool
 
     @abstractmethod
-    def roots(self, p0: Pass, branch: Array | int) -> Roots:
-        """The roots of its loop at the pass's drive."""
+    def roots(self, p0: Pass, branch: Array | int) -> Root:
+        """The root of its loop at the pass's drive."""
 
     @abstractmethod
     def limits(self) -> list[float]:
-        """Drives, rad, at which the loop is stretched or folded to the utmost and the driver turns back."""
+        """Drives at which the loop is stretched or folded to the utmost and the driver turns back; of one period."""
 
     def sign_from(self, q: Array, sign: int) -> Array:
         """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
@@ -48,18 +59,23 @@ class Driven(Dyad):
 
 @dataclass(frozen=True, eq=False)
 class DrivenRRR(Driven):
-    """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq}, the four-bar of that driver.
+    """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
 
     In the textbook's letters, seen along C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
     b e3 = (p + i r / 2s) u, p = (s + b^2 - c^2) / 2s. The derivatives of the angles of e3 and e4 are
     h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
     """
 
+    still: complex
+    turning: complex
     dyad: RRR
 
     @property
     def leader(self) -> str:
         return self.dyad.leader
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
         return self.dyad.meeting(p0)
@@ -161,11 +177,16 @@ class DrivenRRP(Driven):
     r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
     """
 
+    still: complex
+    turning: complex
     dyad: RRP
 
     @property
     def leader(self) -> str:
         return self.dyad.leader
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
         return self.dyad.meeting(p0)

@@ -1,4 +1,4 @@
-"""Steps run over a row of drives, and branches kept by the motion itself where no formula continues them."""
+"""The branches of a motion's dyads: by sign, near given points, or followed."""
 
 from __future__ import annotations
 
@@ -7,114 +7,73 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..plane.vec import Array
+from .branch import Chosen
+from .change_points import change_points
 from .closure import Driven
 from .dyads import Dyad
+from .linkage import Linkage
 from .loops import Loops
+from .row import Row
 from .steps import Pass, Step, Turned
 
-# Steps of the finer row of drives, rad, and of a slider as a share of its whole way: coarser, and a prediction
-# by first and second derivative may take the wrong branch beside a change point.
-FINEST_TURN, FINEST_SHARE = np.pi / 180, 1 / 360
+# Gap, as a share of the reach, below which rounding alone keeps it from zero: true meetings come out below 2e-16 behind
+# chains of five dyads. Larger takes a near miss for a meeting, smaller misses meetings behind a dyad at bad angles.
+ROUNDING = 1e-14
 
 
-def started(ground: str, q: Array) -> Pass:
-    """A first pass with nothing placed but the fixed body."""
-    return Pass({ground: np.zeros(())}, {ground: np.ones(())}, q)
+def reach_of(linkage: Linkage) -> float:
+    """A length, mm, that no two points of the linkage can be apart while it is together."""
+    bodies = sum(
+        max((float(np.abs(z).max()) for z in points.values()), default=0) for points in linkage.bodies.values()
+    )
+    return 2 * (bodies + sum(abs(s.point) + abs(s.through) for s in linkage.sliders))
 
 
-def run(steps: Sequence[Step], ground: str, branch: Mapping[str, Array | int], passes: list[Pass], order: int) -> None:
-    """Carry started passes on up to an order, in the fixed body's frame; what is there is not done again."""
-    # What cannot close is nan, and what is singular is not finite: both are meant.
+def sides_along(
+    linkage: Linkage, steps: Sequence[Step], drive: Array, linkages: tuple[int, ...], branch: Chosen
+) -> Row:
+    """The row of a motion with the side of every dyad."""
+    reach = reach_of(linkage)
+    row = Row(linkage, steps, drive, linkages, 1.0 if isinstance(steps[0], Turned) else reach, {})
     with np.errstate(all="ignore"):
-        if len(passes[0].turn) == 1:
-            for step in steps:
-                step.place(passes[0], branch[step.joint] if isinstance(step, Dyad) else 1)
-        if order > 0 and len(passes) == 1:
-            passes.append(_still(ground))
-            for step in steps:
-                step.first(passes[0], passes[1])
-        if order > 1 and len(passes) == 2:
-            passes.append(_still(ground))
-            for step in steps:
-                step.second(passes[0], passes[1], passes[2])
+        for k, step in enumerate(steps):
+            if not isinstance(step, Dyad):
+                continue
+            sign: Array | int = branch.signs.get(step.joint, branch.default)
+            told = _nearest(row, k, branch.near) if step.joint not in branch.signs else None
+            frame, sign = told or (0, sign)
+            row.sides[step.joint] = sign
+            if branch.follow and drive.size and not isinstance(step, Driven):
+                row.sides[step.joint] = change_points(row, k, sign, drive[frame:], ROUNDING * reach)
+            elif branch.follow and isinstance(step, Driven) and told is None:
+                row.sides[step.joint] = step.sign_from(drive, int(sign))
+    return row
 
 
-def followed(
-    steps: Sequence[Step], ground: str, drive: Array, signs: Mapping[str, int], follow: bool
-) -> tuple[list[Pass], Mapping[str, Array | int]]:
-    """All passes, and the branches by joint, worked out step by step along a finer row of drives."""
-    finest = FINEST_TURN if isinstance(steps[0], Turned) else FINEST_SHARE * np.ptp([*drive, 0])
-    fine, places = _finer(drive, finest) if follow else (drive, np.arange(len(drive)))
-    branch: dict[str, Array | int] = {}
-    rising = np.argsort(fine, kind="stable")
-
-    def before(q: Array) -> list[Pass]:
-        # Signs that differ by frame are those of the nearest frame.
-        near = np.searchsorted(0.5 * (fine[rising][1:] + fine[rising][:-1]), q)
-        signs = {joint: s if np.ndim(s) == 0 else np.asarray(s)[rising][near] for joint, s in branch.items()}
-        passes = [started(ground, q)]
-        run([step for step in steps if not isinstance(step, Loops)], ground, signs, passes, 1)
-        return passes
-
-    p0, p1, p2 = Pass({ground: np.zeros(())}, {ground: np.ones(())}, fine, {}, before), _still(ground), _still(ground)
-    with np.errstate(all="ignore"):
-        for step in steps:
-            side: Array | int = 1
-            if isinstance(step, Dyad):
-                side = signs[step.joint]
-                if follow and isinstance(step, Driven):
-                    side = step.sign_from(fine, side)
-                elif follow:
-                    side = _smooth(step, (p0, p1, p2), fine, side)
-                branch[step.joint] = side
-            step.place(p0, side)
-            step.first(p0, p1)
-            step.second(p0, p1, p2)
-    return [_taken(p, places) for p in (p0, p1, p2)], {
-        joint: np.broadcast_to(sign, fine.shape)[places] for joint, sign in branch.items()
-    }
-
-
-def _smooth(step: Dyad, passes: tuple[Pass, Pass, Pass], q: Array, sign: int) -> Array:
-    """Signs, (frames,), that start with `sign` and change where the motion runs smoothly on into the other branch."""
-    ways = []
-    for side in (1, -1):
-        trial = [Pass(dict(p.origin), dict(p.turn), p.drive, dict(p.kept)) for p in passes]
-        step.place(trial[0], side)
-        step.first(*trial[:2])
-        step.second(*trial)
-        ways.append([trial[k].turn[step.leader] for k in range(3)])
-    (here, h, h2), (there, g, g2) = ways
-    usable = np.flatnonzero(np.isfinite(h) & np.isfinite(h2) & np.isfinite(g) & np.isfinite(g2))
-    if not usable.size:
-        return np.full(len(q), sign)
-    here, h, h2, there = here[usable], h[usable], h2[usable], there[usable]
-    step_q = np.diff(q[usable])
-    predicted = here[:-1] * np.exp(1j * (h[:-1] * step_q + 0.5 * h2[:-1] * step_q**2))
-    crossed = np.abs(predicted - there[1:]) < np.abs(predicted - here[1:])
-    changed = np.cumprod(np.concatenate([[1], np.where(crossed, -1, 1)]))
-    signs = np.full(len(q), sign)
-    # A frame at the change point itself belongs to both branches: it takes the sign before it.
-    before = np.clip(np.searchsorted(usable, np.arange(len(q)), side="right") - 1, 0, None)
-    return signs * changed[before]
-
-
-def _finer(drive: Array, finest: float) -> tuple[Array, Array]:
-    """A row of drives with small steps that has all of `drive` in it, and where."""
-    steps = np.abs(np.diff(drive))
-    if not steps.size:
-        return drive, np.arange(len(drive))
-    parts = np.maximum(1, np.ceil(steps / (finest or 1.0) - 1e-9)).astype(int)
-    ends = np.concatenate([[0], np.cumsum(parts)])
-    return np.interp(np.arange(ends[-1] + 1), ends, drive), ends
-
-
-def _taken(p: Pass, places: Array) -> Pass:
-    def take(values: Mapping[str, Array]) -> dict[str, Array]:
-        return {k: v[places] if np.ndim(v) else v for k, v in values.items()}
-
-    return Pass(take(p.origin), take(p.turn))
-
-
-def _still(ground: str) -> Pass:
-    return Pass({ground: np.zeros(())}, {ground: np.zeros(())})
+def _nearest(row: Row, k: int, near: Mapping[str, complex]) -> tuple[int, Array] | None:
+    """The first frame at which a dyad closes, and the side on which what it places there is nearest to given points."""
+    later = (j for j, step in enumerate(row.steps) if j > k and isinstance(step, Dyad | Loops))
+    end = next(later, len(row.steps))
+    ahead = np.exp(1j * np.radians(row.linkage.ground_angle_deg))
+    for frames in (row.drive[:1], row.drive):
+        before = row.placed(frames, k)
+        offs = []
+        for side in (1, -1):
+            p = Pass(dict(before.origin), dict(before.turn), before.drive, dict(before.kept))
+            for step in row.steps[k:end]:
+                step.place(p, side)
+            own = [
+                p.origin[body] + p.turn[body] * row.linkage.bodies[body][name] - (z - row.linkage.origin) / ahead
+                for body in set(p.origin) - set(before.origin)
+                for name, z in near.items()
+                if name in row.linkage.bodies[body]
+            ]
+            if not own:
+                return None
+            offs.append(np.sum(np.abs(own) ** 2, axis=0))
+        known = np.isfinite(offs[0]) | np.isfinite(offs[1])
+        share = known.reshape(len(frames), -1).mean(axis=1)
+        if share.size and share.any():
+            frame = int(np.argmax(share))
+            return frame, np.where(offs[1][frame] < offs[0][frame], -1, 1)
+    return None

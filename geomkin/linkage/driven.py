@@ -1,4 +1,4 @@
-"""Which dyads the driver alone moves: their loop is C + K e^{iq} for the drive q."""
+"""Which dyads the driver alone moves: their loop is C + K e^{iq} for the drive q, or has a bar of length q."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .actuators import ActuatedRRP, ActuatedRRR, Stroked
 from .closure import Driven, DrivenRRP, DrivenRRR
 from .dyads import RRP, RRR
 from .steps import Anchor, Carried, Oriented, Step, Turned
@@ -26,8 +27,26 @@ def driven(dyad: RRR | RRP, ground: str, steps: Sequence[Step], follow: bool) ->
     if np.any(turning == 0):
         return None
     if isinstance(dyad, RRP):
-        return DrivenRRP(dyad.joint, still, turning, follow, dyad)
-    return None if np.any(still == 0) else DrivenRRR(dyad.joint, still, turning, follow, dyad)
+        return DrivenRRP(dyad.joint, follow, still, turning, dyad)
+    return None if np.any(still == 0) else DrivenRRR(dyad.joint, follow, still, turning, dyad)
+
+
+def actuated(
+    dyad: RRR | RRP, which: int, arm: Stroked, ground: str, steps: Sequence[Step], follow: bool
+) -> Driven | None:
+    """The dyad with its bar `which` as an actuator, on points that stand still; None where they do not.
+
+    Of an RRP the only bar is 0.
+    """
+    seen = _Seen(ground, steps)
+    ends = [seen.anchor(base) for base in (dyad.bases if isinstance(dyad, RRR) else (dyad.base, dyad.start))]
+    if ends[0] is None or ends[1] is None:
+        return None
+    still = ends[1][0] - ends[0][0]
+    if isinstance(dyad, RRR):
+        return ActuatedRRR(dyad.joint, follow, dyad, which, arm, still)
+    rail = seen.turns.get(dyad.rail.body)
+    return None if rail is None else ActuatedRRP(dyad.joint, follow, dyad, arm, still, rail[0] * dyad.rail.direction)
 
 
 class _Seen:

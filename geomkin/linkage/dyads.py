@@ -28,6 +28,10 @@ class Dyad(Step):
     @abstractmethod
     def leader(self) -> str: ...
 
+    @abstractmethod
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        """Lengths, mm, by which it closes: one is below zero where it cannot, and zero where its branches meet."""
+
     def reached(self, p0: Pass) -> Array | None:
         return p0.turn[self.leader]
 
@@ -57,10 +61,15 @@ class RRR(Dyad):
         b, c, s = np.abs(self.arms[0]), np.abs(self.arms[1]), np.abs(w)
         with np.errstate(invalid="ignore", divide="ignore"):
             outer, inner = (b + c - s) * (b + c + s), (s - (b - c)) * (s + (b - c))
-            r = branch * np.sqrt(np.where(outer >= 0, outer, np.nan)) * np.sqrt(np.where(inner >= 0, inner, np.nan))
+            r = _root(branch, outer, inner)
             bar = w * ((s * s + (b - c) * (b + c)) + 1j * r) / (2 * s * s)
         p0.turn[self.bodies[0]] = bar / self.arms[0]
         p0.turn[self.bodies[1]] = (bar - w) / self.arms[1]
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        b, c = np.abs(self.arms[0]), np.abs(self.arms[1])
+        s = np.abs(self.bases[1].at(p0) - self.bases[0].at(p0))
+        return b + c - s, s - np.abs(b - c)
 
     def first(self, p0: Pass, p1: Pass) -> None:
         bars = self._bars(p0)
@@ -100,9 +109,12 @@ class RRP(Dyad):
         g = self.rail.at(p0)
         apart = np.conj(g) * (self.start.at(p0) - self.base.at(p0))
         length, n = np.abs(self.arm), apart.imag
-        square = (length - n) * (length + n)
-        r = branch * np.sqrt(np.where(square >= 0, square, np.nan))
+        r = _root(branch, (length - n) * (length + n))
         p0.turn[self.body] = (r + 1j * n) * g / self.arm
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        n = cross(self.rail.at(p0), self.start.at(p0) - self.base.at(p0))
+        return np.abs(self.arm) - n, np.abs(self.arm) + n
 
     def first(self, p0: Pass, p1: Pass) -> None:
         p1.turn[self.body] = self._solve(p0, self._right(p0, p1))[0]
@@ -158,10 +170,12 @@ class RPR(Dyad):
         w = self._apart(p0)
         s, n = np.abs(w), self.offset
         with np.errstate(invalid="ignore", divide="ignore"):
-            square = (s - n) * (s + n)
-            x = branch * np.sqrt(np.where(square >= 0, square, np.nan))
+            x = _root(branch, (s - n) * (s + n))
             f = w / (x + 1j * n)
         p0.turn[self.bodies[0]], p0.turn[self.bodies[1]] = f * self.turns[0], f * self.turns[1]
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return (np.abs(self._apart(p0)) - np.abs(self.offset),)
 
     def first(self, p0: Pass, p1: Pass) -> None:
         right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
@@ -231,6 +245,14 @@ class Crossed(Step):
 
     def meeting(self, p0: Pass) -> tuple[Array, Array]:
         return self._rails(p0)
+
+
+def _root(branch: Array | int, *squares: Array) -> Array:
+    """The product of roots on one branch, nan where a square is negative; where the branch is 0 both meet."""
+    r: Array | int = branch
+    for square in squares:
+        r = r * np.sqrt(np.where(square >= 0, square, np.nan))
+    return np.asarray(r) if np.ndim(branch) == 0 else np.where(branch == 0, 0.0, r)
 
 
 def two_unknowns(a: Array, b: Array, right: Array) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,12 +12,15 @@ from ..plane.vec import Array, dot
 from .closure import Driven
 from .dyads import Dyad
 from .loops import Loops
-from .plan import plan
-from .solve import Branch, Named, OneLinkage, move
+from .solve import Branch, OneLinkage, move, planned
+from .steps import Step
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
+# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
+# is more a body that turns.
+STILL = 1e-9
 
 
 @checked
@@ -35,12 +38,13 @@ def driver_limits(
         raise DesignError("span", f"found {span}", "give a rising pair")
 
     def closed(q: Array) -> Array:
-        # The start of the span first: that is where a branch is followed from, and where an estimate holds.
-        return move(linkage, [start, *q], branch).closed[1:]
+        # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
+        return move(linkage, np.append(start, q), branch).closed[1:]
 
     looks = np.linspace(start, end, LOOKS + 1)
-    ends = [start, end, *_exact(linkage, span)]
-    cuts = np.unique(ends + ([] if _all_driven(linkage) else _changes(closed, looks)))
+    steps = planned(linkage.linkage, branch)
+    ends = [start, end, *_exact(steps, span)]
+    cuts = np.unique(ends + ([] if _all_driven(steps) else _changes(closed, looks)))
     middles = 0.5 * (cuts[:-1] + cuts[1:])
     parts: list[list[float]] = []
     for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(middles).tolist()):
@@ -64,10 +68,14 @@ def dead_centres(
     body = move(linkage, looks, branch).bodies[output]
     # A body that only slides goes along one line: that of its largest step.
     steps = np.nan_to_num(body.origin.first, nan=0.0, posinf=0.0, neginf=0.0)
-    line = None if np.nan_to_num(body.first).any() else steps[np.argmax(np.abs(steps))]
+    largest = steps[np.argmax(np.abs(steps))]
+    turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
+    places = (z for points in general.bodies.values() for z in points.values())
+    reach = max((float(np.abs(z).max()) for z in places), default=0.0) or 1.0
+    line = None if turning * reach > STILL * abs(largest) else largest
 
     def way(q: Array) -> Array:
-        moved = move(linkage, [span[0], *q], branch).bodies[output]
+        moved = move(linkage, np.append(span[0], q), branch).bodies[output]
         return (moved.first if line is None else dot(line, moved.origin.first))[1:]
 
     values = way(looks)
@@ -75,20 +83,22 @@ def dead_centres(
     return np.unique(np.array(found))
 
 
-def _all_driven(linkage: Named) -> bool:
-    return all(isinstance(s, Driven) or not isinstance(s, (Dyad, Loops)) for s in plan(linkage.linkage))
+def _all_driven(steps: Sequence[Step]) -> bool:
+    return all(isinstance(s, Driven) or not isinstance(s, (Dyad, Loops)) for s in steps)
 
 
-def _exact(linkage: Named, span: tuple[float, float]) -> list[float]:
+def _exact(steps: Sequence[Step], span: tuple[float, float]) -> list[float]:
     """Limits of the dyads that the driver alone moves, in closed form, inside the span."""
     found: list[float] = []
-    for step in plan(linkage.linkage):
+    for step in steps:
         if isinstance(step, Driven):
             for limit in step.limits():
-                turns = np.arange(
-                    np.floor((span[0] - limit) / (2 * np.pi)), np.ceil((span[1] - limit) / (2 * np.pi)) + 1
-                )
-                found += [q for q in (limit + 2 * np.pi * turns).tolist() if span[0] < q < span[1]]
+                turns = np.zeros(1)
+                if step.period:
+                    turns = np.arange(
+                        np.floor((span[0] - limit) / step.period), np.ceil((span[1] - limit) / step.period) + 1
+                    )
+                found += [q for q in (limit + step.period * turns).tolist() if span[0] < q < span[1]]
     return found
 
 

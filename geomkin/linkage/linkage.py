@@ -52,6 +52,14 @@ class Slider:
         """The line's direction in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
 
+    def seen(self, body: str, place: complex, displacement: float) -> Any:
+        """A point of one of its two bodies in the frame of the other, mm."""
+        turn = self.direction * direction_deg(self.angle_deg)
+        start = self.through + displacement * self.direction
+        return (
+            start + turn * (place - self.point) if body == self.body else self.point + np.conj(turn) * (place - start)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Linkage:
@@ -59,8 +67,10 @@ class Linkage:
 
     bodies: the fixed body first, each with its points, mm in its own frame. sliders: the sliding
     joints. driver: the body that is driven: its angle from the ground's x axis, or its displacement if it
-    slides on the ground. origin, ground_angle_deg: where the fixed body's frame stands. estimate: roughly where
-    pins are with the driver at its first frame, mm; needed only where the linkage is no chain of dyads.
+    slides on the ground; or the slider that is driven: its displacement, as of a cylinder and its rod between any
+    two bodies, which count as one bar where a branch goes by the order of bodies. origin, ground_angle_deg: where
+    the fixed body's frame stands. estimate: roughly where pins are with the driver at its first frame, mm; needed
+    only where the linkage is no chain of dyads.
     Points may be arrays (linkages,): many linkages of one make.
     """
 
@@ -81,8 +91,9 @@ class Linkage:
         check_names("sliders", (slider.name for slider in self.sliders), "a slider")
         if len({slider.name for slider in self.sliders}) < len(self.sliders):
             raise DesignError("sliders", "two have the same name", "give each a name of its own")
-        if self.driver not in names[1:]:
-            raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(names[1:])}")
+        drivers = [*names[1:], *(slider.name for slider in self.sliders)]
+        if self.driver not in drivers:
+            raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}")
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not np.isfinite(place).all():
@@ -93,6 +104,31 @@ class Linkage:
                     raise DesignError(
                         "sliders", f"{slider.name} names {shown(body)}", f"give one of {', '.join(names)}"
                     )
+            if slider.body == slider.along:
+                raise DesignError("sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies")
+        self._check_driver()
+
+    def _check_driver(self) -> None:
+        """A driver that could be meant as an angle or as a displacement is refused."""
+        if self.driver not in self.bodies or self.driven_slider:
+            return
+        alike = [slider.name for slider in self.sliders if slider.name == self.driver]
+        if alike:
+            raise DesignError(
+                "driver", f"{self.driver} is the name of a body and of a slider", "give the slider another name"
+            )
+        sliding = {s.name: {s.body, s.along} - {self.driver} for s in self.sliders if self.driver in (s.body, s.along)}
+        pinned = {body for bodies in self.pins.values() if self.ground in bodies for body in bodies}
+        if not sliding or self.driver in pinned:
+            return
+        name, (other,) = next(iter(sliding.items()))
+        turning = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
+        raise DesignError(
+            "driver",
+            f"{self.driver} slides on {other} and is not pinned to the {self.ground}, so its angle may be meant or its "
+            "displacement",
+            f"give {name}, the slider, for its displacement{turning}",
+        )
 
     @property
     def linkage(self) -> Linkage:
@@ -108,6 +144,14 @@ class Linkage:
     def ground(self) -> str:
         """Name of the fixed body."""
         return next(iter(self.bodies))
+
+    @cached_property
+    def driven_slider(self) -> Slider | None:
+        """The sliding joint whose displacement, mm, is driven; None where the driver is an angle."""
+        if self.driver in self.bodies:
+            ends = {self.driver, self.ground}
+            return next((s for s in self.sliders if {s.body, s.along} == ends), None)
+        return next(s for s in self.sliders if s.name == self.driver)
 
     @cached_property
     def pins(self) -> Mapping[str, tuple[str, ...]]:

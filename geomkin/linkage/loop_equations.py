@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..plane.vec import Array
-from .linkage import Linkage
+from .linkage import Linkage, Slider
 from .steps import Pass
 
 # Origins, mm, and turns of all bodies, (..., bodies): unit complex, or derivatives of the angle.
@@ -30,7 +30,14 @@ class LoopEquations:
 
     @cached_property
     def names(self) -> list[str]:
-        return list(self.linkage.bodies)
+        """The bodies, and last the drive of an actuator among them, which counts as placed: its origin is q."""
+        return [*self.linkage.bodies, *([self.driven.name] if self.driven else [])]
+
+    @cached_property
+    def driven(self) -> Slider | None:
+        """The driven slider where both its bodies are here."""
+        slider = self.linkage.driven_slider
+        return slider if slider and {slider.body, slider.along} <= set(self.waiting) else None
 
     @cached_property
     def size(self) -> float:
@@ -51,7 +58,7 @@ class LoopEquations:
     @property
     def rows(self) -> int:
         """How many conditions there are."""
-        return 2 * len(self._pins[0]) + len(self._rails[0]) + int(self._rails[-1].sum())
+        return 2 * len(self._pins[0]) + len(self._rails[0]) + int(self._rails[-1].sum()) + bool(self.driven)
 
     @cached_property
     def _chains(self) -> list[tuple[str, list[str]]]:
@@ -72,9 +79,13 @@ class LoopEquations:
         return one[0], one[1], two[0], two[1]
 
     @cached_property
+    def _sliders(self) -> list[Slider]:
+        return [s for s in self.linkage.sliders if {s.body, s.along} & set(self.waiting)]
+
+    @cached_property
     def _rails(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
         """Sliders here: body, its point, guide, the line's point and direction, the body's turn, if it is unknown."""
-        here = [s for s in self.linkage.sliders if {s.body, s.along} & set(self.waiting)]
+        here = self._sliders
         return (
             np.array([self.names.index(s.body) for s in here], dtype=int),
             np.array([s.point for s in here], dtype=complex),
@@ -116,7 +127,11 @@ class LoopEquations:
         # The angle and not its sine, which would take a body that stands the wrong way round for a right one.
         askew = np.angle(turns[0] * np.conj(turns[1] * turn[both])) if order == 0 else turns[0] - turns[1]
         lengths = [pins.real / self.size, pins.imag / self.size, off.imag / self.size]
-        return np.concatenate([*lengths, np.broadcast_to(askew, (*off.shape[:-1], both.sum()))], axis=-1)
+        rows = [*lengths, np.broadcast_to(askew, (*off.shape[:-1], both.sum()))]
+        if self.driven:
+            ahead = off.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
+            rows.append(ahead[..., None] / self.size)
+        return np.concatenate(rows, axis=-1)
 
     def jacobian(self, state: State) -> Array:
         """d(conditions)/d(unknowns), (..., rows, columns): the first derivative where one unknown alone moves."""

@@ -126,6 +126,15 @@ class Loops(Step):
 
         return at
 
+    def _points(self, body: str, state: State) -> dict[str, complex]:
+        """A body's points in its frame, and where it is half of an actuator those of the other half."""
+        points, driven = dict(self.linkage.bodies[body]), self.equations.driven
+        if driven and body in (driven.body, driven.along):
+            other = driven.along if body == driven.body else driven.body
+            drive = float(state[0][0, -1].real)
+            points |= {p: complex(driven.seen(other, z, drive)) for p, z in self.linkage.bodies[other].items()}
+        return points
+
     def _start(self, state: State) -> Array:
         """Unknowns of the first frame from the estimate of the pins."""
         names, size = self.equations.names, self.equations.size
@@ -137,7 +146,7 @@ class Loops(Step):
                 pins[pin] = state[0][0, k] + state[1][0, k] * self.linkage.bodies[body][pin]
         values: list[float] = []
         for name in self.waiting:
-            points = {p: z for p, z in self.linkage.bodies[name].items() if p in pins}
+            points = {p: z for p, z in self._points(name, state).items() if p in pins}
             own = np.array(list(points.values()), dtype=complex)
             seen = np.array([pins[p] for p in points], dtype=complex)
             direction = state[1][0, names.index(name)]

@@ -70,6 +70,12 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Array:
 
 
 @checked
+def least_transmission_angle(motion: Motion) -> Array:
+    """Least transmission angle over the frames that are reached, rad, () or (linkages,); nan where none is."""
+    return np.fmin.reduce(np.where(motion.closed, motion.transmission_angle, np.nan), axis=0)
+
+
+@checked
 def mechanical_advantage(motion: Motion, output: str) -> Array:
     """Output torque or force over input torque or force, by the power that both have: dq over the output's own way.
 

@@ -31,6 +31,11 @@ class Solution(ABC):
 
     @property
     @abstractmethod
+    def signs(self) -> Mapping[str, Array]:
+        """The sign of each dyad, by its inner joint, also where the linkage is open; 0 where both branches meet."""
+
+    @property
+    @abstractmethod
     def branches(self) -> Mapping[str, Array]:
         """The branch of each dyad, by its inner joint."""
 

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from ..errors import DesignError
-from .driven import driven
+from .actuators import Stroked
+from .driven import actuated, driven
 from .dyads import RPR, RRP, RRR, Crossed
 from .linkage import Linkage, Slider
 from .loops import Loops
-from .steps import Anchor, Carried, Oriented, Rail, Slid, Step, Turned
+from .steps import Anchor, Carried, Drawn, Oriented, Rail, Slid, Step, Turned
 
 
 def plan(linkage: Linkage, follow: bool = False) -> list[Step]:
@@ -65,17 +66,30 @@ class _Planner:
         self.oriented = {linkage.ground}
         self.placed = {linkage.ground}
 
+        slider = linkage.driven_slider
+        # The two bodies of an actuator, which hangs between bodies that move or is pinned to the ground.
+        self.actuator = slider if slider and linkage.ground not in (slider.body, slider.along) else None
+
     def drive(self) -> None:
-        """The driver's own step, by how it is joined to the ground."""
-        body, ground = self.linkage.driver, self.linkage.ground
-        rail = next((s for s in self.linkage.sliders if {s.body, s.along} == {body, ground}), None)
-        self.oriented.add(body)
-        if rail is None:
-            self.steps.append(Turned(body))
-            return
-        near, through, direction = _seen_from(rail, ground)
-        self.steps.append(Oriented(body, ground, _turn(rail, body)))
-        self.steps.append(Slid(body, near, through, direction))
+        """The driver's own step, by how it is joined to the ground; an actuator waits for what holds its ends."""
+        ground, slider = self.linkage.ground, self.linkage.driven_slider
+        if slider is None:
+            self.steps.append(Turned(self.linkage.driver))
+            self.oriented.add(self.linkage.driver)
+        elif self.actuator:
+            self.steps.append(Drawn(slider.name))
+        else:
+            body = slider.along if slider.body == ground else slider.body
+            self.steps.append(Oriented(body, ground, _turn(slider, body)))
+            self.oriented.add(body)
+            # A body's displacement is along the line's direction, a slider's that of its sliding body.
+            self.slide(slider, body, -1 if slider.along == body == self.linkage.driver else 1)
+
+    def slide(self, slider: Slider, body: str, sense: int = 1) -> None:
+        """Place a body of known direction by the driven slider, from the other body of it."""
+        other = _other(slider, body)
+        near, through, direction = _stroke_seen_from(slider, other)
+        self.steps.append(Slid(body, near, Anchor(other, through), Rail(other, sense * direction)))
         self.placed.add(body)
 
     def carry(self) -> bool:
@@ -91,7 +105,9 @@ class _Planner:
                 continue
             pinned = self.pins_to_placed(body)
             rails = self.rails_to_placed(body)
-            if pinned:
+            if self.actuator in rails:
+                self.slide(self.actuator, body)
+            elif pinned:
                 self.steps.append(Carried(body, self.local(body, pinned[0]), self.anchor(pinned[0])))
             elif len(rails) > 1:
                 (start_1, rail_1), (start_2, rail_2) = (
@@ -111,47 +127,70 @@ class _Planner:
     def join(self, one: str, two: str) -> bool:
         for slider in self.linkage.sliders:
             if {slider.body, slider.along} == {one, two} and not {one, two} & self.oriented:
+                if slider is self.actuator:
+                    return False
                 return self.slide_on_each_other(one, two, slider)
         for name, inner, shift in self.inner_pins(one, two):
             free = [body for body in (one, two) if body not in self.oriented]
             if len(free) == 2:
-                if self.pins_to_placed(one) and self.pins_to_placed(two):
-                    return self.two_bars(one, two, name, inner, shift)
+                if self.two_bars(one, two, name, inner, shift):
+                    return True
             elif len(free) == 1:
                 slid = one if free == [two] else two
-                if self.pins_to_placed(free[0]) and self.rails_to_placed(slid):
-                    return self.bar_and_slide(free[0], slid, name, inner, shift, free == [two])
+                if self.rails_to_placed(slid) and self.bar_and_slide(free[0], slid, name, inner, shift, free == [two]):
+                    return True
             elif self.rails_to_placed(one) and self.rails_to_placed(two):
                 return self.two_slides(one, two, inner, shift)
         return False
 
     def two_bars(self, one: str, two: str, name: str, inner: tuple[str, str], shift: tuple) -> bool:
-        outer = self.pins_to_placed(one)[0], self.pins_to_placed(two)[0]
-        arms = self.arm(one, outer[0], inner[0]), self.arm(two, outer[1], inner[1])
-        second = self.anchor(outer[1])
-        bases = self.anchor(outer[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
-        self.append(RRR(name, (one, two), arms, bases))
-        for body, pin in zip((one, two), outer):
+        outer = self.outer_pin(one), self.outer_pin(two)
+        if not (outer[0] and outer[1]):
+            return False
+        # The bodies at the outer pins: of an actuator not the one at the inner pin.
+        ends, pins = (outer[0][0], outer[1][0]), (outer[0][1], outer[1][1])
+        arms = [
+            self.arm(end, pin, near) if end == body else 1.0
+            for body, end, pin, near in zip((one, two), ends, pins, inner)
+        ]
+        second = self.anchor(pins[1])
+        bases = self.anchor(pins[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
+        dyad = RRR(name, ends, (arms[0], arms[1]), bases)
+        if ends == (one, two):
+            self.append(dyad)
+        else:
+            which = 0 if ends[0] != one else 1
+            arm = self.stroked(ends[which], pins[which], (one, two)[which], inner[which])
+            if not self.append_actuated(dyad, which, arm):
+                return False
+        for body, pin in zip(ends, pins):
             self.steps.append(Carried(body, self.local(body, pin), self.anchor(pin)))
-        self.placed |= {one, two}
-        self.oriented |= {one, two}
+        self.placed |= set(ends)
+        self.oriented |= set(ends)
         return True
 
     def bar_and_slide(
         self, bar: str, slid: str, name: str, inner: tuple[str, str], shift: tuple, bar_is_second: bool
     ) -> bool:
-        outer = self.pins_to_placed(bar)[0]
+        outer = self.outer_pin(bar)
+        if not outer:
+            return False
+        end, pin = outer
         # `inner` and `shift` lead from the first body of the pair to the second.
         if bar_is_second:
             inner, shift = inner[::-1], tuple((b, -z) for b, z in shift)
         near, far = inner
         slider = self.rails_to_placed(slid)[0]
         start = self.start(slider, slid, ((slid, self.local(slid, far)), *((b, -z) for b, z in shift)))
-        arm = self.arm(bar, outer, near)
-        self.append(RRP(name, bar, arm, self.anchor(outer), start, self.rail(slider, slid)))
-        self.steps.append(Carried(bar, self.local(bar, outer), self.anchor(outer)))
-        self.placed.add(bar)
-        self.oriented.add(bar)
+        arm = self.arm(bar, pin, near) if end == bar else 1.0
+        dyad = RRP(name, end, arm, self.anchor(pin), start, self.rail(slider, slid))
+        if end == bar:
+            self.append(dyad)
+        elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near)):
+            return False
+        self.steps.append(Carried(end, self.local(end, pin), self.anchor(pin)))
+        self.placed.add(end)
+        self.oriented.add(end)
         return True
 
     def slide_on_each_other(self, one: str, two: str, slider: Slider) -> bool:
@@ -193,6 +232,13 @@ class _Planner:
         """The dyad, in the form that keeps its digits at a toggle where the driver alone moves it."""
         self.steps.append(driven(dyad, self.linkage.ground, self.steps, self.follow) or dyad)
 
+    def append_actuated(self, dyad: RRR | RRP, which: int, arm: Stroked) -> bool:
+        """The dyad with an actuator for its bar `which`, where what it stands on does not move."""
+        found = actuated(dyad, which, arm, self.linkage.ground, self.steps, self.follow)
+        if found is not None:
+            self.steps.append(found)
+        return found is not None
+
     # What the linkage says of a body.
 
     def has(self, body: str, pin: str) -> bool:
@@ -212,9 +258,20 @@ class _Planner:
     def pins_to_placed(self, body: str) -> list[str]:
         return [pin for pin, bodies in self.linkage.pins.items() if body in bodies and self.placed & set(bodies)]
 
+    def outer_pin(self, body: str) -> tuple[str, str] | None:
+        """A body and its pin on a placed one: the body itself, or where it is half of an actuator the other half."""
+        halves = (self.actuator.body, self.actuator.along) if self.actuator else ()
+        bodies = (body, *(half for half in halves if half != body)) if body in halves else (body,)
+        return next(((b, pins[0]) for b in bodies if (pins := self.pins_to_placed(b))), None)
+
+    def stroked(self, end: str, outer: str, body: str, inner: str) -> Stroked:
+        """The actuator from a pin of one half, in the frame of that, to a pin of the other."""
+        assert self.actuator is not None
+        start = self.actuator.seen(body, self.local(body, inner), 0.0) - self.local(end, outer)
+        return Stroked(start, _stroke_seen_from(self.actuator, end)[2])
+
     def rails_to_placed(self, body: str) -> list[Slider]:
-        sides = [(s, s.along if s.body == body else s.body) for s in self.linkage.sliders if body in (s.body, s.along)]
-        return [slider for slider, other in sides if other in self.placed]
+        return [s for s in self.linkage.sliders if body in (s.body, s.along) and _other(s, body) in self.placed]
 
     def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], tuple]]:
         """Ways from `one` to `two` over pins that are not placed yet: name, the two pins, and the arms between.
@@ -238,14 +295,18 @@ class _Planner:
         return Anchor(body, self.local(body, pin))
 
     def rail(self, slider: Slider, body: str) -> Rail:
-        other = slider.along if body == slider.body else slider.body
+        other = _other(slider, body)
         return Rail(other, _seen_from(slider, other)[2])
 
     def start(self, slider: Slider, body: str, way: tuple) -> Anchor:
         """Where the body's origin, less the arms of `way`, is when its point stands at the rail's own point."""
-        other = slider.along if body == slider.body else slider.body
+        other = _other(slider, body)
         near, through, _ = _seen_from(slider, other)
         return Anchor(other, through, ((body, -near), *way))
+
+
+def _other(slider: Slider, body: str) -> str:
+    return slider.along if body == slider.body else slider.body
 
 
 def _turn(slider: Slider, body: str) -> Any:
@@ -263,3 +324,9 @@ def _seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
     if other == slider.along:
         return slider.point, slider.through, slider.direction
     return slider.through, slider.point, _turn(slider, slider.body).conjugate() * slider.direction
+
+
+def _stroke_seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
+    """The same with the direction in which the point runs as the slider's displacement grows."""
+    near, through, direction = _seen_from(slider, other)
+    return near, through, direction if other == slider.along else -direction

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Protocol
+from dataclasses import replace
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 
 from ..arguments import Reals, Sort, checked
 from ..errors import DesignError
+from .branch import Branch, chosen
 from .chain import Chain
 from .dyads import Dyad
 from .linkage import Linkage
 from .motion import Motion, Timing
 from .plan import plan
-
-Branch = int | Literal["follow"] | Mapping[str, int]
+from .steps import Step
 
 
 class Named(Protocol):
@@ -45,18 +45,19 @@ def move(
 
     drive: (frames,). speed and acceleration of the driver, rad/s and rad/s2 or mm/s and mm/s2: numbers or
     (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
-    named): +1 puts the joint left of the line from the first body's outer pin to the second's; "follow" starts
-    at +1 and keeps the smooth continuation, also through a change point, at any step (branches of a dyad
-    that more than the driver moves count as meeting where they pass within a degree of it). A frame that cannot
-    be reached is nan with closed False. At a true dead centre of the driver the rates are not finite.
+    named): +1 puts the joint left of the line from the first body's outer pin to the second's. A point's name with
+    its place, a complex number in mm, takes the branch nearest to that at the first frame at which its dyad closes, and
+    starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Follow` at any of
+    these, and keeps the smooth continuation, at any step: through a change point, where the branches meet, and past a
+    place where they only come near. A frame that cannot be reached is nan with closed False. At a true dead centre
+    of the driver the rates are not finite.
     """
     general = linkage.linkage
     q = np.atleast_1d(np.asarray(drive, dtype=float))
     if q.ndim != 1 or not np.isfinite(q).all():
         raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
-    steps = plan(general, branch == "follow")
-    joints = [step.joint for step in steps if isinstance(step, Dyad)]
-    solution = Chain(general, tuple(steps), q, _signs(branch, joints), branch == "follow")
+    steps = planned(general, branch)
+    solution = Chain(general, tuple(steps), q, chosen(branch))
     times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
     for name, v in zip(("speed", "acceleration"), times):
         if v.ndim and v.shape != q.shape:
@@ -65,14 +66,10 @@ def move(
     return Motion(general, q, timing, solution)
 
 
-def _signs(branch: Branch, joints: Sequence[str]) -> dict[str, int]:
-    if isinstance(branch, Mapping):
-        unknown = [name for name in branch if name not in joints]
-        if unknown or any(value not in (1, -1) for value in branch.values()):
-            raise DesignError(
-                "branch", f"found {dict(branch)}", f"give +1 or -1 for any of {', '.join(joints) or 'none'}"
-            )
-        return {joint: branch.get(joint, 1) for joint in joints}
-    if branch not in (1, -1, "follow"):
-        raise DesignError("branch", f"found {branch!r}", 'give +1, -1, "follow", or a table of signs by joint')
-    return dict.fromkeys(joints, 1 if branch == "follow" else int(branch))
+def planned(linkage: Linkage, branch: Branch) -> list[Step]:
+    """The steps that a linkage is solved by on a branch; DesignError for joints or points that it has not."""
+    wanted = chosen(branch)
+    told = replace(linkage, estimate={**linkage.estimate, **wanted.near}) if wanted.near else linkage
+    steps = plan(told, wanted.follow)
+    wanted.check(linkage, [step.joint for step in steps if isinstance(step, Dyad)])
+    return steps

@@ -144,21 +144,45 @@ class Turned(Step):
 
 @dataclass(frozen=True, eq=False)
 class Slid(Step):
-    """The driver where it slides on the fixed body: its `local` point q beyond `through` along `direction`."""
+    """The driver where it slides: a body of known direction whose `local` point is q beyond `through` along `rail`."""
 
     body: str
     local: complex
-    through: complex
-    direction: complex
+    through: Anchor
+    rail: Rail
+
+    @cached_property
+    def _anchor(self) -> Anchor:
+        return Anchor(self.through.body, self.through.place, ((self.body, -self.local),))
 
     def place(self, p0: Pass, branch: Array | int) -> None:
-        p0.origin[self.body] = self.through + p0.drive * self.direction - p0.turn[self.body] * self.local
+        p0.origin[self.body] = self._anchor.at(p0) + p0.drive * self.rail.at(p0)
 
     def first(self, p0: Pass, p1: Pass) -> None:
-        p1.origin[self.body] = np.asarray(self.direction)
+        turn = p1.turn[self.rail.body]
+        p1.origin[self.body] = self._anchor.first(p0, p1) + (1 + 1j * turn * p0.drive) * self.rail.at(p0)
 
     def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
-        p2.origin[self.body] = np.zeros(())
+        turn, turn_2 = p1.turn[self.rail.body], p2.turn[self.rail.body]
+        # 2 i turn is the Coriolis term.
+        gain = 2j * turn + (1j * turn_2 - turn**2) * p0.drive
+        p2.origin[self.body] = self._anchor.second(p0, p1, p2) + gain * self.rail.at(p0)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn(Step):
+    """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
+
+    name: str
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        p0.origin[self.name], p0.turn[self.name] = p0.drive, np.ones(())
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.origin[self.name], p1.turn[self.name] = np.ones(()), np.zeros(())
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.origin[self.name], p2.turn[self.name] = np.zeros(()), np.zeros(())
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,7 +56,7 @@ class DyadList:
             "rocker": {"C": 0j, "B": 70 + 0j},
         },
     )
-    driver: str = entry("the body that is driven", example="crank")
+    driver: str = entry("the body that is driven, or the slider, as of a cylinder and its rod", example="crank")
     corners: tuple[Corner, ...] = entry(
         "points given by two distances", default=(), example=(Corner("coupler", "pen", ("A", "B"), (50.0, 60.0)),)
     )
@@ -76,11 +76,6 @@ class DyadList:
     def __post_init__(self) -> None:
         check_sizes(self)
         self.linkage  # noqa: B018  every error of the joints at once, while the recipe is read
-
-    @property
-    def driver_slides(self) -> bool:
-        """Whether the driver slides on the fixed body."""
-        return any({s.body, s.along} == {self.driver, self.linkage.ground} for s in self.sliders)
 
     @cached_property
     def linkage(self) -> Linkage:

@@ -15,17 +15,19 @@ from ..linkage.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.four_bar import FourBar
 from ..linkage.inverted_slider_crank import InvertedSliderCrank
 from ..linkage.limits import driver_limits
-from ..linkage.measures import grashof_type
+from ..linkage.measures import grashof_type, least_transmission_angle
+from ..linkage.opening import opening
 from ..linkage.shaper import Shaper
 from ..linkage.six_bars import StephensonSixBar, WattSixBar
 from ..linkage.slider_crank import SliderCrank
-from ..linkage.solve import Branch, move
+from ..linkage.solve import move
 from ..part import Part
 from ..shop.links import link_parts
 from ..shop.stack import stack_links
 from ..shop.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Table
+from .branches import Branches, branch_of, branches_entry
 from .dyad_list import WITH_SLIDER, DyadList
 from .kind import Kind
 from .motion_table import motion_table
@@ -35,22 +37,17 @@ from .settings import Files, Stroke, Turn
 def _kind(name: str, sizes: type, about: str) -> Kind:
     """A kind of linkage by its sizes; all of them are moved, judged and cut alike."""
     slides = sizes in (SliderCrank, EllipticTrammel, DyadList)
-    several = sizes in (StephensonSixBar, WattSixBar, Shaper, DyadList)
     fields: list[tuple[str, Any, Any]] = [
         ("kind", Literal[name], dataclasses.field()),  # type: ignore[valid-type]
         ("linkage", sizes, dataclasses.field()),
         ("branch", Annotated[Literal[1, -1, "follow"], NotBoolean()], entry(
             "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
-            "follow: from 1 smoothly on, also through change points", default=1)),
+            "follow: smoothly on from 1, or from what branches says, also through change points", default=1)),
     ]  # fmt: skip
-    if several:
-        branches = entry("branch of single joints, where it is not the one above", default_factory=dict)
-        fields.append(("branches", dict[str, Annotated[Literal[1, -1], NotBoolean()]], branches))
+    fields.append(("branches", Branches, branches_entry()))
     fields.append(("drive", Turn, entry("how the driver turns", default=Turn())))
     if slides:
-        fields.append(
-            ("stroke", Stroke | None, entry("how the driver slides, where a sliding body drives", default=None))
-        )
+        fields.append(("stroke", Stroke | None, entry("how the driver slides, where a slide drives", default=None)))
     fields += [
         ("stock", LinkStock, entry("what the links are cut from", default=LinkStock())),
         ("files", Files, entry("what is written", default=Files())),
@@ -60,7 +57,7 @@ def _kind(name: str, sizes: type, about: str) -> Kind:
         namespace={
             "__doc__": about,
             "__post_init__": _agree,
-            "signs": cached_property(_signs),
+            "signs": cached_property(branch_of),
             "motion": cached_property(lambda r: move(r.linkage, r.way.frames, r.signs, r.way.speed)),
             "fine_motion": cached_property(lambda r: move(r.linkage, r.way.fine, r.signs, r.way.speed)),
             "stack": cached_property(lambda recipe: stack_links(recipe.fine_motion, recipe.stock)),
@@ -90,11 +87,9 @@ def _fit(sizes: type) -> Callable[[Mapping[str, str]], dict[str, Any]]:
 
 
 def _agree(recipe: Any) -> None:
-    sliding = getattr(recipe.linkage, "driver", "") in ("slider", "shuttle") or (
-        isinstance(recipe.linkage, DyadList) and recipe.linkage.driver_slides
-    )
+    sliding = recipe.linkage.linkage.driven_slider is not None
     if sliding and recipe.stroke is None:
-        raise DesignError("stroke", "is missing where a sliding body drives", "give a table with start and end")
+        raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
     if not sliding and getattr(recipe, "stroke", None) is not None:
         raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
     # At most so many columns come of the bodies, the slides and the points that are no pins.
@@ -102,20 +97,6 @@ def _agree(recipe: Any) -> None:
     points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
     joints = len(linkage.pins)
     recipe.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
-
-
-def _signs(recipe: Any) -> Branch:
-    """The branch of all dyads, or of each where some have their own."""
-    own = getattr(recipe, "branches", {})
-    if not own:
-        return recipe.branch
-    if recipe.branch == "follow":
-        raise DesignError("branches", "are given, but branch is follow", "leave one of the two out")
-    joints = move(recipe.linkage, recipe.way.frames[:1]).branches
-    unknown = [joint for joint in own if joint not in joints]
-    if unknown:
-        raise DesignError("branches", f"found {unknown[0]}", f"give one of {', '.join(joints)}")
-    return {joint: own.get(joint, recipe.branch) for joint in joints}
 
 
 def _table(recipe: Any) -> Table:
@@ -126,16 +107,15 @@ def _checks(recipe: Any) -> list[Check]:
     """Whether the driver runs through, how well it drives, and whether the plates pass each other."""
     motion = recipe.motion
     reached = 100 * motion.closed.mean()
-    # An open linkage has no least angle: what it never reaches is nan, and fails.
-    angle = np.degrees(motion.transmission_angle)
-    least = angle.min() if motion.closed.all() else np.nan
+    driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, opening(motion)
+    advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
+    least = float(np.degrees(least_transmission_angle(motion)))
     # Where the driver drives nothing else there is no angle to judge.
-    untold = motion.closed.any() and np.isnan(angle).all()
-    driver = motion.linkage.driver
+    untold = motion.closed.any() and np.isnan(least)
     return [
         Check(
-            f"share of the {driver}'s turn reached", reached, "at least", 100, "%",
-            f"shorten the {driver} or give a shorter way",
+            f"share of the {driver}'s {'turn' if turns else 'stroke'} reached", reached, "at least", 100, "%",
+            f"{opens}; {advice}" if opens else advice,
         ),
         *([] if untold else [Check(
             "least transmission angle", least, "at least", 40, "deg",

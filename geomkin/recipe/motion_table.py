@@ -17,13 +17,14 @@ def motion_table(motion: Motion) -> Table:
     linkage, speed = motion.linkage, motion.timing.speed
     time = (motion.drive - motion.drive[0]) / speed
     ground, driver = linkage.ground, linkage.driver
-    driven = [s for s in linkage.sliders if {s.body, s.along} == {ground, driver}]
-    name = f"{driver}_place" if driven else f"{driver}_angle"
-    unit, meaning = (
-        ("mm", "place of the {} along its line") if driven else ("deg", "angle of the {} from the ground line")
-    )
+    if linkage.driven_slider:
+        drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
+    else:
+        drive = Column(
+            f"{driver}_angle", "deg", f"angle of the {driver} from the ground line", np.degrees(motion.drive)
+        )
     columns = [
-        Column(name, unit, meaning.format(driver), motion.drive if driven else np.degrees(motion.drive)),
+        drive,
         Column("time", "s", "time at the recipe's speed", time),
         *_bodies(motion),
         *_slides(motion),
@@ -68,7 +69,9 @@ def _outputs(motion: Motion) -> Iterator[Column]:
     for name in linkage.bodies:
         if name in held - {linkage.ground, linkage.driver}:
             words = f"torque or force that the {name} gives for 1 of the driver's"
-            yield Column(f"{name}_mechanical_advantage", "", words, _finite(mechanical_advantage(motion, name)))
+            torque = linkage.driven_slider and np.nan_to_num(motion.bodies[name].first).any()
+            advantage = _finite(mechanical_advantage(motion, name))
+            yield Column(f"{name}_mechanical_advantage", "mm" if torque else "", words, advantage)
 
 
 def _point(motion: Motion, point: str) -> Iterator[Column]:

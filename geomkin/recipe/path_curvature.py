@@ -25,6 +25,7 @@ from ..plane.vec import Array
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
+from .branches import Branches, branch_of, branches_entry
 from .kind import Kind
 from .settings import Files, Turn
 
@@ -137,8 +138,9 @@ class CentrodesRecipe:
     kind: Literal["centrodes"]
     linkage: FourBar
     branch: Annotated[Literal[1, -1, "follow"], NotBoolean()] = entry(
-        "1 or -1, or follow: from 1 on through change points", default=1
+        "1 or -1; follow: smoothly on from 1, or from what branches says, also through change points", default=1
     )
+    branches: Branches = branches_entry()
     reach: float = quantity(
         "farthest from the crank pin that the centrodes are drawn", "mm", default=200.0, above=0, at_most=10_000
     )
@@ -152,7 +154,7 @@ class CentrodesRecipe:
 
     @cached_property
     def centrodes(self) -> Centrodes:
-        return Centrodes(move(self.linkage, self.drive.frames, self.branch, self.drive.speed), "coupler")
+        return Centrodes(move(self.linkage, self.drive.frames, branch_of(self), self.drive.speed), "coupler")
 
     @cached_property
     def runs(self) -> list[tuple[float, float]]:
@@ -191,7 +193,7 @@ def _centrodes_parts(recipe: CentrodesRecipe) -> list[Part]:
     parts = []
     for name, moving, body in (("fixed-centrode", False, "ground"), ("moving-centrode", True, "coupler")):
         curves: list[AbstractCurve] = [
-            CentrodeCurve(linkage, "coupler", run, moving, recipe.branch, start) for run in recipe.runs
+            CentrodeCurve(linkage, "coupler", run, moving, branch_of(recipe), start) for run in recipe.runs
         ]
         pins = [p for p in linkage.bodies[body] if p in linkage.pins]
         frame = recipe.centrodes.motion.bodies["ground"]

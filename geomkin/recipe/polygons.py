@@ -13,6 +13,7 @@ from ..check import Check
 from ..errors import DesignError
 from ..linkage.centres import instant_centres
 from ..linkage.motion import Body, Motion
+from ..linkage.opening import opening
 from ..linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve import move
 from ..part import Part
@@ -20,6 +21,7 @@ from ..plane.primitives import Circle
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
+from .branches import Branches, branch_of, branches_entry
 from .dyad_list import WITH_SLIDER, DyadList
 from .kind import Kind
 from .settings import Files
@@ -47,9 +49,7 @@ class PolygonsRecipe:
     )
     size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
     branch: Annotated[Literal[1, -1], NotBoolean()] = entry("branch of every dyad that is not named below", default=1)
-    branches: dict[str, Annotated[Literal[1, -1], NotBoolean()]] = entry(
-        "branch of single joints", default_factory=dict
-    )
+    branches: Branches = branches_entry()
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
@@ -59,15 +59,11 @@ class PolygonsRecipe:
     @cached_property
     def motion(self) -> Motion:
         """The linkage at its position."""
-        place = self.position if self.linkage.driver_slides else np.radians(self.position)
-        joints = move(self.linkage, [place]).branches
-        unknown = [joint for joint in self.branches if joint not in joints]
-        if unknown:
-            raise DesignError("branches", f"found {unknown[0]}", f"give one of {', '.join(joints)}")
-        signs = {joint: self.branches.get(joint, self.branch) for joint in joints}
-        motion = move(self.linkage, [place], signs, self.speed, self.acceleration)
+        place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
+        motion = move(self.linkage, [place], branch_of(self), self.speed, self.acceleration)
         if not motion.closed[0]:
-            raise DesignError("position", f"found {self.position:g}, which is not reached", "give another")
+            problem = f"found {self.position:g}, which is not reached: {opening(motion)}"
+            raise DesignError("position", problem, "give another")
         return motion
 
     @cached_property

@@ -71,9 +71,8 @@ class Drive:
     """How a cam turns, and how finely its motion is told."""
 
     speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, at_least=0.001, at_most=1e6)
-    # Of smaller steps a turn has ten times as many rows: ten seconds, and 70 MB of text.
     step_deg: float = quantity(
-        "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.01, at_most=90
+        "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )
 
     def __post_init__(self) -> None:

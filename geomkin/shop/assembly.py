@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import DesignError
 from ..linkage.linkage import Linkage, Slider
 from ..linkage.motion import Motion
+from ..linkage.opening import never_closed
 from ..plane.vec import Array, cross, direction_deg
 from .guides import guide_places
 from .stock import LinkStock
@@ -79,6 +80,8 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
     frames. Raises DesignError where there is no frame, or no room for guide pins.
     """
+    if not motion.closed.any():
+        raise never_closed(motion)
     linkage = motion.linkage
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
     axes = _axes(linkage)
@@ -125,8 +128,9 @@ def _block(linkage: Linkage, slider: Slider) -> str | None:
 
 def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
     points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
-    # What is driven by its angle needs a plate to hold it by.
-    if body == linkage.ground or (body == linkage.driver and other != linkage.ground):
+    # What is driven by its angle, or as half of an actuator, needs a plate to hold it by.
+    driven = body == linkage.driver or slider is linkage.driven_slider
+    if body == linkage.ground or (driven and other != linkage.ground):
         return False
     joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
     if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:
@@ -170,8 +174,6 @@ def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
 
 def _travel(path: Sweep, direction: complex) -> tuple[complex, complex]:
     """Ends of a straight path along a direction."""
-    if not len(path.frames):
-        raise DesignError("drive", "the linkage closes at no frame", "drive it where it can be put together")
     ahead, behind = path.reach(direction), -path.reach(-direction)
     start = complex(path.points[path.frames[0], 0])
     level = 1j * float(cross(direction, start))

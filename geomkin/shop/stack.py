@@ -90,8 +90,6 @@ def stack_links(motion: Motion, stock: LinkStock) -> Stack:
     frame closes.
     """
     found = assemble(motion, stock)
-    if not motion.closed.any():
-        raise DesignError("drive", "the linkage closes at no frame", "drive it where it can be put together")
     contacts = Contacts(motion, stock, found)
     if len(contacts.moving) > LARGEST:
         raise DesignError(
@@ -167,8 +165,7 @@ def _collisions(contacts: Contacts, spans: list[PinSpan], layers: Mapping[str, i
 
 
 def _told(contacts: Contacts, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
-    linkage = contacts.motion.linkage
-    slides = any({s.body, s.along} == {linkage.driver, linkage.ground} for s in linkage.sliders)
+    slides = contacts.motion.linkage.driven_slider is not None
     for run in runs:
         first, last = run if slides else np.degrees(run)
         yield Collision(pin, other, float(first), float(last), "mm" if slides else "deg")

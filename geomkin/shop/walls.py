@@ -68,8 +68,10 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
     """
     z = flatten(curve, tolerance / 2)
     if not isinstance(curve, Ring):
-        # Outlines given point by point may have far more than their form asks for.
-        z = region.thinned(z, tolerance / 2)
+        # Outlines given point by point may have far more than their form asks for; a hole no larger than the tolerance
+        # would be thinned away.
+        fewer = region.thinned(z, tolerance / 2)
+        z = fewer if len(fewer) > 2 else z
     z = z[z != np.roll(z, 1)]
     z = z if cross(z - z[0], np.roll(z, -1) - z[0]).sum() * sense > 0 else z[::-1]
     following = np.roll(z, -1)

@@ -8,7 +8,6 @@ import pytest
 import geomkin as gk
 from geomkin.cam.program import Program
 from geomkin.cam.segments import LiftSpline
-from geomkin.recipe.settings import Drive
 
 
 def waves(count):
@@ -54,12 +53,6 @@ def test_as_many_segments_and_rows_as_advised_make_a_programme_and_more_are_refu
             assert error.value.field == "program[1]"
         else:
             assert Program(segments).motion(np.pi / 2).lift == pytest.approx(10)
-
-
-def test_steps_of_the_table_are_as_fine_as_advised_and_no_finer():
-    assert len(Drive(step_deg=0.01).angles) == 36_001
-    with pytest.raises(gk.DesignError, match="at least 0.01"):
-        Drive(step_deg=0.009)
 
 
 def test_radii_in_many_directions_and_lost_lift_at_many_angles_take_little_memory():

@@ -50,6 +50,7 @@ GOOD = {
     "Dwell": {"end_deg": 90},
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
+    "Follow": {"start": -1},
     "FollowerMotion": {name: DRIVE for name in ("lift", "velocity", "acceleration", "jerk")},
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
@@ -152,12 +153,14 @@ GOOD = {
     "undercut": {"cam": CAM},
     "undercut_free_shift": {"teeth": 12, "rack": gk.Rack()},
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
+    "least_transmission_angle": {"motion": MOTION},
+    "opening": {"motion": MOTION},
     "xy": {"z": np.array([1j, 2.0])},
 }  # fmt: skip
 # What only geomkin itself makes, and bases that are not called.
 MADE = {
     "AbstractCurve", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
-    "GeomkinError", "InflectionCircle", "Motion", "PointMotion", "Polygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "Polygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
     "None": None,

@@ -63,3 +63,26 @@ def slider_crank(crank, coupler, offset, angle, branch):
         [float(h), float(f)],
         [float(h2), float(f2)],
     )
+
+
+def actuator(still, bar, offset, place, branch):
+    """Directions of an actuator's slide and of its bar, and the derivatives of their angles by the rod's place.
+
+    The actuator stands at the origin and is place + i offset along its slide; the bar stands at `still` on +x.
+    """
+    s, b, n, x = map(Decimal, (still, bar, offset, place))
+    square = x * x + n * n
+    along = (s * s + square - b * b) / (2 * s)
+    pin = along, branch * (square - along * along).sqrt()
+    arm = pin[0] - s, pin[1]
+    slide = (pin[0] * x + pin[1] * n) / square, (pin[1] * x - pin[0] * n) / square
+    # slide (x + i n) = s + arm, differentiated once and twice.
+    columns = (-pin[1], pin[0]), (arm[1], -arm[0])
+    h, k = solve(*columns, (-slide[0], -slide[1]))
+    coriolis = -2 * h * slide[1], 2 * h * slide[0]
+    h2, k2 = solve(*columns, tuple(h * h * p - k * k * a - c for p, a, c in zip(pin, arm, coriolis)))
+    return (
+        [complex(*map(float, slide)), complex(float(arm[0] / b), float(arm[1] / b))],
+        [float(h), float(k)],
+        [float(h2), float(k2)],
+    )

@@ -41,6 +41,83 @@ def locked():
     return gk.Linkage(bodies, "out", estimate=estimate), np.linspace(start, start + 0.15, 20)
 
 
+def boom(order=("boom", "cylinder", "rod"), turned=False, **more):
+    """A boom lifted by a cylinder on the ground; nothing lies on the slide line. The stroke is the slider's."""
+    bodies = {
+        "boom": {"O": 0, "B": 120 + 10j, "tip": 300},
+        "cylinder": {"C": 0},
+        "rod": {"B": -5 + 0j},
+    }
+    slide = gk.Slider("lift", "rod", "cylinder", 3 + 2j, 10 + 7j, 20, 35)
+    if turned:  # the same joint as the other body has it
+        slide = gk.Slider("lift", "cylinder", "rod", 10 + 7j, 3 + 2j, 145, 160)
+    return gk.Linkage(
+        {"ground": {"O": 0, "C": 60 - 80j}, **{name: bodies[name] for name in order}}, "lift", (slide,), **more
+    )
+
+
+def pushed():
+    """A cylinder that pushes a crosshead, whose rod turns a crank."""
+    return gk.Linkage(
+        {
+            "ground": {"C": 10 + 60j, "O": 20 - 50j},
+            "cylinder": {"C": 4 + 0j},
+            "rod": {"A": -5 + 1j},
+            "head": {"A": 2 + 3j, "D": -1j},
+            "link": {"D": 0, "E": 80},
+            "crank": {"E": 40 + 2j, "O": 0},
+        },
+        "push",
+        (gk.Slider("rail", "head", "ground", 1j, 5 - 10j, 10, 15), gk.Slider("push", "rod", "cylinder", 0, 30 + 5j)),
+    )
+
+
+def lift_table():
+    """Two crossed arms under a table; the cylinder stands on the ground and pushes one of them."""
+    return gk.Linkage(
+        {
+            "ground": {"O": 0, "C": 40 - 60j},
+            "arm": {"O": 0, "M": 100, "B": 130 + 5j, "S": 200},
+            "cross": {"F": 0, "M": 100, "P": 200},
+            "table": {"P": 0, "top": 200 + 10j},
+            "foot": {"F": 0},
+            "shoe": {"S": 0},
+            "cylinder": {"C": 0},
+            "rod": {"B": 0},
+        },
+        "lift",
+        (
+            gk.Slider("floor", "foot", "ground"),
+            gk.Slider("ceiling", "shoe", "table"),
+            gk.Slider("lift", "rod", "cylinder"),
+        ),
+    )
+
+
+def between():
+    """A four-bar whose crank and rocker are pushed apart by a cylinder between them: no dyad to begin with."""
+    bodies = {
+        "ground": {"O": 0, "D": 100},
+        "crank": {"O": 0, "A": 40, "K": 25 - 10j},
+        "coupler": {"A": 0, "B": 90, "pen": 40 + 25j},
+        "rocker": {"D": 0, "B": 70, "L": 50 + 8j},
+    }
+    by_crank = gk.Linkage(bodies, "crank")
+    angle = np.linspace(1.6, 0.9, 30)
+    motion = gk.move(by_crank, angle)
+    # The cylinder's offset is 3 mm: its square is taken off that of the pins' distance.
+    apart = np.abs(motion.point("K").position - motion.point("L").position)
+    stroke = np.sqrt(apart**2 - 3**2) - 20
+    estimate = {pin: motion.point(pin).position[0] + 1 for pin in "ABKL"}
+    linkage = gk.Linkage(
+        {**bodies, "cylinder": {"K": 0}, "rod": {"L": 0}},
+        "push",
+        (gk.Slider("push", "rod", "cylinder", 0, 20 + 3j),),
+        estimate=estimate,
+    )
+    return linkage, stroke, by_crank, angle
+
+
 # name: (linkage, drives, branch)
 ALL = {
     "four-bar": (FOUR_BAR, TURN, 1),
@@ -64,4 +141,15 @@ ALL = {
     "oldham": (gk.OldhamCoupling(6), TURN, 1),
     "walking leg": (walking_leg(), TURN, {"B": -1, "G": -1}),
     "loops": (*locked(), 1),
+    "boom": (boom(), np.linspace(40, 150, 30), -1),
+    "boom after its cylinder": (
+        boom(("rod", "cylinder", "boom"), origin=5 - 3j, ground_angle_deg=37),
+        np.linspace(40, 150, 30),
+        1,
+    ),
+    "boom, the cylinder slides": (boom(turned=True), np.linspace(40, 150, 30), -1),
+    "boom, pulled through": (boom(), np.linspace(-200, -60, 30), 1),
+    "pushed crosshead": (pushed(), np.linspace(50, 95, 30), 1),
+    "lift table": (lift_table(), np.linspace(100, 180, 30), 1),
+    "actuator between moving bars": (*between()[:2], 1),
 }

@@ -183,6 +183,27 @@ def test_collisions_of_a_sliding_driver_are_told_in_millimetres():
     assert over.first < (250**2 - 80**2) ** 0.5 < over.last
 
 
+def test_collisions_of_an_actuator_are_told_in_millimetres():
+    pushed = dataclasses.replace(
+        CROWDED,
+        bodies={
+            **CROWDED.bodies,
+            "ground": {**CROWDED.bodies["ground"], "base": 200 + 0j},
+            "cylinder": {"base": 0j},
+            "piston": {"crank_pin": 0j},
+        },
+        sliders=(*CROWDED.sliders, gk.Slider("push", "piston", "cylinder")),
+        driver="push",
+    )
+    motion = gk.move(pushed, np.linspace(125, 275, 301), {"crank_pin": -1, "slide": -1})
+    assert motion.closed.all()
+    collisions = {(c.pin, c.plate): c for c in stack_links(motion, STOCK).collisions}
+    assert {c.unit for c in collisions.values()} == {"mm"}
+    # The crank lies right over the lever's pivot when it points down: by Pythagoras.
+    over = collisions["lever_pivot", "crank"]
+    assert over.first < (200**2 + 80**2) ** 0.5 < over.last
+
+
 @pytest.mark.parametrize("step_deg", [1.0, 5.0, 15.0])
 def test_nothing_slips_through_between_frames(step_deg):
     """Thin bars that pass a pin between two frames: at no frame itself is the crank near the pivot."""

@@ -1,0 +1,230 @@
+"""Branches followed by the motion itself: past near misses, through change points, from any start, at any step."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.linkage.examples import FOUR_BAR, TURN, locked
+from tests.linkage.near_misses import by_brute_force, near_misses
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_near_miss_is_passed_as_steps_far_smaller_than_it_pass_it(seed, side):
+    """Six-bars whose output dyad comes within 1e-2 to 1e-11 of being in line, and never is."""
+    for six_bar, middle, gap in near_misses(15, seed):
+        drive, track = by_brute_force(six_bar, middle, gap, side)
+        away = np.flatnonzero(np.abs(drive - middle) > 0.02)[:: 97 + seed]
+        motion = gk.move(six_bar, drive[away], gk.Follow({"output_pin": side}))
+        assert motion.closed.all() and set(motion.branches["output_pin"]) == {side}
+        size = six_bar.link + six_bar.output
+        assert np.abs(motion.point("output_pin").position - track[away]).max() < 1e-6 * size
+
+
+@pytest.mark.parametrize("frames", [2, 7, 91, 2000])
+def test_a_near_miss_is_passed_alike_at_any_step(frames):
+    for six_bar, middle, _ in near_misses(8, 99):
+        drive = np.linspace(middle - 1.3, middle + 1.4, frames)
+        fixed, followed = (gk.move(six_bar, drive, branch) for branch in (1, "follow"))
+        assert np.array_equal(fixed.bodies["output"].direction, followed.bodies["output"].direction)
+
+
+@pytest.mark.parametrize("offset", [1e-2, 1e-5, 1e-9])
+@pytest.mark.parametrize("rod", [50, 50 - 1e-7])
+def test_a_driving_slider_that_hardly_misses_the_crank_s_pivot_keeps_its_side(offset, rod):
+    """The crank whips round by half a turn, as it does in steps a thousandth of the miss."""
+    drive = np.linspace(80, -80, 33)
+    linkage = gk.SliderCrank(50, rod, offset=offset, driver="slider")
+    motion = gk.move(linkage, drive, "follow")
+    closed = motion.closed
+    assert closed.sum() >= 32 and set(motion.branches["crank_pin"][closed]) == {motion.branches["crank_pin"][0]}
+    assert np.abs(motion.crank.direction[-1] - motion.crank.direction[0]) > 0.5
+
+
+def chain(count):
+    """Parallelograms, each driven by the rocker of the one before it, with the places of their pins at drive 0.4."""
+    arm, crank = 15 + 5j, np.exp(0.4j)
+    ground = {"O": 0, "C": 30}
+    bodies = {"crank": {"O": 0, "A": 20}, "coupler": {"A": 0, "B": 30}, "rocker": {"C": 0, "B": 20}}
+    pins, before = {"B": 30 + 20 * crank}, "rocker"
+    for k in range(count):
+        ground[f"E{k}"] = 60 + 30 * k
+        bodies[before][f"R{k}"] = arm
+        bodies |= {f"rod{k}": {f"R{k}": 0, f"Q{k}": 30}, f"out{k}": {f"E{k}": 0, f"Q{k}": arm}}
+        pins[f"Q{k}"] = 60 + 30 * k + arm * crank
+        before = f"out{k}"
+    return gk.Linkage({"ground": ground, **bodies}, "crank"), pins
+
+
+@pytest.mark.parametrize("frames", [5, 38, 361])
+@pytest.mark.parametrize("turn", [2 * np.pi, -4 * np.pi])
+def test_a_chain_of_parallelograms_stays_one_from_given_pins(frames, turn):
+    linkage, pins = chain(3)
+    drive = np.linspace(0.4, 0.4 + turn, frames)
+    motion = gk.move(linkage, drive, gk.Follow({name: place + 3 - 2j for name, place in pins.items()}))
+    assert motion.closed.all()
+    for k in range(3):
+        assert np.abs(motion.bodies[f"rod{k}"].direction - 1).max() < 1e-11
+
+
+def test_a_change_point_is_reached_and_left_at_the_frame_itself():
+    """At the very change point rounding must not open the linkage, nor choose a branch there."""
+    for turned in np.linspace(0, 6, 25):
+        linkage, pins = chain(1)
+        placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=float(np.degrees(turned)))
+        start = {name: place * np.exp(1j * turned) for name, place in pins.items()}
+        # The second parallelogram is in line where its crank points along its ground line.
+        line = np.angle(15 + 5j)
+        drive = np.array([0.4, np.pi - line, np.pi - line + 1e-9, 4.0, 2 * np.pi - line, 7.0])
+        motion = gk.move(placed, drive, gk.Follow(start))
+        assert motion.closed.all()
+        ahead = np.exp(1j * turned)
+        assert np.abs(motion.bodies["rod0"].direction - ahead).max() < 1e-7
+
+
+def test_limits_of_a_followed_branch_are_followed_from_the_start_of_the_span():
+    """Just before a change point, behind which +1 is what the parallelogram turns inside out to."""
+    linkage, pins = chain(1)
+    ground = {**linkage.bodies["ground"], "F": 60 + 20j}
+    bodies = {**linkage.bodies, "ground": ground, "rod": {"Q0": 0, "S": 12}, "last": {"F": 0, "S": 26}}
+    wide = gk.Linkage(bodies, "crank")
+    start = 2 * np.pi - np.angle(15 + 5j) - 1e-3
+    signs = {joint: int(row[-1]) for joint, row in gk.move(wide, [0.4, start], gk.Follow(pins)).branches.items()}
+    branch = gk.Follow(signs | {"S": 1})
+    parts = gk.driver_limits(wide, branch, (start, start + 2 * np.pi))
+    looks = np.linspace(start, start + 2 * np.pi, 2001)
+    closed = gk.move(wide, looks, branch).closed
+    inside = np.any([(low <= looks) & (looks <= high) for low, high in parts], axis=0)
+    assert 0 < closed.mean() < 1 and np.mean(inside != closed) < 2e-3
+
+
+def test_frames_as_near_to_a_change_point_as_rounding_are_closed():
+    linkage, pins = chain(2)
+    at = np.pi - np.angle(15 + 5j)
+    motion = gk.move(linkage, np.append(0.4, at + np.linspace(-1e-7, 1e-7, 401)), gk.Follow(pins))
+    assert motion.closed.all()
+    assert np.abs(motion.bodies["rod1"].direction - 1).max() < 1e-6
+
+
+def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
+    linkage, _ = chain(1)
+    start = np.pi - np.angle(15 + 5j)
+    for turn in (1.0, -1.0):
+        signs = [
+            gk.move(linkage, start + turn * t, "follow").branches["Q0"] for t in (np.linspace(0, 1, 4), np.arange(2))
+        ]
+        assert set(signs[0][1:]) == {1} and signs[1][1] == 1
+
+
+def test_branches_that_touch_at_a_dead_centre_do_not_cross():
+    """The second dyad is in line just where the rocker that drives it turns back: the pin turns back too."""
+    centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
+    back = gk.move(FOUR_BAR, [centre]).rocker.direction[0]
+    watt = gk.WattSixBar(FOUR_BAR, 50, 80, 100 + 50 - 20 + 0.0, 100 - 160 * back)
+    drive = centre + np.linspace(-0.5, 0.5, 40)
+    motion = gk.move(watt, drive, "follow")
+    assert motion.closed.all() and set(motion.branches["output_pin"]) <= {1, 0}
+    assert motion.bodies["output"].first[19] == pytest.approx(-motion.bodies["output"].first[20], rel=0.3)
+
+
+def test_many_linkages_are_followed_as_each_is_alone():
+    linkage, pins = chain(2)
+    lengths = np.array([30, 30 + 1e-9, 30.1, 29.5, 30 - 1e-6])
+    drive = np.linspace(0.4, 0.4 + 4 * np.pi, 60)
+
+    def moved(length):
+        return gk.move(gk.Linkage({**linkage.bodies, "rod1": {"R1": 0, "Q1": length}}, "crank"), drive, gk.Follow(pins))
+
+    many = moved(lengths)
+    for k, length in enumerate(lengths):
+        one = moved(length)
+        assert np.array_equal(many.branches["Q1"][:, k], one.branches["Q1"])
+        assert np.array_equal(many.bodies["out1"].direction[:, k], one.bodies["out1"].direction, equal_nan=True)
+
+
+@pytest.mark.parametrize("name", ["output_pin", "coupler_point"])
+def test_the_branch_nearest_to_given_places_is_the_one_they_were_taken_from(name):
+    six_bar = gk.StephensonSixBar(
+        gk.FourBar(100, 30, 90, 70, 40 + 25j, origin=7 - 3j, ground_angle_deg=37), 150, 120, 160j
+    )
+    rng = np.random.default_rng(3)
+    for signs in ({"rocker_pin": a, "output_pin": b} for a in (1, -1) for b in (1, -1)):
+        there = gk.move(six_bar, TURN, signs)
+        places = {p: there.point(p).position[0] + complex(*rng.uniform(-3, 3, 2)) for p in {name, "output_pin"}}
+        near = gk.move(six_bar, TURN, {"rocker_pin": signs["rocker_pin"], **places})
+        assert np.array_equal(near.bodies["output"].direction, there.bodies["output"].direction, equal_nan=True)
+        alone = gk.move(six_bar, TURN[:1], {"coupler_point": there.point("coupler_point").position[0]})
+        assert alone.branches["rocker_pin"] == signs["rocker_pin"]
+
+
+def test_places_tell_at_the_first_frame_that_closes_and_start_loops():
+    triple_rocker, drive = gk.FourBar(4, 3, 2, 2.5), np.linspace(2.0, -1.0, 20)
+    for sign in (1, -1):
+        there = gk.move(triple_rocker, drive, sign)
+        place = there.point("rocker_pin").position[there.closed][0]
+        assert np.array_equal(
+            gk.move(triple_rocker, drive, {"rocker_pin": place}).branches["rocker_pin"], there.branches["rocker_pin"]
+        )
+    linkage, drive = locked()
+    bare = gk.Linkage(linkage.bodies, linkage.driver)
+    with pytest.raises(gk.DesignError, match="estimate"):
+        gk.move(bare, drive)
+    told = gk.move(bare, drive, dict(linkage.estimate))
+    assert np.array_equal(told.point("P").position, gk.move(linkage, drive).point("P").position)
+
+
+def test_a_slide_s_branch_is_told_by_any_point_of_its_bodies():
+    lever = gk.InvertedSliderCrank(80, 30, 7, point=130)
+    for sign in (1, -1):
+        there = gk.move(lever, TURN, sign)
+        name = next(p for p in there.linkage.bodies["rocker"] if p not in there.linkage.pins)
+        near = gk.move(lever, TURN, {name: there.point(name).position[0]})
+        assert np.array_equal(near.bodies["rocker"].direction, there.bodies["rocker"].direction)
+
+
+def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start():
+    six_bar = gk.StephensonSixBar(gk.FourBar(100, 30, 90, 70, 40 + 25j), 150, 120, 160j)
+    signs = {"rocker_pin": -1, "output_pin": -1}
+    near = {p: gk.move(six_bar, [0.0], signs).point(p).position[0] for p in signs}
+    assert gk.driver_limits(six_bar, near) == gk.driver_limits(six_bar, signs)
+    assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
+    # Hardly nearer to the one branch at the start, and often to the other later.
+    pins = [gk.move(six_bar, [0.0], signs | {"output_pin": s}).point("output_pin").position[0] for s in (1, -1)]
+    near["output_pin"] = 0.49 * pins[0] + 0.51 * pins[1]
+    assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
+    t = np.array([3.0, 1.0, 2.0])
+    curves = [gk.CouplerCurve(six_bar, "output_pin", branch, (0.0, 6.0)).point(t) for branch in (near, signs)]
+    assert np.array_equal(*curves)
+    drawn = [gk.dashes(six_bar, [10j], np.radians([0, 20, 40, 60]), 0.1, branch, "output") for branch in (near, signs)]
+    assert all(np.array_equal(a, b) for a, b in zip(drawn[0][0], drawn[1][0], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("branch", "word"),
+    [
+        ({"output_pin": 2}, "2"), ({"output_pin": 40.0}, "40.0"),
+        ({"output_pin": complex(np.nan, 0)}, "nan"), ({"elsewhere": 1j}, "elsewhere"), ({"coupler_point": 1}, "coupler_point"),
+        ("follow me", "follow me"), (True, "True"), (None, "None"), ({"output_pin": True}, "True"), ((1, -1), r"\(1, -1\)"),
+    ],
+)  # fmt: skip
+def test_what_is_no_branch_is_refused(branch, word):
+    with pytest.raises(gk.DesignError, match=word) as caught:
+        gk.move(gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, branch)
+    assert caught.value.field == "branch"
+
+
+@pytest.mark.parametrize("start", [0, True, None, "follow", {"output_pin": 2}, {"output_pin": complex(np.nan, 0)}])
+def test_what_is_no_start_is_refused(start):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.Follow(start)
+    assert caught.value.field == "start"
+
+
+def test_turns_without_end_are_refused_with_the_number_that_works():
+    six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
+    with pytest.raises(gk.DesignError, match="give at most") as caught:
+        gk.move(six_bar, [0, 1e9], "follow").closed  # noqa: B018
+    most = int(caught.value.remedy.split()[-2])
+    assert gk.move(six_bar, [0, np.radians(most)], "follow").closed.all()
+    with pytest.raises(gk.DesignError, match="give at most"):
+        gk.move(six_bar, [0, np.radians(most + 2)], "follow").closed  # noqa: B018

@@ -1,0 +1,127 @@
+"""What opens a linkage first, by how much, and what closes it: each advice is taken, and a little less is not enough."""
+
+import re
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.linkage.opening import never_closed
+from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
+
+TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
+
+
+def test_a_closed_motion_has_no_opening():
+    assert gk.opening(gk.move(FOUR_BAR, TURN)) is None
+
+
+@pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
+def test_the_opening_is_the_first_open_frame_with_what_its_circles_lack(scale):
+    drive = np.linspace(0, np.pi, 37)
+    motion = gk.move(gk.FourBar(*(scale * np.array([4, 3, 2, 2.5]))), drive)
+    found = gk.opening(motion)
+    apart = abs(4 - 3 * np.exp(1j * drive))
+    assert found.frame == np.flatnonzero(apart > 4.5)[0] and found.drive == drive[found.frame]
+    assert found.joint == "rocker_pin" and found.lacking == pytest.approx(scale * (apart[found.frame] - 4.5), rel=1e-9)
+    assert found.branch is None
+    assert f"at crank {np.degrees(found.drive):.6g} deg" in str(found) and "too short" in str(found)
+
+
+OPEN = {
+    "stretched": (lambda d: gk.FourBar(4, 3, 2 + d, 2.5), [2.0], 1),
+    "folded": (lambda d: gk.FourBar(1.5, 1, 3.9 - d, 1.6), [0.0], 1),
+    "slider-crank": (lambda d: gk.SliderCrank(30, 20 + d), [1.5], 1),
+    "slider-crank from below": (lambda d: gk.SliderCrank(30, 20 + d), [-1.5], -1),
+    "slotted lever": (lambda d: gk.InvertedSliderCrank(40, 30, 25 - d), [0.0], 1),
+    "output": (lambda d: gk.StephensonSixBar(FOUR_BAR, 20 + d, 20, 60 + 120j), [1.0], -1),
+    "driven by a slider": (lambda d: gk.SliderCrank(30, 90 + d, driver="slider"), [200.0], 1),
+}
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
+    build, drive, branch = OPEN[name]
+    found = gk.opening(gk.move(build(0.0), drive, branch))
+    advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
+    assert gk.move(build(advised), drive, branch).closed.all()
+    assert not gk.move(build(0.998 * advised), drive, branch).closed.any()
+    assert found.lacking <= advised <= 1.001 * found.lacking
+
+
+@pytest.mark.parametrize(("build", "stroke"), [(boom, 1.0), (boom, 500.0), (pushed, 1.0)])
+def test_the_stroke_advised_closes_what_an_actuator_drives_and_a_little_less_does_not(build, stroke):
+    found = gk.opening(gk.move(build(), [stroke]))
+    advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
+    way = -1 if "shorter" in found.remedy else 1
+    # What is told is a length of the actuator, which its stroke changes by less where it is bent.
+    closed = [gk.move(build(), [stroke + way * share * advised]).closed[0] for share in (0.9, 1.0, 1.1)]
+    assert not closed[0] and closed[2] and "actuator is" in str(found)
+
+
+def test_where_nothing_closes_the_drives_that_do_are_told_and_do():
+    for linkage, drive in (
+        (TRIPLE_ROCKER, np.linspace(2, 4, 9)),
+        (gk.SliderCrank(30, 90, driver="slider"), [200.0, 230.0]),
+    ):
+        refusal = never_closed(gk.move(linkage, drive))
+        assert refusal.field == "drive" and refusal.remedy.startswith("drive the ")
+        turns = refusal.remedy.split()[-4] != "mm," and "deg" in refusal.remedy
+        for low, high in re.findall(r"(-?[\d.]+) and (-?[\d.]+) (?:deg|mm)", refusal.remedy):
+            ends = np.array([float(low), float(high)])
+            inside = np.linspace(*ends, 50)
+            beyond = ends + np.array([-0.02, 0.02]) * np.ptp(ends)
+            assert gk.move(linkage, np.radians(inside) if turns else inside).closed.all()
+            assert not gk.move(linkage, np.radians(beyond) if turns else beyond).closed.any()
+
+
+def test_the_branch_that_closes_it_is_told_and_does():
+    """The coupler point is within the output's reach on the one branch of the four-bar only."""
+    drive = np.radians(np.arange(20, 60))
+    point = gk.move(FOUR_BAR, drive).point("coupler_point").position
+    six_bar = gk.StephensonSixBar(FOUR_BAR, 20, 25, complex(point.mean()) + 30)
+    assert gk.move(six_bar, drive).closed.all()
+    motion = gk.move(six_bar, drive, {"rocker_pin": -1})
+    assert not motion.closed.any()
+    found = gk.opening(motion)
+    assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
+    assert "it closes there with rocker_pin = 1" in str(found)
+    assert gk.move(six_bar, drive, found.branch).closed.all()
+    refusal = never_closed(motion)
+    assert "output_pin opens first" in refusal.problem and refusal.remedy == "take that branch"
+
+
+def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
+    tangent = gk.Linkage(
+        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
+        "crank",
+        sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
+    )
+    found = gk.opening(gk.move(tangent, [1.0, 0.5, 0.0]))
+    assert found.frame == 2 and found.joint == "block" and np.isnan(found.lacking) and "parallel" in found.remedy
+    linkage, drive = locked()
+    motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 200))
+    found = gk.opening(motion)
+    assert np.isnan(found.lacking) and "crank" in found.joint and found.branch is None
+    assert found.frame == np.argmin(motion.closed) > 0
+
+
+def test_openings_of_many_linkages_are_refused():
+    many = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 10.0])), TURN)
+    with pytest.raises(gk.DesignError, match="one at a time"):
+        gk.opening(many)
+
+
+def test_the_least_transmission_angle_is_that_of_the_frames_reached():
+    drive = np.linspace(0.5, 3.0, 60)
+    motion = gk.move(TRIPLE_ROCKER, drive)
+    # Cosine rule at the rocker pin, against the diagonal from the crank pin to the rocker's pivot.
+    square = np.abs(4 - 3 * np.exp(1j * drive)) ** 2
+    inside = square < 4.5**2
+    at_pin = np.arccos((2**2 + 2.5**2 - square[inside]) / (2 * 2 * 2.5))
+    least = np.minimum(at_pin, np.pi - at_pin).min()
+    assert 0 < inside.sum() < 60 and gk.least_transmission_angle(motion) == pytest.approx(least, rel=1e-9)
+    assert np.isnan(gk.least_transmission_angle(gk.move(TRIPLE_ROCKER, [2.5, 3.0])))
+    many = gk.move(gk.FourBar(4, 3, 2, np.array([2.5, 0.1, 2.6])), drive)
+    assert gk.least_transmission_angle(many).shape == (3,)
+    assert gk.least_transmission_angle(many)[0] == gk.least_transmission_angle(motion)

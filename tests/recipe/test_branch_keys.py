@@ -1,0 +1,123 @@
+"""The branch in a recipe: by sign, near a place, followed from either; alike in every kind that has one."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.load import parse
+from geomkin.recipe.schema import schema
+from geomkin.recipe.template import template
+
+FOUR_BAR = "[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n"
+BODIES = """[linkage]
+driver = "crank"
+[linkage.bodies]
+ground = { O = [0, 0], C = [100, 0] }
+crank = { O = [0, 0], A = [30, 0] }
+coupler = { A = [0, 0], B = [90, 0] }
+rocker = { C = [0, 0], B = [70, 0] }
+"""
+# Where the pin is at 0 deg by two circles: right of the line to the pivot, below.
+BELOW = -np.sqrt(90**2 - ((70**2 + 90**2 - 70**2) / 140) ** 2)
+RIGHT = {"four-bar": (FOUR_BAR, "rocker_pin"), "linkage": (BODIES, "B"), "centrodes": (FOUR_BAR, "rocker_pin")}
+
+
+def told(kind, top, branches):
+    sizes, joint = RIGHT[kind]
+    return parse(f'kind = "{kind}"\n{top}\n[branches]\n{branches.format(joint)}\n{sizes}')
+
+
+@pytest.mark.parametrize("kind", RIGHT)
+@pytest.mark.parametrize(
+    ("top", "branches", "sign"),
+    [
+        ("", "", 1), ("branch = -1", "", -1), ("", "{} = -1", -1), ("branch = -1", "{} = 1", 1),
+        ("", "{} = [90, -60]", -1), ("branch = -1", "{} = [90, 60]", 1), ('branch = "follow"', "{} = -1", -1),
+        ('branch = "follow"', "{} = [90.5, -60]", -1), ('branch = "follow"', "", 1),
+    ],
+)  # fmt: skip
+def test_a_recipe_says_the_branch_by_sign_or_place(kind, top, branches, sign):
+    recipe = told(kind, top, branches)
+    motion = recipe.centrodes.motion if kind == "centrodes" else recipe.motion
+    pin = motion.point(RIGHT[kind][1]).position[0]
+    assert np.sign(pin.imag) == sign and pin.imag == pytest.approx(-sign * BELOW, rel=1e-12)
+
+
+def test_polygons_take_the_same_table():
+    for top, branches, sign in (("", "B = [60, -70]", -1), ("branch = -1", "", -1), ("branch = -1", "B = 1", 1)):
+        recipe = parse(f'kind = "polygons"\nposition = 0\n{top}\n[branches]\n{branches}\n{BODIES}')
+        assert np.sign(recipe.motion.point("B").position[0].imag) == sign
+
+
+def test_a_parallelogram_can_be_followed_crossed():
+    sizes = FOUR_BAR.replace("90", "100").replace("70", "30")
+    drive = "[drive]\nstart_deg = 30\nend_deg = 390\n"
+    recipe = parse(f'kind = "four-bar"\nbranch = "follow"\n[branches]\nrocker_pin = -1\n{sizes}{drive}')
+    turned = np.unwrap(np.angle(recipe.motion.rocker.direction))
+    assert recipe.motion.closed.all() and np.all(np.diff(turned) < 0)
+
+
+@pytest.mark.parametrize(
+    ("branches", "key", "found"),
+    [
+        ("{} = 2", "branches.B", "found 2"), ("{} = true", "branches.B", "found True"),
+        ("{} = [1, 2, 3]", "branches.B", "found [1, 2, 3]"), ('{} = "left"', "branches.B", "found 'left'"),
+        ("{} = [nan, 0]", "branches.B", "nan"), ("{} = [1e300, 0]", "branches.B", "1e+300"),
+    ],
+)  # fmt: skip
+def test_what_is_no_branch_is_refused_by_its_key(branches, key, found):
+    with pytest.raises(gk.RecipeError) as caught:
+        told("linkage", "", branches)
+    (problem,) = caught.value.problems
+    assert problem.key == key and found in problem.problem and "[x, y]" in problem.remedy
+
+
+@pytest.mark.parametrize(
+    ("branches", "known"), [("elsewhere = 1", "signs of B"), ("elsewhere = [1, 2]", "places of O, A, B, C")]
+)
+def test_what_the_linkage_has_not_is_refused_with_what_it_has(branches, known):
+    recipe = told("linkage", "", branches)
+    with pytest.raises(gk.DesignError, match=known) as caught:
+        recipe.motion  # noqa: B018
+    assert caught.value.field == "branches"
+
+
+def test_template_and_schema_tell_of_it():
+    for kind in ("four-bar", "shaper", "linkage", "polygons", "centrodes"):
+        assert "# branches = {}" in template(kind)
+        parse(template(kind))
+    table = schema()["$defs"]["FourBarRecipe"]["properties"]["branches"]["additionalProperties"]
+    sign, place = table["anyOf"]
+    assert sign["enum"] == [1, -1] and place["type"] == "array" and place["maxItems"] == 2
+
+
+def test_a_drive_that_closes_nowhere_is_refused_with_what_opens_and_where_it_closes(tmp_path):
+    file = tmp_path / "open.toml"
+    text = 'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n'
+    text += "[stock]\nbar_width = 4\npin_diameter = 2\n"
+    file.write_text(text + "[drive]\nstart_deg = 90\nend_deg = 200\n")
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.make(file, tmp_path / "out")
+    (problem,) = caught.value.problems
+    assert (
+        problem.key == "drive"
+        and "rocker_pin opens first, at crank 90 deg: its two links together are 5 mm" in problem.problem
+    )
+    low, high = (float(word) for word in problem.remedy.split() if word.lstrip("-").replace(".", "").isdigit())
+    file.write_text(text + f"[drive]\nstart_deg = {low}\nend_deg = {high}\n")
+    checks = {check.name: check for check in gk.make(file, tmp_path / "out").checks}
+    assert checks["share of the crank's turn reached"].passed
+
+
+def test_an_open_part_of_the_way_is_told_and_the_rest_is_judged():
+    recipe = parse(
+        'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n[drive]\nend_deg = 180\n'
+    )
+    from geomkin.recipe.kinds import kind
+
+    checks = {check.name: check for check in kind("four-bar").checks(recipe)}
+    reached, least = checks["share of the crank's turn reached"], checks["least transmission angle"]
+    assert not reached.passed and "rocker_pin opens first, at crank 79 deg" in str(reached)
+    # At 78 deg, the last frame reached: cosine rule at the rocker pin.
+    diagonal = abs(40 - 30 * np.exp(1j * np.radians(78))) ** 2
+    assert least.value == pytest.approx(180 - np.degrees(np.arccos((20**2 + 25**2 - diagonal) / 1000)), rel=1e-9)
