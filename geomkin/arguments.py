@@ -110,6 +110,19 @@ def sort_of(hint: Any) -> Sort | None:
     return None
 
 
+def between(least: float, most: float, unit: str = "") -> Sort:
+    """Of one number from `least` to `most`."""
+    allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
+    return Sort(lambda value: is_real(value) and bool(least <= value <= most), allowed)
+
+
+def whole_between(least: int, most: int) -> Sort:
+    """Of one whole number from `least` to `most`."""
+    return Sort(
+        lambda value: is_whole(value) and bool(least <= value <= most), f"a whole number from {least} to {most}"
+    )
+
+
 def _either(sorts: list[Sort]) -> Sort:
     told = [sort.allowed for sort in sorts if sort is not NOTHING]
     return Sort(lambda value: any(sort.fits(value) for sort in sorts), _listed(told))
@@ -216,8 +229,9 @@ def is_place(value: Any, gaps: bool = False) -> bool:
 
 REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
 NOTHING = Sort(lambda value: value is None, "nothing")
+NUMBER = Sort(is_real, "a finite number")
 PLAIN = {
-    float: Sort(is_real, "a finite number"),
+    float: NUMBER,
     int: Sort(is_whole, "a whole number"),
     complex: Sort(is_complex, "a finite complex number, x + yj"),
     bool: Sort(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
@@ -226,6 +240,10 @@ PLAIN = {
     np.ndarray: Sort(lambda value: _whole(value) is not None, "a number or an array of numbers"),
 }
 Reals = Annotated[ArrayLike, Sort(are_reals, "finite real numbers, one or an array")]
+# The same with nan allowed, where one is not known.
+RealsOrNan = Annotated[
+    ArrayLike, Sort(lambda value: _bounded(numbers(value, "iuf"), True), "real numbers, one or an array")
+]
 # The same with infinity allowed, as where a point of a ray may be at infinity.
 Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
 Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]

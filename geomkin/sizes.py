@@ -10,11 +10,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import MISSING
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from .arguments import Sort, check_fields, is_place, numbers
+from .arguments import Sort, between, check_fields, is_place, numbers
 from .errors import DesignError, shown
 
 
@@ -132,6 +132,9 @@ def _is_tiny(value: Any, about: Any) -> bool:
 WIDEST = 1e5
 # A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
 FARTHEST = 1e9
+# A length that may be 0, and one that may not, mm.
+Length = Annotated[float, between(0, FARTHEST, "mm")]
+Size = Annotated[float, between(SMALLEST, FARTHEST, "mm")]
 
 
 class PointXY(Sort):

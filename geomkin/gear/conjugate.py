@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import checked
-from ..errors import DesignError, shown
+from ..arguments import RealsOrNan, checked, whole_between
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Reversed
 from ..plane.joined import Path, Ring
 from ..plane.pose import Pose
 from ..plane.primitives import Arc
-from ..sizes import FARTHEST
+from ..sizes import Size
 from .conjugate_curve import Contact
 from .envelope import GRID, Step, sweep
-from .given import LEAST, instance, number, numbers, whole_number
 from .untouched import Untouched, touched, untouched
+
+Teeth = Annotated[int, whole_between(2, 10_000)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +57,10 @@ class Conjugate:
         space = float(np.angle(b / a) if self.is_ring else np.angle(a / b))
         return self.tip_radius * (2 * np.pi / self.teeth - space % (2 * np.pi))
 
-    def contact(self, t: ArrayLike) -> Contact:
+    @checked
+    def contact(self, t: RealsOrNan) -> Contact:
         """Where and when the tooth's points at parameters t (...,) touch; nan where never. Corners are left out."""
-        t = numbers("t", t)
+        t = np.asarray(t, dtype=float)
         empty = (np.nan, *3 * (complex(np.nan, np.nan),), np.nan, np.nan)
         values = [np.full(t.shape, nothing) for nothing in empty]
         for curve, low, high in touched(self.steps):
@@ -67,10 +69,9 @@ class Conjugate:
                 value[mask] = found
         return Contact(*values)
 
+    @checked
     def contact_ratio(self, start: float, end: float) -> float:
         """Turn of the gear during which the tooth touches between two of its parameters, in pitches."""
-        number("start", start)
-        number("end", end)
         angles = [
             curve.contact(curve.parameter_of(np.clip([low, high], start, end))).angle
             for curve, low, high in touched(self.steps)
@@ -82,10 +83,10 @@ class Conjugate:
 @checked
 def conjugate(
     tooth: AbstractCurve,
-    teeth: int,
-    pitch_radius: float,
-    mate_teeth: int,
-    addendum: float,
+    teeth: Teeth,
+    pitch_radius: Size,
+    mate_teeth: Teeth,
+    addendum: Size,
     internal: bool = False,
 ) -> Conjugate:
     """The mate of a gear with a tooth of any form: the law of gearing for its flanks, its tips and their corners.
@@ -98,8 +99,8 @@ def conjugate(
     The gear is taken as the tool: the mate's roots are what its tips leave, and what is swept is trimmed where
     its curves cross. Points of the tooth that then touch nothing are told in `.untouched`.
     """
-    instance("tooth", tooth, AbstractCurve)
-    _check(teeth, pitch_radius, mate_teeth, addendum, internal)
+    if internal and teeth == mate_teeth:
+        raise DesignError("mate_teeth", f"found {mate_teeth}, as many as the gear has", f"give at least {teeth + 1}")
     ring_gear, ring_mate = internal and mate_teeth < teeth, internal and mate_teeth > teeth
     radius = pitch_radius * mate_teeth / teeth
     signed = -radius if internal else radius
@@ -126,19 +127,6 @@ def conjugate(
         steps=tuple(steps),
         untouched=untouched(material_left, swept, steps, tip, not ring_mate),
     )
-
-
-def _check(teeth: int, pitch_radius: float, mate_teeth: int, addendum: float, internal: bool) -> None:
-    for name, count in (("teeth", teeth), ("mate_teeth", mate_teeth)):
-        whole_number(name, count, 2, 10_000)
-    for name, size in (("pitch_radius", pitch_radius), ("addendum", addendum)):
-        number(name, size, "give a number above 0, in mm")
-        if not LEAST <= size <= FARTHEST:
-            raise DesignError(name, f"found {size:g}", f"give a number from {LEAST} to {FARTHEST:g}, in mm")
-    if not isinstance(internal, (bool, np.bool_)):
-        raise DesignError("internal", f"found {shown(internal)}", "give True or False")
-    if internal and teeth == mate_teeth:
-        raise DesignError("mate_teeth", f"found {mate_teeth}, as many as the gear has", f"give at least {teeth + 1}")
 
 
 def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, ring_gear: bool) -> None:

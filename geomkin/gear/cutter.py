@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import quantity, rounded_down
-from .given import check_given
+from ..sizes import check_sizes, quantity, rounded_down
 from .involute import Corner, inverse_involute, involute_function, largest_rounding, tip_corner
 
 
@@ -30,7 +29,7 @@ class PinionCutter:
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
             raise DesignError(
                 "addendum",

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arguments import Positive
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved
@@ -16,7 +16,7 @@ from ..plane.joined import Ring
 from ..plane.pose import Pose
 from ..plane.primitives import Segment
 from ..plane.spread import direction
-from .given import LEAST, instance, number, size, whole_number
+from ..sizes import FARTHEST, Length, check_sizes, quantity
 from .tooth import toothed
 
 # Pitch radii from the axis that a flank may reach. More is no tooth, and its chords could be without number.
@@ -32,15 +32,11 @@ class FlankGear:
     """
 
     flank: AbstractCurve
-    teeth: int
-    pitch_radius: Positive
+    teeth: int = quantity("number of teeth", whole=True, at_least=2, at_most=10_000)
+    pitch_radius: float = quantity("radius of the circle that rolls on the mate's", "mm", above=0, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
-        instance("flank", self.flank, AbstractCurve)
-        whole_number("teeth", self.teeth, 2, 10_000)
-        number("pitch_radius", self.pitch_radius)
-        if self.pitch_radius < LEAST:
-            raise DesignError("pitch_radius", f"found {self.pitch_radius:g} mm", f"give at least {LEAST}")
+        check_sizes(self)
         self._check_reach()
         z = flatten(self.flank, 1e-4 * self.pitch_radius)
         angle = np.angle(1j / z)
@@ -97,7 +93,8 @@ class FlankGear:
         """Backlash, mm, for which neighbouring teeth of the mate's cutter meet: it takes up the whole bottom lands."""
         return 2 * self.pitch_radius * self._half_land(self.flank)
 
-    def cutter(self, clearance: float, backlash: float = 0.0) -> AbstractCurve:
+    @checked
+    def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
         """What cuts a mate: the tooth drawn out and made thicker; its right-hand flank is piece 0 all the same.
 
         clearance: room at the mate's roots, mm along the radius, for which the flanks are drawn out straight at the
@@ -106,8 +103,6 @@ class FlankGear:
         either runs at the same constant ratio. The gear's own flank touches where the cutter's does, when the gear
         has turned less by that angle, counterclockwise, for the right-hand flank, and more for the left.
         """
-        size("clearance", clearance)
-        size("backlash", backlash)
         if clearance == 0 and backlash == 0:
             return self.outline.piece
         if backlash > self.most_backlash:

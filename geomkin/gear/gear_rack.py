@@ -9,8 +9,7 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
-from ..sizes import entry, quantity
-from .given import check_given
+from ..sizes import check_sizes, entry, quantity
 from .rack import Rack
 
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
@@ -36,7 +35,7 @@ class GearRack:
     )
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         if self.height <= self.rack.dedendum:
             raise DesignError(
                 "height",

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path
 from ..plane.pose import Pose
 from ..plane.primitives import Arc, Circle, Segment
-from ..sizes import quantity, rounded_down
-from .given import check_given, size
+from ..sizes import Length, check_sizes, quantity, rounded_down
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class LanternPinion:
     pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
             raise DesignError(
@@ -56,7 +56,8 @@ class LanternPinion:
         pin = float(np.arcsin(self.pin_diameter / 2 / self.pitch_radius))
         return 2 * self.pitch_radius * (np.pi / self.pins - pin)
 
-    def cutter(self, clearance: float, backlash: float = 0.0) -> AbstractCurve:
+    @checked
+    def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
         """What cuts a wheel: the pin drawn out and made thicker, counterclockwise from its innermost point.
 
         Piece 0 is the quarter that drives, from the innermost point to the rightmost. clearance: room at the wheel's
@@ -65,8 +66,6 @@ class LanternPinion:
         backlash / (2 pitch_radius), and joined by arcs about it. The pin itself touches where its turned half does,
         when the pinion has turned less by that angle, counterclockwise, for the right-hand half, and more for the left.
         """
-        size("clearance", clearance)
-        size("backlash", backlash)
         if backlash >= self.most_backlash:
             raise DesignError(
                 "backlash",

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
-from ..sizes import rounded_down, rounded_up
-from .given import instance, number, size
+from ..sizes import Length, rounded_down, rounded_up
 from .involute import inverse_involute, roll_at
 from .ring import RingGear
 from .spur import SpurGear
@@ -47,7 +46,6 @@ class Chord(NamedTuple):
 @checked
 def base_pitch(gear: SpurGear | RingGear) -> float:
     """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
-    instance("gear", gear, SpurGear, RingGear)
     return 2 * np.pi * gear.base_radius / gear.teeth
 
 
@@ -58,9 +56,6 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
     teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
     DesignError where the jaws would touch beside the involute.
     """
-    instance("gear", gear, SpurGear)
-    if teeth is not None:
-        number("teeth", teeth, "give a whole number, or nothing")
     start, end = gear.flank_lengths
 
     def length(k: float) -> float:
@@ -79,15 +74,12 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
 
 
 @checked
-def over_pins(gear: SpurGear | RingGear, pin: float | None = None) -> OverPins:
+def over_pins(gear: SpurGear | RingGear, pin: Length | None = None) -> OverPins:
     """The measure over two pins, or between them in a ring, in spaces as opposite as an odd count allows.
 
     pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
     Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
     """
-    instance("gear", gear, SpurGear, RingGear)
-    if pin is not None:
-        size("pin", pin)
     sign = -1 if isinstance(gear, RingGear) else 1
     base = gear.base_radius
     half_space = np.pi / gear.teeth - gear.thickness(base) / (2 * base)
@@ -123,9 +115,6 @@ def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
 @checked
 def chord(gear: SpurGear, radius: float | None = None) -> Chord:
     """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
-    instance("gear", gear, SpurGear)
-    if radius is not None:
-        number("radius", radius, "give a radius in mm, or nothing")
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:

@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import RealsOrNan, checked
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import entry, quantity, rounded_down, rounded_up
-from .given import check_given, numbers
+from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function
 from .limit import last_fit
@@ -37,7 +36,7 @@ class GearPair:
     centre_distance: float = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         first, second = self.first, self.second
         if abs(first.module - second.module) > 1e-9 * first.module:
             raise DesignError(
@@ -135,13 +134,14 @@ class GearPair:
         start, end = self.contact_lengths
         return (end - start) / self.base_pitch
 
-    def sliding(self, along: ArrayLike) -> tuple[Array, Array]:
+    @checked
+    def sliding(self, along: RealsOrNan) -> tuple[Array, Array]:
         """Specific sliding of the first and of the second gear at places on the line of action, mm, any shape.
 
         Sliding speed over the speed of a gear's own contact point along its flank; 0 where the pitch circles
         touch, negative where a gear's flank is slower than its mate's; -inf at its own base circle.
         """
-        s1 = numbers("along", along)
+        s1 = np.asarray(along, dtype=float)
         # Speeds along the flanks over the first gear's speed.
         v1, v2 = s1, self._across(s1) * self.first.teeth / self.second.teeth
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -206,13 +206,14 @@ class GearPair:
         }
         return tuple(name for name, hit in found.items() if hit)
 
-    def poses(self, turn: ArrayLike) -> tuple[Pose, Pose]:
+    @checked
+    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
         """Where the gears stand when the first, about the origin, has turned by `turn`, rad, any shape.
 
         The contact lies on +y of the first: a spur gear stands above it, a ring's axis below. The teeth
         of each stand in the middle of the other's spaces, so backlash is shared by both sides.
         """
-        t = numbers("turn", turn)
+        t = np.asarray(turn, dtype=float)
         turned, half = t / self.ratio, np.pi / self.second.teeth
         where = -1j if self.is_internal else 1j
         second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))

@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import NUMBER, RealsOrNan, checked, refused
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import entry, quantity
-from .given import check_given, number, numbers
+from ..sizes import check_sizes, entry, quantity
 from .pair import GearPair
 from .ring import RingGear
 from .spur import SpurGear
@@ -28,7 +27,7 @@ class PlanetarySet:
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         inner, outer = self.inner.centre_distance, self._outer_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
@@ -79,18 +78,20 @@ class PlanetarySet:
             raise DesignError("held", f"found {', '.join(held)}", "give two of sun, ring and carrier")
         (missing,) = set(weights) - set(held)
         for name, speed in held.items():
-            number(name, speed)
+            if not NUMBER.fits(speed):
+                raise refused(name, speed, NUMBER)
         known = sum(weights[name] * speed for name, speed in held.items())
         speeds = held | {missing: -known / weights[missing]}
         planet = speeds["carrier"] - (speeds["sun"] - speeds["carrier"]) * z_s / z_p
         return {name: float(speeds[name]) for name in weights} | {"planet": float(planet)}
 
-    def poses(self, turn: ArrayLike) -> tuple[Pose, list[Pose], Pose]:
+    @checked
+    def poses(self, turn: RealsOrNan) -> tuple[Pose, list[Pose], Pose]:
         """Where sun, planets and ring stand when the sun has turned by `turn`, rad, and the ring stands still.
 
         The first planet starts on +y. Any shape.
         """
-        t = numbers("turn", turn)
+        t = np.asarray(turn, dtype=float)
         carrier = t / self.ratios["sun to carrier"]
         still = np.zeros(t.shape, complex)
         planets = [self._planet(t, carrier + 2 * np.pi * k / self.planets) for k in range(self.planets)]

@@ -8,12 +8,11 @@ from typing import Annotated
 
 import numpy as np
 
-from ..errors import DesignError, shown
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.spline import Spline
-from ..sizes import PointXY, entry, quantity
+from ..sizes import PointXY, check_sizes, entry, quantity
 from .flank_gear import FARTHEST_OUT, FlankGear
-from .given import check_given
 
 # A flank that runs out a little, stays steep and rounds over towards the tip.
 EXAMPLE = (3.4 + 33.2j, 2.9 + 34.4j, 2.35 + 36j, 1.75 + 37.6j, 1.0 + 39j)
@@ -33,18 +32,13 @@ class PointToothGear:
     )
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         self._check_points()
         self.gear  # refuses points that make no tooth
 
     def _check_points(self) -> None:
-        """A list of points, neither so many nor so far off that no tooth could have them."""
+        """Neither so many points nor so far off that no tooth could have them."""
         points = self.points
-        if not isinstance(points, (tuple, list, np.ndarray)) or np.ndim(np.asarray(points, dtype=object)) != 1:
-            raise DesignError("points", f"found {shown(points)}", "give a list of points, complex, in mm")
-        for k, z in enumerate(points):
-            if isinstance(z, bool) or not isinstance(z, (int, float, complex, np.number)) or not np.isfinite(z):
-                raise DesignError("points", f"point {k + 1} is {shown(z)}", "give complex numbers, x + iy in mm")
         if len(points) > MOST:
             raise DesignError("points", f"found {len(points)}", f"give at most {MOST}")
         most = FARTHEST_OUT * self.pitch_radius

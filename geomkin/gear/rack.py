@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import DesignError
-from ..sizes import quantity, rounded_down
-from .given import check_given
+from ..sizes import check_sizes, quantity, rounded_down
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class Rack:
     tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         slope = np.radians(self.pressure_angle_deg)
         # The rounding grows until the two corners of a tip meet in its middle.
         narrowest = np.pi / 4 - self.dedendum * np.tan(slope)

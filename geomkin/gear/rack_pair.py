@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from ..arguments import RealsOrNan, checked
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Array
-from ..sizes import entry, quantity, rounded_down, rounded_up
+from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .gear_rack import GearRack
-from .given import check_given, numbers
 from .spur import SpurGear
 
 # Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along
@@ -35,7 +34,7 @@ class RackPair:
     )
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         pinion, rack = self.pinion, self.rack
         if abs(pinion.module - rack.module) > 1e-9 * pinion.module:
             raise DesignError(
@@ -85,9 +84,10 @@ class RackPair:
         start, end = self.contact_lengths
         return (end - start) / (self.rack.pitch * float(np.cos(self.pinion.pressure_angle)))
 
-    def sliding(self, along: ArrayLike) -> tuple[Array, Array]:
+    @checked
+    def sliding(self, along: RealsOrNan) -> tuple[Array, Array]:
         """Specific sliding of the pinion and of the rack at places on the line of action, mm, any shape."""
-        s = numbers("along", along)
+        s = np.asarray(along, dtype=float)
         still = self.pinion.pitch_radius * np.sin(self.pinion.pressure_angle)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (s - still) / s, (still - s) / still
@@ -122,12 +122,13 @@ class RackPair:
         }
         return tuple(name for name, hit in found.items() if hit)
 
-    def poses(self, turn: ArrayLike) -> tuple[Pose, Pose]:
+    @checked
+    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
         """Where both stand when the pinion, about the origin, has turned by `turn`, rad, any shape.
 
         The rack lies below, teeth up, and moves along +x. Teeth stand in the middle of spaces.
         """
-        t = numbers("turn", turn)
+        t = np.asarray(turn, dtype=float)
         # A tooth on +y has one opposite where the teeth are even, and there the rack needs a space.
         along = self.pinion.pitch_radius * t + (0.0 if self.pinion.teeth % 2 else self.rack.pitch / 2)
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(

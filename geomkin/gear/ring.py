@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.pose import Pose
 from ..plane.roulettes import Involute
-from ..sizes import entry, quantity, rounded_down, rounded_up
+from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .cutter import PinionCutter
-from .given import check_given, number
 from .internal import InternalMesh
 from .involute import inverse_involute, involute_function, roll_at
 from .ring_root import RingTrochoid
@@ -45,7 +45,7 @@ class RingGear:
     )
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         z, z0 = self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
@@ -143,9 +143,9 @@ class RingGear:
         """Thickness of the tooth along its tip circle, mm."""
         return self.thickness(self.tip_radius)
 
+    @checked
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
-        number("radius", radius)
         return 2 * radius * (np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius)))
 
     @property

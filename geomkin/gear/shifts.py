@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
-from ..arguments import Count, checked
+from ..arguments import Count, between, checked, whole_between
 from ..errors import DesignError
-from .given import instance, number, whole_number
 from .involute import inverse_involute, involute_function, roll_at
 from .rack import Rack
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
 LEAST, MOST = -2.0, 3.0
+Teeth = Annotated[int, whole_between(4, 10_000)]
+Total = Annotated[float, between(-20, 20, "modules")]
 
 
 @checked
@@ -20,18 +23,14 @@ def undercut_free_shift(teeth: Count, rack: Rack | None = None) -> float:
 
     The end of the rack's straight flank must meet the line of action outside the base circle.
     """
-    number("teeth", teeth)
-    if teeth <= 0:
-        raise DesignError("teeth", f"found {teeth:g}", "give a number above 0")
     rack = Rack() if rack is None else rack
-    instance("rack", rack, Rack)
     least = rack.flank_depth - teeth / 2 * float(np.sin(rack.pressure_angle)) ** 2
     # Just beyond the limit, where rounding cannot call it undercut.
     return max(0.0, least + 1e-12 * (1 + abs(least)))
 
 
 @checked
-def balanced_shifts(first: Count, second: Count, rack: Rack | None = None, total: float = 0.0) -> tuple[float, float]:
+def balanced_shifts(first: Teeth, second: Teeth, rack: Rack | None = None, total: Total = 0.0) -> tuple[float, float]:
     """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
 
     first, second: numbers of teeth; total: sum of the shifts, 0 for the centre distance of a pair without.
@@ -39,13 +38,7 @@ def balanced_shifts(first: Count, second: Count, rack: Rack | None = None, total
     rack's addendum above their shifted reference lines. Raises DesignError where tips of either gear meet the
     line of action outside the base circles whatever the shifts.
     """
-    whole_number("first", first, 4, 10_000)
-    whole_number("second", second, 4, 10_000)
-    number("total", total)
-    if abs(total) > 20:
-        raise DesignError("total", f"found {total:g}", "give a number from -20 to 20, in modules")
     rack = Rack() if rack is None else rack
-    instance("rack", rack, Rack)
     slope = float(np.tan(rack.pressure_angle))
     base_1, base_2 = (z / 2 * float(np.cos(rack.pressure_angle)) for z in (first, second))
     angle = involute_function(slope) + 2 * slope * total / (first + second)

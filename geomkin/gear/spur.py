@@ -8,10 +8,10 @@ from typing import Any, Literal, NoReturn
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..sizes import entry, quantity, rounded_down
-from .given import LEAST, check_given, number
+from ..sizes import SMALLEST, check_sizes, entry, quantity, rounded_down
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
 from .limit import last_fit
 from .rack import Rack
@@ -59,7 +59,7 @@ class SpurGear:
     diametral_pitch: float = quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         self._settle_module()
         if not self._leaves_teeth():
             self._refuse()
@@ -78,7 +78,7 @@ class SpurGear:
                 "give one of them",
             )
         object.__setattr__(self, "module", module)
-        if not LEAST <= module <= 1e5:
+        if not SMALLEST <= module <= 1e5:
             raise DesignError(
                 "diametral_pitch",
                 f"found {self.diametral_pitch:g}, which makes a module of {module:.6g} mm",
@@ -209,9 +209,9 @@ class SpurGear:
         """What a rounding or chamfer leaves of the tip thickness, mm."""
         return 2 * self.tip_radius * max(0.0, self._tooth.tip_land)
 
+    @checked
     def thickness(self, radius: float) -> float:
         """Thickness of the tooth along a circle through its involute, mm."""
-        number("radius", radius)
         return 2 * radius * self._half_angle(radius)
 
     @property

@@ -10,9 +10,8 @@ import numpy as np
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..sizes import quantity, rounded_down
+from ..sizes import check_sizes, quantity, rounded_down
 from .flank_gear import FlankGear
-from .given import check_given
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class StraightSidedGear:
     dedendum: float = quantity("depth of the spaces below the pitch circle", "modules", default=1.2, above=0, at_most=5)
 
     def __post_init__(self) -> None:
-        check_given(self)
+        check_sizes(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
             raise DesignError(
