@@ -90,6 +90,23 @@ def test_the_first_hole_that_is_wrong_is_told(size):
     assert len(told) >= 2
 
 
+@pytest.mark.parametrize(
+    ("places", "expected"),
+    [
+        ((0, 1, 50), "two holes meet"),
+        ((50, 0, 1), "hole 1 reaches"),
+        ((8.5, 9.5, 0), "hole 2 reaches"),
+        ((0, 5, 8.995), "hole 3 reaches"),
+        ((0, 5, -5, 5.5), "two holes meet"),
+    ],
+)
+def test_the_order_in_which_faults_are_told(places, expected):
+    """Of a hole that is wrong in both ways the outline is told."""
+    holes = tuple(gk.Circle(complex(place), 1.0) for place in places)
+    with pytest.raises(gk.DesignError, match=expected):
+        cut(gk.Part("plate", gk.Circle(0j, 10.0), holes, 3.0), 0.01)
+
+
 def test_touching_holes_share_no_area_and_one_within_another_does():
     square = np.array([0, 1, 1 + 1j, 1j])
     assert region.overlapping([square, square + 1, square + 1 + 1j]).tolist() == []
