@@ -15,12 +15,17 @@ Frames = Annotated[np.ndarray, Sort(lambda value: getattr(value, "ndim", 0) == 1
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One quantity over the frames. values: (frames,), numbers or text; nan where there is none."""
+    """One quantity over the frames. values: (frames,), numbers or text; nan where there is none.
+
+    scale: how large it could be, in its unit, where all of it may be no more than rounding: a file counts its digits
+    from there, or from its largest value, whichever is larger.
+    """
 
     name: str
     unit: str
     meaning: str
     values: Frames
+    scale: float = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -52,8 +57,10 @@ class Table:
 
 
 def xy_columns(name: str, unit: str, meaning: str, values: np.ndarray) -> tuple[Column, Column]:
-    """A complex quantity as its x and y columns."""
+    """A complex quantity as its x and y columns, with the digits of both counted from the larger."""
+    values = np.asarray(values)
+    size = np.abs(values[np.isfinite(values)]).max(initial=0.0)
     return (
-        Column(f"{name}_x", unit, f"{meaning}, x", np.asarray(values).real),
-        Column(f"{name}_y", unit, f"{meaning}, y", np.asarray(values).imag),
+        Column(f"{name}_x", unit, f"{meaning}, x", values.real, float(size)),
+        Column(f"{name}_y", unit, f"{meaning}, y", values.imag, float(size)),
     )

@@ -11,7 +11,7 @@ from ..errors import harmless
 from ..plane.vec import rounded
 from ..table import Column, Table
 
-# Digits kept of each column, counted from its largest value: more would print the last bit of a
+# Digits kept of each column, counted from its largest value or its scale: more would print the last bit of a
 # processor's sine, and the same recipe would no longer give the same bytes everywhere.
 DIGITS = 10
 
@@ -31,8 +31,7 @@ def _cells(column: Column) -> list[str]:
         return [str(int(v)) for v in values.tolist()]
     if values.dtype.kind != "f":
         return [_harmless(str(v)) for v in values.tolist()]
-    finite = values[np.isfinite(values)]
-    largest = np.abs(finite).max() if finite.size else 0.0
+    largest = max(column.scale, np.abs(values[np.isfinite(values)]).max(initial=0.0))
     # Rounding to more than 290 decimals overflows; what is so small becomes 0.
     digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
     return [repr(v) if np.isfinite(v) else "" for v in rounded(values, digits).tolist()]

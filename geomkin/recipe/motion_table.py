@@ -39,26 +39,45 @@ def motion_table(motion: Motion) -> Table:
     return Table(tuple(columns))
 
 
+# Share of the linkage's motion below which a turning is rounding: far above the last bits that processors differ by, so
+# that all give the same columns, and far below what any drawing tells.
+ROUNDING = 1e-12
+
+
 def _bodies(motion: Motion) -> Iterator[Column]:
+    places = [abs(z) for points in motion.linkage.bodies.values() for z in points.values()]
+    reach = max(places, default=0.0) or 1.0
+    sizes = {name: (_largest(body.first) * reach, _largest(body.origin.first)) for name, body in motion.bodies.items()}
+    least = ROUNDING * max(max(turn, way) for turn, way in sizes.values())
+    omega = max(_largest(body.omega) for body in motion.bodies.values())
     for name, body in motion.bodies.items():
-        turning = np.nan_to_num(body.first, nan=0.0, posinf=1.0, neginf=1.0)
-        if name in (motion.linkage.ground, motion.linkage.driver) or not turning.any():
+        if name in (motion.linkage.ground, motion.linkage.driver) or sizes[name][0] <= least:
             continue
-        yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction))
-        yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", _finite(body.omega))
-        yield Column(f"{name}_alpha", "rad/s2", f"angular acceleration of the {name}", _finite(body.alpha))
+        yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction), 1.0)
+        yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", _finite(body.omega), omega)
+        alpha = _finite(body.alpha)
+        yield Column(f"{name}_alpha", "rad/s2", f"angular acceleration of the {name}", alpha, omega**2)
 
 
 def _slides(motion: Motion) -> Iterator[Column]:
     for slider in motion.linkage.sliders:
         slide, name = motion.slide(slider.name), slider.name
+        velocity, acceleration = _finite(slide.velocity), _finite(slide.acceleration)
+        # Along its own guide the driver slides as it is told to, and what else is found is rounding.
+        speed = _largest(motion.bodies[slider.body].origin.velocity)
+        pull = _largest(motion.bodies[slider.body].origin.acceleration)
         yield Column(f"{name}_displacement", "mm", f"place on the line of {name}", slide.displacement)
-        yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", _finite(slide.velocity))
-        yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", _finite(slide.acceleration))
-        if np.nan_to_num(np.abs(slide.coriolis)).any():
+        yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", velocity, speed)
+        yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, pull)
+        if _largest(slide.coriolis) > ROUNDING * max(pull, _largest(acceleration)):
             yield from xy_columns(
                 f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", _finite(slide.coriolis)
             )
+
+
+def _largest(values: Array) -> float:
+    """Largest finite magnitude; 0 where there is none."""
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
 def _outputs(motion: Motion) -> Iterator[Column]:
