@@ -9,7 +9,9 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
+from .branch import chosen
 from .closure import Driven
+from .continued import reach_of
 from .dyads import Dyad
 from .loops import Loops
 from .solve import Branch, OneLinkage, move, planned
@@ -21,18 +23,28 @@ LOOKS = 1440
 # Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
 # is more a body that turns.
 STILL = 1e-9
+TURN = (0.0, 2 * np.pi)
+# Reaches of the linkage within which a driving slide is looked for, ever coarser outwards. Rails that are parallel to
+# within its inverse count as parallel, so that a slide whose limits lie farther is taken for one without limits.
+FARTHEST = 1e6
 
 
 @checked
 def driver_limits(
-    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] | None = None
 ) -> tuple[tuple[float, float], ...]:
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
-    A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
+    Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes. DesignError
+    where these have no end, and where a start has to be told: for a branch that is followed or near given pins, and
+    for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
     the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
     the span, where its estimate holds, to its first limit.
     """
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return ()
     start, end = span
     if not end > start:
         raise DesignError("span", f"found {span}", "give a rising pair")
@@ -57,13 +69,19 @@ def driver_limits(
 
 @checked
 def dead_centres(
-    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None
 ) -> Array:
-    """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke."""
+    """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke.
+
+    Without a span they are looked for in the one that `driver_limits` takes.
+    """
     general = linkage.linkage
     if output not in general.bodies or output == general.ground:
         raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
-
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return np.empty(0)
     looks = np.linspace(*span, LOOKS + 1)
     body = move(linkage, looks, branch).bodies[output]
     # A body that only slides goes along one line: that of its largest step.
@@ -81,6 +99,29 @@ def dead_centres(
     values = way(looks)
     found = [*looks[values == 0].tolist(), *_crossings(way, looks, values)]
     return np.unique(np.array(found))
+
+
+def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
+    """One turn, or from the first to the last place of a driving slide at which the linkage closes; None if at none."""
+    general = linkage.linkage
+    if general.driven_slider is None:
+        return TURN
+    told, steps = chosen(branch), planned(general, branch)
+    if told.follow or told.near or any(isinstance(step, Loops) for step in steps):
+        first = "such a branch" if told.follow or told.near else "the estimate"
+        raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
+    reach = reach_of(general)
+    outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
+    looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
+
+    def closed(q: Array) -> Array:
+        return move(linkage, q, branch).closed
+
+    ends = looks[[0, -1]]
+    if closed(ends).any():
+        raise DesignError("span", "the linkage closes at places without end", f"give a span, such as {(-reach, reach)}")
+    edges = _changes(closed, np.unique([*looks, *_exact(steps, (float(ends[0]), float(ends[1])))]))
+    return (min(edges), max(edges)) if edges else None
 
 
 def _all_driven(steps: Sequence[Step]) -> bool:
