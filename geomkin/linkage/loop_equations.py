@@ -42,9 +42,7 @@ class LoopEquations:
     @cached_property
     def size(self) -> float:
         """The largest distance that the linkage names, mm."""
-        named = [z for points in self.linkage.bodies.values() for z in points.values()]
-        named += [z for s in self.linkage.sliders for z in (s.point, s.through)]
-        return max((float(abs(z)) for z in named), default=0.0) or 1.0
+        return float(self.linkage.size) or 1.0
 
     @cached_property
     def columns(self) -> list[tuple[int, str]]:
