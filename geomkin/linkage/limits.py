@@ -14,15 +14,13 @@ from .closure import Driven
 from .continued import reach_of
 from .dyads import Dyad
 from .loops import Loops
+from .measures import goes_without_turning
 from .solve import Branch, OneLinkage, move, planned
 from .steps import Step
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
-# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
-# is more a body that turns.
-STILL = 1e-9
 TURN = (0.0, 2 * np.pi)
 # Reaches of the linkage within which a driving slide is looked for, ever coarser outwards. Rails that are parallel to
 # within its inverse count as parallel, so that a slide whose limits lie farther is taken for one without limits.
@@ -83,14 +81,12 @@ def dead_centres(
         if span is None:
             return np.empty(0)
     looks = np.linspace(*span, LOOKS + 1)
-    body = move(linkage, looks, branch).bodies[output]
-    # A body that only slides goes along one line: that of its largest step.
-    steps = np.nan_to_num(body.origin.first, nan=0.0, posinf=0.0, neginf=0.0)
-    largest = steps[np.argmax(np.abs(steps))]
-    turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
-    places = (z for points in general.bodies.values() for z in points.values())
-    reach = max((float(np.abs(z).max()) for z in places), default=0.0) or 1.0
-    line = None if turning * reach > STILL * abs(largest) else largest
+    motion = move(linkage, looks, branch)
+    line = None
+    if goes_without_turning(motion, output):
+        # It goes along one line: that of its largest step.
+        steps = np.nan_to_num(motion.bodies[output].origin.first, nan=0.0, posinf=0.0, neginf=0.0)
+        line = steps[np.argmax(np.abs(steps))]
 
     def way(q: Array) -> Array:
         moved = move(linkage, np.append(span[0], q), branch).bodies[output]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.linkage.examples import ALL, FOUR_BAR, between, boom
+from tests.linkage.examples import ALL, FOUR_BAR, between, boom, lift_table
 
 
 def test_a_crank_that_turns_fully_has_no_limits():
@@ -162,6 +162,27 @@ def test_mechanical_advantage_conserves_power(name):
 def test_the_advantage_is_without_bound_at_a_dead_centre():
     centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
     assert np.abs(gk.mechanical_advantage(gk.move(FOUR_BAR, [centre]), "rocker")[0]) > 1e12
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+@pytest.mark.parametrize(("coupler", "rocker"), [(80, 30), (np.array([80, 80, 82]), np.array([30, 30, 40]))])
+def test_a_platform_on_two_cranks_gives_a_force_along_its_path(size, coupler, rocker):
+    """Virtual work by differences; the rounding of a platform that does not turn is no turning."""
+    linkage = gk.FourBar(80 * size, 30 * size, coupler * size, rocker * size)
+    drive, step = np.linspace(0.3, 2.6, 20), 1e-6
+    advantage = gk.mechanical_advantage(gk.move(linkage, drive, "follow"), "coupler")
+    ends = [gk.move(linkage, np.append(0.3, drive + d), "follow").coupler for d in (-step, step)]
+    gone = np.abs(ends[1].origin.position - ends[0].origin.position)[1:] / (2 * step)
+    turned = np.angle(ends[1].direction / ends[0].direction)[1:] / (2 * step)
+    way = gone if advantage.ndim == 1 else np.column_stack([gone[:, 0], gone[:, 1], turned[:, 2]])
+    assert advantage * way == pytest.approx(np.ones(way.shape), rel=1e-5)
+
+
+def test_a_lifted_table_gives_the_force_that_lifts_it():
+    q = np.linspace(100, 180, 9)
+    heights = [gk.move(lift_table(), q + d).table.origin.position.imag for d in (-1e-5, 1e-5)]
+    advantage = gk.mechanical_advantage(gk.move(lift_table(), q), "table")
+    assert advantage == pytest.approx(2e-5 / (heights[1] - heights[0]), rel=1e-7)
 
 
 def test_a_coupler_curve_is_the_path_of_its_point_exactly():
