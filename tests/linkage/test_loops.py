@@ -8,6 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.plan import _Planner
+from geomkin.linkage.trace import polished
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 
@@ -307,3 +308,28 @@ def test_a_motion_of_loops_can_be_sent_to_another_process():
 
 def test_no_frames_are_no_fault():
     assert gk.move(locked()[0], []).closed.shape == (0,)
+
+
+@pytest.mark.parametrize("start", np.geomspace(1e-6, 1, 40))
+def test_newton_s_steps_end_where_rounding_takes_over(start):
+    """At a double root slope and value vanish together: a step of rounding over rounding leads anywhere."""
+
+    def doubled(points):
+        x, q = points.T
+        value = (x * x - 2 * x + 1) - q
+        return value[:, None], np.stack([2 * x - 2, -np.ones(len(x))], axis=-1)[:, None]
+
+    found = polished(doubled, np.array([[1 + start, 0.0], [1 - start, 0.0]]))
+    assert found == pytest.approx(np.ones((2, 1)), abs=1e-6)
+
+
+def test_the_transmission_angle_does_not_depend_on_the_order_of_bodies():
+    """At pins of three bodies each of them is the one that leaves the others."""
+    rng = np.random.default_rng(8)
+    linkage, drive, branch = ALL["walking leg"]
+    there = gk.move(linkage, drive[:1], branch)
+    names = list(linkage.bodies)[1:]
+    moves = [gk.move(posed(replace(linkage, bodies={n: linkage.bodies[n] for n in order}), there, False), drive)
+             for order in (["ground", *rng.permutation(names).tolist()] for _ in range(6))]  # fmt: skip
+    for motion in moves:
+        assert motion.transmission_angle == pytest.approx(moves[0].transmission_angle, abs=1e-12)
