@@ -136,7 +136,7 @@ def test_a_change_point_within_a_whip_is_passed():
     bodies |= {"rod": {"R": 0, "Q": 70}, "out": {"E": 0, "Q": 20}}
     twin = gk.Linkage(bodies, linkage.driver, linkage.sliders)
     for way in (1, -1):
-        drive = way * np.linspace(70, -70, 29)
+        drive = way * np.linspace(70, -61.3, 29)
         crank = gk.move(linkage, drive, "follow").crank.direction
         pins = {"Q": 70 + 20 * crank[0]}
         motion = gk.move(twin, drive, gk.Follow(pins))
