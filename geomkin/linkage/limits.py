@@ -11,10 +11,11 @@ from ..errors import DesignError
 from ..plane.vec import Array, dot
 from .branch import chosen
 from .closure import Driven
-from .continued import reach_of
+from .continued import reach_of, sides_along
 from .dyads import Dyad
 from .loops import Loops
 from .measures import goes_without_turning
+from .row import Row
 from .solve import Branch, OneLinkage, move, planned
 from .steps import Step
 
@@ -25,6 +26,9 @@ TURN = (0.0, 2 * np.pi)
 # Reaches of the linkage within which a driving slide is looked for, ever coarser outwards. Rails that are parallel to
 # within its inverse count as parallel, so that a slide whose limits lie farther is taken for one without limits.
 FARTHEST = 1e6
+# Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
+# half of all digits tell all of them.
+NARROWED = 10
 
 
 @checked
@@ -116,8 +120,32 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     ends = looks[[0, -1]]
     if closed(ends).any():
         raise DesignError("span", "the linkage closes at places without end", f"give a span, such as {(-reach, reach)}")
-    edges = _changes(closed, np.unique([*looks, *_exact(steps, (float(ends[0]), float(ends[1])))]))
+    row = sides_along(general, steps, looks, (), told)
+    looks = np.concatenate([looks, _exact(steps, (float(ends[0]), float(ends[1]))), _nearest_to_closing(row, looks)])
+    edges = _changes(closed, np.unique(looks))
     return (min(edges), max(edges)) if edges else None
+
+
+def _nearest_to_closing(row: Row, looks: Array) -> Array:
+    """Places between open looks at which a dyad comes nearest to closing, and there may close between two of them."""
+
+    def least(q: Array) -> Array:
+        """The least gap, mm, of the first dyad that is open, or of all; -inf where none is told."""
+        with np.errstate(all="ignore"):
+            p = row.placed(q, len(row.steps))
+            gaps = [np.broadcast_to(g, q.shape) for step in row.steps if isinstance(step, Dyad) for g in step.gaps(p)]
+        return np.nan_to_num(np.fmin.reduce([*gaps, np.full(len(q), np.inf)]), nan=-np.inf)
+
+    gap = least(looks)
+    at = 1 + np.flatnonzero((gap[1:-1] < 0) & (gap[1:-1] >= gap[:-2]) & (gap[1:-1] >= gap[2:]))
+    low, high, best = looks[at - 1], looks[at + 1], looks[at]
+    for _ in range(NARROWED):
+        places = np.linspace(low, high, 17)
+        top = np.argmax(least(places.ravel()).reshape(places.shape), axis=0)
+        low, best, high = (
+            np.take_along_axis(places, np.clip(k, 0, 16)[None], axis=0)[0] for k in (top - 1, top, top + 1)
+        )
+    return best
 
 
 def _all_driven(steps: Sequence[Step]) -> bool:

@@ -63,6 +63,15 @@ def test_a_driving_slide_is_followed_over_its_whole_reach(size):
     assert centres == pytest.approx([-np.sqrt(90**2 - 42**2), np.sqrt(90**2 - 18**2)], rel=1e-14)
 
 
+@pytest.mark.parametrize("short", [1.0, 1e-3, 1e-6, 1e-9])
+def test_a_slide_that_closes_hardly_anywhere_is_found(short):
+    """Crank and coupler just reach the slide's line, so that the whole stroke is a sliver of their lengths."""
+    offset = 120 - short
+    stroke = np.sqrt((120 - offset) * (120 + offset))
+    ((low, high),) = gk.driver_limits(gk.SliderCrank(30, 90, offset, driver="slider"))
+    assert [low, high] == pytest.approx([-stroke, stroke], rel=1e-13 / short + 1e-13)
+
+
 def test_an_actuator_is_followed_over_its_whole_reach():
     """By the triangle of its pins: the boom's arm against its base, the rod's slide 5 mm beside the pins."""
     linkage = boom()
@@ -98,7 +107,10 @@ def test_a_slide_whose_reach_has_no_end_or_no_start_is_refused():
         "head",
         (gk.Slider("way", "head", "ground", through=30j), gk.Slider("slot", "stone", "lever")),
     )
-    for call in (lambda *span: gk.driver_limits(lever, 1, *span), lambda *span: gk.dead_centres(lever, "lever", 1, *span)):
+    for call in (
+        lambda *span: gk.driver_limits(lever, 1, *span),
+        lambda *span: gk.dead_centres(lever, "lever", 1, *span),
+    ):
         with pytest.raises(gk.DesignError, match="without end") as caught:
             call()
         assert caught.value.field == "span"
