@@ -86,7 +86,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
                 turn = 1j * two.second - two.first**2
                 gain = 1j * (one.origin.second - two.origin.second - turn * apart)
                 arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)
-            weight = settled(weight, np.abs(arm), size(motion.linkage))
+            weight = settled(weight, np.abs(arm), motion.linkage.size)
     return InstantCentre(*(np.where(motion.closed, v, np.nan) for v in (reference, arm, weight)))
 
 
@@ -104,16 +104,9 @@ def settled(weight: Array, arm: Array, size: Array) -> Array:
 
 def _at_rest(motion: Motion, slide: Array, turn: Array) -> Array:
     """Whether a relative motion is no more than the rounding of the linkage's liveliest body, bool, (frames,)."""
-    extent = size(motion.linkage)
+    extent = motion.linkage.size
     liveliest = reduce(np.maximum, [np.abs(b.origin.first) + np.abs(b.first) * extent for b in motion.bodies.values()])
     return (np.abs(slide) + np.abs(turn) * extent) * FAR <= liveliest
-
-
-def size(linkage: Linkage) -> Array:
-    """Largest distance of a body's point from the body's origin, mm."""
-    places = [place for points in linkage.bodies.values() for place in points.values()]
-    places += [place for slider in linkage.sliders for place in (slider.point, slider.through)]
-    return reduce(np.maximum, [np.abs(place) for place in places])
 
 
 def pin_between(linkage: Linkage, body: str, other: str) -> str | None:

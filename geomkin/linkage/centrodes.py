@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import check_fields
 from ..errors import DesignError
 from ..plane.vec import Array, dot
-from .centres import InstantCentre, instant_centre, size
+from .centres import InstantCentre, instant_centre
 from .inflection import inflection_circle
 from .motion import Motion
 
@@ -85,7 +85,7 @@ class Centrodes:
         through = (weight[:-1] * weight[1:] < 0) & (dot(arm[:-1], arm[1:]) > 0)
         speed = np.abs(self._first)
         own_step = np.fmax(speed[:-1], speed[1:]) * np.abs(np.diff(self.motion.drive))
-        leap = np.abs(np.diff(self.fixed)) > LEAP * own_step + ROUNDING * size(self.motion.linkage)
+        leap = np.abs(np.diff(self.fixed)) > LEAP * own_step + ROUNDING * self.motion.linkage.size
         joined = kept[:-1] & kept[1:] & ~through & ~leap
         edges = np.flatnonzero(np.diff(np.concatenate([[False], joined, [False]]).astype(int)))
         return [slice(int(start), int(end) + 1) for start, end in zip(edges[::2], edges[1::2])]

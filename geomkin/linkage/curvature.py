@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import Extended, Place, Places, RealArray, check_fields, checked
 from ..errors import DesignError
 from ..plane.vec import Array, cross, dot, unit
-from .centres import pin_between, settled, size, slider_between
+from .centres import pin_between, settled, slider_between
 from .motion import Motion
 
 # Share of its terms from which a sum is rounding. Smaller, and a slider's pin gets a centre of curvature and a cusp a
@@ -117,7 +117,7 @@ def second_order(motion: Motion, body: str) -> tuple[Array, Array, Array, Array]
 
     A turn that is rounding is 0.
     """
-    moved, extent = motion.bodies[body], size(motion.linkage)
+    moved, extent = motion.bodies[body], motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
         velocity, acceleration, turn, turn_rate = moved.origin.first, moved.origin.second, moved.first, moved.second
         speed = np.abs(velocity) + np.abs(turn) * extent

@@ -16,6 +16,10 @@ from .steps import Anchor, Pass, Rail, Step
 
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
+# Distance of two pins, in sizes of the linkage, below which rounding alone decides which way one lies from the other:
+# behind two dyads it comes to 3e-16. Larger, and places that are told with few digits are lost; smaller, and the
+# direction of rounding counts as a pose.
+MEETING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +152,15 @@ class RPR(Dyad):
     """Two bodies, each pinned, that slide on each other: a line through one point at a distance from another.
 
     base_2 - base_1 = (x + i n) f, f the direction of the slide, n the distance of base_2 to the left of the
-    line through base_1. branch +1: x above 0. turns: each body's direction from f.
+    line through base_1. branch +1: x above 0. turns: each body's direction from f. size: of the linkage, mm. Where the
+    bases meet no direction is told.
     """
 
     bodies: tuple[str, str]
     turns: tuple[complex, complex]
     offset: float
     bases: tuple[Anchor, Anchor]
+    size: Array
 
     @property
     def leader(self) -> str:
@@ -167,8 +173,12 @@ class RPR(Dyad):
         return p0.turn[self.bodies[0]] * np.conj(self.turns[0])
 
     def place(self, p0: Pass, branch: Array | int) -> None:
-        w = self._apart(p0)
+        ends = self.bases[0].at(p0), self.bases[1].at(p0)
+        w = ends[1] - ends[0]
         s, n = np.abs(w), self.offset
+        # Places far out, as on a slide driven far, round as they are large.
+        meet = s <= MEETING * (self.size + np.abs(ends[1]))
+        w = np.where(meet, np.nan, w)
         with np.errstate(invalid="ignore", divide="ignore"):
             x = _root(branch, (s - n) * (s + n))
             f = w / (x + 1j * n)

@@ -9,30 +9,44 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
+from .branch import chosen
 from .closure import Driven
+from .continued import reach_of, sides_along
 from .dyads import Dyad
 from .loops import Loops
+from .measures import goes_without_turning
+from .row import Row
 from .solve import Branch, OneLinkage, move, planned
 from .steps import Step
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
-# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
-# is more a body that turns.
-STILL = 1e-9
+TURN = (0.0, 2 * np.pi)
+# Reaches of the linkage within which a driving slide is looked for, ever coarser outwards. Rails that are parallel to
+# within its inverse count as parallel, so that a slide whose limits lie farther is taken for one without limits.
+FARTHEST = 1e6
+# Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
+# half of all digits tell all of them.
+NARROWED = 10
 
 
 @checked
 def driver_limits(
-    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] | None = None
 ) -> tuple[tuple[float, float], ...]:
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
-    A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
+    Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes. DesignError
+    where these have no end, and where a start has to be told: for a branch that is followed or near given pins, and
+    for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
     the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
     the span, where its estimate holds, to its first limit.
     """
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return ()
     start, end = span
     if not end > start:
         raise DesignError("span", f"found {span}", "give a rising pair")
@@ -57,22 +71,26 @@ def driver_limits(
 
 @checked
 def dead_centres(
-    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] = (0.0, 2 * np.pi)
+    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None
 ) -> Array:
-    """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke."""
+    """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke.
+
+    Without a span they are looked for in the one that `driver_limits` takes.
+    """
     general = linkage.linkage
     if output not in general.bodies or output == general.ground:
         raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
-
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return np.empty(0)
     looks = np.linspace(*span, LOOKS + 1)
-    body = move(linkage, looks, branch).bodies[output]
-    # A body that only slides goes along one line: that of its largest step.
-    steps = np.nan_to_num(body.origin.first, nan=0.0, posinf=0.0, neginf=0.0)
-    largest = steps[np.argmax(np.abs(steps))]
-    turning = np.abs(np.nan_to_num(body.first, nan=0.0, posinf=0.0, neginf=0.0)).max()
-    places = (z for points in general.bodies.values() for z in points.values())
-    reach = max((float(np.abs(z).max()) for z in places), default=0.0) or 1.0
-    line = None if turning * reach > STILL * abs(largest) else largest
+    motion = move(linkage, looks, branch)
+    line = None
+    if goes_without_turning(motion, output):
+        # It goes along one line: that of its largest step.
+        steps = np.nan_to_num(motion.bodies[output].origin.first, nan=0.0, posinf=0.0, neginf=0.0)
+        line = steps[np.argmax(np.abs(steps))]
 
     def way(q: Array) -> Array:
         moved = move(linkage, np.append(span[0], q), branch).bodies[output]
@@ -81,6 +99,53 @@ def dead_centres(
     values = way(looks)
     found = [*looks[values == 0].tolist(), *_crossings(way, looks, values)]
     return np.unique(np.array(found))
+
+
+def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
+    """One turn, or from the first to the last place of a driving slide at which the linkage closes; None if at none."""
+    general = linkage.linkage
+    if general.driven_slider is None:
+        return TURN
+    told, steps = chosen(branch), planned(general, branch)
+    if told.follow or told.near or any(isinstance(step, Loops) for step in steps):
+        first = "such a branch" if told.follow or told.near else "the estimate"
+        raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
+    reach = reach_of(general)
+    outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
+    looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
+
+    def closed(q: Array) -> Array:
+        return move(linkage, q, branch).closed
+
+    ends = looks[[0, -1]]
+    if closed(ends).any():
+        raise DesignError("span", "the linkage closes at places without end", f"give a span, such as {(-reach, reach)}")
+    row = sides_along(general, steps, looks, (), told)
+    looks = np.concatenate([looks, _exact(steps, (float(ends[0]), float(ends[1]))), _nearest_to_closing(row, looks)])
+    edges = _changes(closed, np.unique(looks))
+    return (min(edges), max(edges)) if edges else None
+
+
+def _nearest_to_closing(row: Row, looks: Array) -> Array:
+    """Places between open looks at which a dyad comes nearest to closing, and there may close between two of them."""
+
+    def least(q: Array) -> Array:
+        """The least gap, mm, of the first dyad that is open, or of all; -inf where none is told."""
+        with np.errstate(all="ignore"):
+            p = row.placed(q, len(row.steps))
+            gaps = [np.broadcast_to(g, q.shape) for step in row.steps if isinstance(step, Dyad) for g in step.gaps(p)]
+        return np.nan_to_num(np.fmin.reduce([*gaps, np.full(len(q), np.inf)]), nan=-np.inf)
+
+    gap = least(looks)
+    at = 1 + np.flatnonzero((gap[1:-1] < 0) & (gap[1:-1] >= gap[:-2]) & (gap[1:-1] >= gap[2:]))
+    low, high, best = looks[at - 1], looks[at + 1], looks[at]
+    for _ in range(NARROWED):
+        places = np.linspace(low, high, 17)
+        top = np.argmax(least(places.ravel()).reshape(places.shape), axis=0)
+        low, best, high = (
+            np.take_along_axis(places, np.clip(k, 0, 16)[None], axis=0)[0] for k in (top - 1, top, top + 1)
+        )
+    return best
 
 
 def _all_driven(steps: Sequence[Step]) -> bool:

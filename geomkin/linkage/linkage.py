@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Annotated, Any
 
 import numpy as np
@@ -139,6 +139,13 @@ class Linkage:
     def many(self) -> bool:
         """Whether sizes are arrays: many linkages of one make."""
         return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
+
+    @cached_property
+    def size(self) -> Array:
+        """Largest distance of a point or a slide's line from its body's origin, mm, () or (linkages,)."""
+        places = [z for points in self.bodies.values() for z in points.values()]
+        places += [place for slider in self.sliders for place in (slider.point, slider.through)]
+        return np.asarray(reduce(np.maximum, [np.abs(place) for place in places], 0.0))
 
     @cached_property
     def ground(self) -> str:

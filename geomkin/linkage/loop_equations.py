@@ -42,9 +42,7 @@ class LoopEquations:
     @cached_property
     def size(self) -> float:
         """The largest distance that the linkage names, mm."""
-        named = [z for points in self.linkage.bodies.values() for z in points.values()]
-        named += [z for s in self.linkage.sliders for z in (s.point, s.through)]
-        return max((float(abs(z)) for z in named), default=0.0) or 1.0
+        return float(self.linkage.size) or 1.0
 
     @cached_property
     def columns(self) -> list[tuple[int, str]]:
@@ -182,7 +180,7 @@ class LoopEquations:
         Open one joint by a small e with the driver held: that moves the linkage by the inverse of the Jacobian. At
         a pin the ends then move by v1 e and v2 e, v1 - v2 = 1. Such pairs of ways and those that the pin lets pass,
         v1 = v2, are two planes, whose least angle is half the angle mu told here: cos mu = 1 - 1/s^2, s the largest
-        singular value of v1 over v2, mu = pi/2 where s is less than 1. At a slider both bodies move along one way
+        singular value of v1 over v2; pi/2, the most there is, stands where s is less than 1. At a slider both bodies move along one way
         against each other, and mu is its angle from the line.
         """
         least = np.full(len(state[0]), np.nan)
@@ -217,7 +215,7 @@ class LoopEquations:
                 both = sum(np.real(np.conj(w[:, 0]) * w[:, 1]) for w in ways)
                 square = 0.5 * (one + two) + np.hypot(0.5 * (one - two), both)
                 sine = np.sqrt(np.maximum(2 - 1 / square, 0) / square)
-                found.append(np.where(square <= 1, 0.5 * np.pi, np.arctan2(sine, 1 - 1 / square)))
+                found.append(np.arctan2(sine, 1 - 1 / square))
             first += len(chain) - 1
         return found
 

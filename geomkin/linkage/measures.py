@@ -11,6 +11,10 @@ from .four_bar import FourBar
 from .motion import Motion
 from .slider_crank import SliderCrank
 
+# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
+# is more a body that turns.
+STILL = 1e-9
+
 
 @checked
 def grashof_type(linkage: FourBar) -> str:
@@ -79,21 +83,35 @@ def least_transmission_angle(motion: Motion) -> Array:
 def mechanical_advantage(motion: Motion, output: str) -> Array:
     """Output torque or force over input torque or force, by the power that both have: dq over the output's own way.
 
-    Of a turning body the torque it gives for 1 of the driver's; of one that only slides the force along its line, per
-    mm where the driver turns. Signed: negative where it works against the driver's sense. inf where the output stands
-    still (a dead centre of the output), 0 where the driver does.
+    Of a turning body the torque it gives for 1 of the driver's; of one that only slides on the ground the force along
+    its line, per mm where the driver turns. Signed: negative where it works against the driver's sense. Of any other
+    body that moves without turning, such as a platform on two cranks, the force along the path of its points, which is
+    the same for all: positive, since a path has no sense but the motion's. inf where the output stands still (a dead
+    centre of the output), 0 where the driver does.
     """
     if output not in motion.bodies or output == motion.linkage.ground:
         raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}")
     body = motion.bodies[output]
-    way = body.first
-    if not np.nan_to_num(way).any():
-        lines = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
-        if lines:
-            slider = lines[0]
-            line = motion.bodies[motion.linkage.ground].direction * (
-                slider.direction if slider.body == output else -slider.direction
-            )
-            way = dot(line, body.point(slider.point if slider.body == output else slider.through).first)
+    lines = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
+    if lines:
+        slider = lines[0]
+        line = motion.bodies[motion.linkage.ground].direction * (
+            slider.direction if slider.body == output else -slider.direction
+        )
+        along = dot(line, body.point(slider.point if slider.body == output else slider.through).first)
+    else:
+        along = np.abs(body.origin.first)
+    way = np.where(goes_without_turning(motion, output), along, body.first)
     with np.errstate(divide="ignore"):
         return 1 / way
+
+
+def goes_without_turning(motion: Motion, body: str) -> Array:
+    """Whether all that a body turns over the frames is rounding of its going along, bool, () or (linkages,)."""
+    moving = motion.bodies[body]
+    turning, going = (
+        np.abs(np.nan_to_num(rate, nan=0.0, posinf=0.0, neginf=0.0)).max(axis=0, initial=0.0)
+        for rate in (moving.first, moving.origin.first)
+    )
+    size = motion.linkage.size
+    return turning * np.where(size > 0, size, 1.0) <= STILL * going

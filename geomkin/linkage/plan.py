@@ -204,7 +204,9 @@ class _Planner:
             turns.append(np.conj(along))
             left.append(np.imag(np.conj(along) * (self.local(body, pins[0]) - on_line)))
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
-        self.steps.append(RPR(slider.name, (one, two), (turns[0], turns[1]), left[1] - left[0], bases))
+        self.steps.append(
+            RPR(slider.name, (one, two), (turns[0], turns[1]), left[1] - left[0], bases, self.linkage.size)
+        )
         for body, pins in zip((one, two), outer):
             self.steps.append(Carried(body, self.local(body, pins[0]), self.anchor(pins[0])))
         self.placed |= {one, two}

@@ -67,15 +67,15 @@ class Row:
         if not turns:
             low, high = (float(np.clip(q, -self.unit, self.unit)) for q in (low, high))
         finest = FINEST_TURN if turns else FINEST_SHARE * self.unit
-        parts = np.ceil((high - low) / finest) + 4
+        parts = np.ceil((high - low) / finest) + 2
         if parts * many > MOST and turns and many < MOST / 8:
-            found, most = np.degrees(high - low), MOST // many - 5
+            found, most = np.degrees(high - low), MOST // many - 3
             raise DesignError("drive", f"found {found:.6g} deg to follow a branch over", f"give at most {most} deg")
         if parts * many > MOST:
             raise DesignError(
                 "bodies", f"found {many} linkages to follow", f"give at most {int(MOST // parts)} at a time"
             )
-        return np.linspace(low - 2 * finest, high + 2 * finest, int(parts) + 1)
+        return np.linspace(low - finest, high + finest, int(parts) + 1)
 
 
 def started(ground: str, q: Array, elsewhere: Callable[[Array], list[Pass]] | None = None) -> Pass:

@@ -34,7 +34,7 @@ def polished(equations: Equations, points: Array) -> Array:
         value, slopes = equations(points[moving])
         step = solved(slopes[..., :-1], value)
         size = np.abs(step).max(axis=1)
-        # Close to a limit steps go on halving until rounding takes over; a step made of that leads away.
+        # Steps that no longer shrink are made of rounding: they would go on to the last. Close to a limit they only halve.
         on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
         moving, size = moving[on], size[on]
         points[moving, :-1] -= step[on]

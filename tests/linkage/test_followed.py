@@ -98,6 +98,83 @@ def test_limits_of_a_followed_branch_are_followed_from_the_start_of_the_span():
     assert 0 < closed.mean() < 1 and np.mean(inside != closed) < 2e-3
 
 
+def test_a_change_point_stands_where_it_is_to_a_tenth_of_a_millionth_of_a_degree():
+    """There the gap is flat: the place of its least value alone is known a hundred times less well."""
+    beside = np.geomspace(3e-10, 1e-6, 60)
+    for turned in range(0, 360, 45):
+        linkage, pins = chain(2)
+        placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=turned)
+        start = {name: place * np.exp(1j * np.radians(turned)) for name, place in pins.items()}
+        at = np.pi - np.angle(15 + 5j)
+        motion = gk.move(placed, np.concatenate([[0.4], at - beside, at + beside]), gk.Follow(start))
+        for joint in ("Q0", "Q1"):
+            assert motion.branches[joint][1:61].min() >= 0 and motion.branches[joint][61:].max() <= 0
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+@pytest.mark.parametrize("span", [1e-5, 0.01, 1.0])
+def test_a_row_that_ends_at_a_change_point_is_closed_there(turn, span):
+    """However it lies in the plane: rounding alone would open every other one."""
+    linkage, _ = chain(1)
+    line = np.pi - np.angle(15 + 5j)
+    for turned in range(0, 360, 30):
+        placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=turned)
+        for end in line + np.spacing(line) * np.arange(-2, 3):
+            motion = gk.move(placed, end - turn * span * np.array([1, 0.5, 0]), "follow")
+            assert motion.closed.all() and set(motion.branches["Q0"][:-1]) == {1}
+            beyond = gk.move(placed, [end - turn * 1e-6, end + turn * span], "follow")
+            assert beyond.branches["Q0"].tolist() == [1, -1]
+
+
+def test_a_change_point_within_a_whip_is_passed():
+    """A crank that a slide whips round by half a turn within 1e-3 mm, and a parallelogram in line amid that."""
+    linkage = gk.SliderCrank(50, 50, offset=1e-4, driver="slider").linkage
+    bodies = {name: dict(points) for name, points in linkage.bodies.items()}
+    pivot = next(p for p in bodies["crank"] if p in bodies["ground"])
+    bodies["crank"]["R"] = bodies["crank"][pivot] + 20
+    bodies["ground"]["E"] = 70
+    bodies |= {"rod": {"R": 0, "Q": 70}, "out": {"E": 0, "Q": 20}}
+    twin = gk.Linkage(bodies, linkage.driver, linkage.sliders)
+    for way in (1, -1):
+        drive = way * np.linspace(70, -61.3, 29)
+        crank = gk.move(linkage, drive, "follow").crank.direction
+        pins = {"Q": 70 + 20 * crank[0]}
+        motion = gk.move(twin, drive, gk.Follow(pins))
+        assert motion.closed.all() and len(set(motion.branches["Q"])) == 2
+        assert np.abs(crank[-1] - crank[0]) > 0.5
+        assert np.abs(motion.out.direction - motion.crank.direction).max() < 1e-6
+
+
+def test_a_place_tells_at_the_frame_where_it_was_told():
+    """Past a change point that lies between an open first frame and the first one that closes."""
+    bars = gk.FourBar(4, 3, 2, 2.5)
+    arm = np.conj(gk.move(bars, [1.0]).rocker.direction[0])
+    bodies = {name: dict(points) for name, points in bars.linkage.bodies.items()}
+    pivot = next(p for p in bodies["rocker"] if p in bodies["ground"])
+    bodies["rocker"]["R"] = bodies["rocker"][pivot] + arm
+    bodies["ground"]["E"] = bodies["ground"][pivot] + 3
+    bodies |= {"rod": {"R": 0, "Q": 3}, "out": {"E": 0, "Q": 1}}
+    linkage = gk.Linkage(bodies, "crank")
+    drive = np.array([3.0, 0.5, 0.8, 1.2, 1.3])
+    rocker = gk.move(bars, drive).rocker.direction
+    motion = gk.move(linkage, drive, gk.Follow({"Q": bodies["ground"]["E"] + arm * rocker[1]}))
+    assert motion.closed.tolist() == [False, True, True, True, True]
+    assert motion.rod.direction[1:] == pytest.approx(np.ones(4), abs=1e-9)
+
+
+def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_span():
+    """A rocker behind a parallelogram, which is a four-bar of its own as long as that stays one."""
+    linkage, pins = chain(1)
+    bodies = dict(linkage.bodies)
+    bodies["ground"] = {**bodies["ground"], "F": 105}
+    bodies |= {"link": {"Q0": 0, "S": 40}, "rocker two": {"F": 0, "S": 35}}
+    found = gk.dead_centres(gk.Linkage(bodies, "crank"), "rocker two", gk.Follow(pins), (0.4, 0.4 + 2 * np.pi))
+    lean = np.angle(15 + 5j)
+    alone = gk.FourBar(45, abs(15 + 5j), 40, 35)
+    wanted = gk.dead_centres(alone, "rocker", 1, (0.4 + lean, 0.4 + lean + 2 * np.pi)) - lean
+    assert len(wanted) == 2 and found == pytest.approx(wanted, abs=1e-9)
+
+
 def test_frames_as_near_to_a_change_point_as_rounding_are_closed():
     linkage, pins = chain(2)
     at = np.pi - np.angle(15 + 5j)

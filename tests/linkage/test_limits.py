@@ -1,10 +1,12 @@
 """Driver limits, dead centres, mechanical advantage, coupler curves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.linkage.examples import ALL, FOUR_BAR
+from tests.linkage.examples import ALL, FOUR_BAR, between, boom, lift_table
 
 
 def test_a_crank_that_turns_fully_has_no_limits():
@@ -47,6 +49,84 @@ def test_a_span_without_a_pose_has_no_parts():
     assert gk.driver_limits(gk.FourBar(4, 3, 2, 2.5), span=(2.0, 4.0)) == ()
     with pytest.raises(gk.DesignError, match="span"):
         gk.driver_limits(FOUR_BAR, span=(1.0, 1.0))
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+def test_a_driving_slide_is_followed_over_its_whole_reach(size):
+    """By Pythagoras: crank and coupler in line, stretched or folded, 12 mm beside the slide."""
+    linkage = gk.SliderCrank(30 * size, 90 * size, 12 * size, driver="slider")
+    far, near = np.sqrt(120**2 - 12**2), np.sqrt(60**2 - 12**2)
+    found = np.array(gk.driver_limits(linkage)) / size
+    assert found == pytest.approx(np.array([[-far, -near], [near, far]]), rel=1e-14)
+    # The coupler turns back where the crank stands across the slide.
+    centres = gk.dead_centres(linkage, "coupler") / size
+    assert centres == pytest.approx([-np.sqrt(90**2 - 42**2), np.sqrt(90**2 - 18**2)], rel=1e-14)
+
+
+@pytest.mark.parametrize("short", [1.0, 1e-3, 1e-6, 1e-9])
+def test_a_slide_that_closes_hardly_anywhere_is_found(short):
+    """Crank and coupler just reach the slide's line, so that the whole stroke is a sliver of their lengths."""
+    offset = 120 - short
+    stroke = np.sqrt((120 - offset) * (120 + offset))
+    ((low, high),) = gk.driver_limits(gk.SliderCrank(30, 90, offset, driver="slider"))
+    assert [low, high] == pytest.approx([-stroke, stroke], rel=1e-13 / short + 1e-13)
+
+
+def test_an_actuator_is_followed_over_its_whole_reach():
+    """By the triangle of its pins: the boom's arm against its base, the rod's slide 5 mm beside the pins."""
+    linkage = boom()
+    parts = gk.driver_limits(linkage)
+    slide = linkage.sliders[0]
+    arm, base = abs(120 + 10j), abs(60 - 80j)
+    # Where the rod's pin is seen from the cylinder's as the slide moves on.
+    start, along = slide.seen("rod", -5, 0.0), slide.seen("rod", -5, 1.0) - slide.seen("rod", -5, 0.0)
+    ahead, left = (start * np.conj(along)).real, (start * np.conj(along)).imag
+    far, near = np.sqrt((arm + base) ** 2 - left**2), np.sqrt((arm - base) ** 2 - left**2)
+    assert np.array(parts) + ahead == pytest.approx(np.array([[-far, -near], [near, far]]), rel=1e-13)
+
+
+@pytest.mark.parametrize("lean", [1.0, 0.1, 1e-4])
+@pytest.mark.parametrize("height", [0.0, 20.0, 1000.0])
+def test_a_slide_s_reach_may_be_far_beyond_the_linkage_s_lengths(lean, height):
+    """A rod between two rails: its ends lie 100 mm over the sine of the rails' angle from where they cross."""
+    linkage = gk.Linkage(
+        {"ground": {}, "one": {"A": 0}, "rod": {"A": 0, "B": 100}, "two": {"B": 0}},
+        "one",
+        (
+            gk.Slider("level", "one", "ground"),
+            gk.Slider("leaning", "two", "ground", through=1j * height, direction_deg=np.degrees(lean)),
+        ),
+    )
+    crossing, reach = -height / np.tan(lean), 100 / np.sin(lean)
+    assert np.ravel(gk.driver_limits(linkage)) == pytest.approx([crossing - reach, crossing + reach], rel=1e-12)
+
+
+def test_a_slide_whose_reach_has_no_end_or_no_start_is_refused():
+    lever = gk.Linkage(
+        {"ground": {"O": 0}, "head": {"P": 0}, "stone": {"P": 0}, "lever": {"O": 0}},
+        "head",
+        (gk.Slider("way", "head", "ground", through=30j), gk.Slider("slot", "stone", "lever")),
+    )
+    for call in (
+        lambda *span: gk.driver_limits(lever, 1, *span),
+        lambda *span: gk.dead_centres(lever, "lever", 1, *span),
+    ):
+        with pytest.raises(gk.DesignError, match="without end") as caught:
+            call()
+        assert caught.value.field == "span"
+        low, high = (float(v) for v in caught.value.remedy.split("(")[1].strip(")").split(","))
+        assert np.size(call((low, high))) in (0, 2)
+    for linkage, branch in ((boom(), "follow"), (boom(), {"B": 100 + 50j}), (between()[0], 1)):
+        with pytest.raises(gk.DesignError, match="first place") as caught:
+            gk.driver_limits(linkage, branch)
+        assert caught.value.field == "span"
+
+
+def test_a_slide_that_closes_nowhere_has_neither_limits_nor_dead_centres():
+    """Its line passes the cylinder's pin farther off than arm and base are long together."""
+    lift = boom()
+    never = gk.Linkage(lift.bodies, "lift", (replace(lift.sliders[0], through=700j),))
+    assert gk.driver_limits(never) == () and gk.dead_centres(never, "boom").size == 0
 
 
 def test_dead_centres_of_a_crank_rocker_have_crank_and_coupler_in_line():
@@ -94,6 +174,27 @@ def test_mechanical_advantage_conserves_power(name):
 def test_the_advantage_is_without_bound_at_a_dead_centre():
     centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
     assert np.abs(gk.mechanical_advantage(gk.move(FOUR_BAR, [centre]), "rocker")[0]) > 1e12
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+@pytest.mark.parametrize(("coupler", "rocker"), [(80, 30), (np.array([80, 80, 82]), np.array([30, 30, 40]))])
+def test_a_platform_on_two_cranks_gives_a_force_along_its_path(size, coupler, rocker):
+    """Virtual work by differences; the rounding of a platform that does not turn is no turning."""
+    linkage = gk.FourBar(80 * size, 30 * size, coupler * size, rocker * size)
+    drive, step = np.linspace(0.3, 2.6, 20), 1e-6
+    advantage = gk.mechanical_advantage(gk.move(linkage, drive, "follow"), "coupler")
+    ends = [gk.move(linkage, np.append(0.3, drive + d), "follow").coupler for d in (-step, step)]
+    gone = np.abs(ends[1].origin.position - ends[0].origin.position)[1:] / (2 * step)
+    turned = np.angle(ends[1].direction / ends[0].direction)[1:] / (2 * step)
+    way = gone if advantage.ndim == 1 else np.column_stack([gone[:, 0], gone[:, 1], turned[:, 2]])
+    assert advantage * way == pytest.approx(np.ones(way.shape), rel=1e-5)
+
+
+def test_a_lifted_table_gives_the_force_that_lifts_it():
+    q = np.linspace(100, 180, 9)
+    heights = [gk.move(lift_table(), q + d).table.origin.position.imag for d in (-1e-5, 1e-5)]
+    advantage = gk.mechanical_advantage(gk.move(lift_table(), q), "table")
+    assert advantage == pytest.approx(2e-5 / (heights[1] - heights[0]), rel=1e-7)
 
 
 def test_a_coupler_curve_is_the_path_of_its_point_exactly():

@@ -8,6 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.plan import _Planner
+from geomkin.linkage.trace import polished
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 
@@ -307,3 +308,37 @@ def test_a_motion_of_loops_can_be_sent_to_another_process():
 
 def test_no_frames_are_no_fault():
     assert gk.move(locked()[0], []).closed.shape == (0,)
+
+
+def test_newton_s_steps_end_where_rounding_takes_over():
+    """A value that rounds to 1e-14 and is never zero, and one whose slope vanishes with it: work by counting."""
+    asked = []
+
+    def rounded(points):
+        asked.append(len(points))
+        return (points[:, :1] + 100) - 100 - 1 / 3, np.broadcast_to([[1.0, 0.0]], (len(points), 1, 2))
+
+    found = polished(rounded, np.stack([np.linspace(-1, 1, 50), np.zeros(50)], axis=1))
+    assert np.abs(found - 1 / 3).max() < 1e-13 and len(asked) < 8
+
+    def doubled(points):
+        x, q = points.T
+        return ((x * x - 2 * x + 1) - q)[:, None], np.stack([2 * x - 2, -np.ones(len(x))], axis=-1)[:, None]
+
+    starts = np.concatenate([way * np.geomspace(1e-6, 1, 200) for way in (1, -1)])
+    found = polished(doubled, np.stack([1 + starts, 0 * starts], axis=1))
+    assert np.abs(found - 1).max() < 3e-8
+
+
+@pytest.mark.parametrize("at", [0.5, 2.0, 4.0])
+def test_the_transmission_angle_does_not_depend_on_the_order_of_bodies(at):
+    """At pins of three bodies each of them is the one that leaves the others: here the leg drives, no dyad is left."""
+    linkage, _, branch = ALL["walking leg"]
+    there, names = gk.move(linkage, [at], branch), list(linkage.bodies)[1:]
+    pins = {pin: there.point(pin).position[0] for pin in linkage.pins}
+    found = []
+    for shift in range(len(names)):
+        order = ["ground", *names[shift:], *names[:shift]]
+        turned = gk.Linkage({name: linkage.bodies[name] for name in order}, "leg", estimate=pins)
+        found += gk.move(turned, np.angle(there.leg.direction)).transmission_angle.tolist()
+    assert found == pytest.approx(len(names) * found[:1], abs=1e-12)

@@ -1,0 +1,67 @@
+"""Two bodies that slide on each other, where the pins that hold them meet: no direction is told there."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.linkage.examples import lift_table
+
+
+def scaled(linkage, size):
+    bodies = {body: {p: size * z for p, z in points.items()} for body, points in linkage.bodies.items()}
+    return dataclasses.replace(linkage, bodies=bodies)
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+@pytest.mark.parametrize("origin", [0, 3 - 2j])
+def test_a_lift_table_that_folds_onto_itself_is_open(size, origin):
+    """With its arms on each other both pins of the table are one, and its direction is anything."""
+    table = dataclasses.replace(scaled(lift_table(), size), driver="arm", origin=origin * size)
+    folded = gk.move(table, np.linspace(1.6, 3, 500))
+    assert not folded.closed.any() and np.isnan(folded.table.direction.real).all()
+    assert set(folded.branches["ceiling"]) == {0}
+    upright = gk.move(table, np.append(np.linspace(0.1, 1.57, 50), np.pi / 2 - 1e-6))
+    assert upright.closed.all() and upright.table.direction == pytest.approx(np.ones(51), abs=1e-8)
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+@pytest.mark.parametrize("side", [1, -1])
+def test_pins_that_nearly_meet_are_told_with_the_digits_that_are_left(size, side):
+    """A lever through its crank's circle: by the angle at the circumference it leans by half the crank's angle."""
+    lever = gk.InvertedSliderCrank(30 * size, 30 * size)
+    near = side * 10.0 ** -np.arange(0, 14)
+    motion = gk.move(lever, near)
+    error = np.abs(np.imag(motion.rocker.direction * np.conj(1j * np.exp(0.5j * near))))
+    assert motion.closed.all() and np.all(error < 1e-15 / np.abs(near))
+    assert not gk.move(lever, [0.0, side * 1e-15, side * 1e-16]).closed.any()
+
+
+def test_many_levers_are_told_as_each_is_alone():
+    ground = np.array([30.0, 30 + 1e-15, 30 + 1e-9, 80.0])
+    drive = np.array([0.0, 1e-15, 1e-10, 1.0])
+    many = gk.move(gk.InvertedSliderCrank(ground, 30), drive).closed
+    assert np.array_equal(many.T, [gk.move(gk.InvertedSliderCrank(g, 30), drive).closed for g in ground])
+    assert many[0].tolist() == [False, False, True, True]
+
+
+def test_places_far_out_round_as_they_are_large():
+    """Two trolleys a rod apart: a lever on the first slides through a pin of the second, which is its own pin."""
+    linkage = gk.Linkage(
+        {
+            "ground": {},
+            "first": {"A": 0, "C": 7 + 30.3},
+            "rod": {"A": 0, "B": 30.3},
+            "second": {"B": -7, "D": 0},
+            "lever": {"C": 0},
+            "stone": {"D": 0},
+        },
+        "first",
+        (
+            gk.Slider("way", "first", "ground", direction_deg=20),
+            gk.Slider("same way", "second", "ground", direction_deg=20),
+            gk.Slider("slot", "stone", "lever"),
+        ),
+    )
+    assert not gk.move(linkage, np.random.default_rng(1).uniform(-1e7, 1e7, 200)).closed.any()
