@@ -158,7 +158,9 @@ def _pass(home, tests, limit):
     """Whether tests pass within a time: a fault that hangs is seen, too."""
     command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", *tests]
     environment = os.environ | {"PYTHONPATH": str(home)}
-    with subprocess.Popen(command, cwd=home, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT) as job:
+    with subprocess.Popen(
+        command, cwd=home, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT
+    ) as job:
         try:
             return job.wait(limit) in (0, 5)  # 5: nothing was left to run
         except subprocess.TimeoutExpired:
