@@ -1,10 +1,13 @@
 """Cams of all followers for tests, and followers placed by hand: by other ways than the package takes."""
 
+from functools import partial
+
 import numpy as np
 
 import geomkin as gk
 from geomkin.cam.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.roller import OscillatingRoller, TranslatingRoller
+from tests.made import Made
 
 
 def programme(rise, swings=False, ends=(60, 180, 210, 360), laws=("3-4-5", "cycloidal")):
@@ -18,38 +21,47 @@ def programme(rise, swings=False, ends=(60, 180, 210, 360), laws=("3-4-5", "cycl
 
 
 LIFTS, SWINGS = programme(20), programme(14, swings=True)
-FOLLOWERS = {
-    "roller": (TranslatingRoller(10, 12), LIFTS),
-    "knife": (TranslatingRoller(0, -7), LIFTS),
-    "flat": (TranslatingFlat(), LIFTS),
-    "tilted": (TranslatingFlat(tilt_deg=-15), LIFTS),
-    "roller on arm": (OscillatingRoller(10, 100, 80), SWINGS),
-    "roller on arm below": (OscillatingRoller(6, 90, 110, "below"), SWINGS),
-    "flat on arm": (OscillatingFlat(110, 8), SWINGS),
-    "flat on arm below": (OscillatingFlat(110, -12, "below"), SWINGS),
-}
+FOLLOWERS = Made(
+    {
+        "roller": lambda: (TranslatingRoller(10, 12), LIFTS),
+        "knife": lambda: (TranslatingRoller(0, -7), LIFTS),
+        "flat": lambda: (TranslatingFlat(), LIFTS),
+        "tilted": lambda: (TranslatingFlat(tilt_deg=-15), LIFTS),
+        "roller on arm": lambda: (OscillatingRoller(10, 100, 80), SWINGS),
+        "roller on arm below": lambda: (OscillatingRoller(6, 90, 110, "below"), SWINGS),
+        "flat on arm": lambda: (OscillatingFlat(110, 8), SWINGS),
+        "flat on arm below": lambda: (OscillatingFlat(110, -12, "below"), SWINGS),
+    }
+)
+
+
+def made(name, direction):
+    follower, program = FOLLOWERS[name]
+    return gk.Cam(follower, program, 65 if "flat" in name else 45, direction)
+
+
 # None of them undercuts.
-CAMS = {
-    f"{name}, {direction}": gk.Cam(follower, program, 65 if "flat" in name else 45, direction)
-    for name, (follower, program) in FOLLOWERS.items()
+CAMS = Made({
+    f"{name}, {direction}": partial(made, name, direction)
+    for name in FOLLOWERS
     for direction in ("counterclockwise", "clockwise")
-}
+})  # fmt: skip
 # These do: flanks, peaks, joints, and a tip that is nearly all lost.
 SHARP, TURNING = (60, 110, 120, 175), (40, 130, 130, 240)
-UNDERCUT = {
-    "roller": gk.Cam(TranslatingRoller(30, 5), programme(20, ends=SHARP), 20),
-    "roller, tip lost": gk.Cam(TranslatingRoller(25, 5), programme(20, ends=SHARP), 8, "clockwise"),
-    "roller, jumps": gk.Cam(TranslatingRoller(14, -4), programme(15, laws=("uniform", "uniform")), 30),
-    "flat": gk.Cam(TranslatingFlat(), programme(20, ends=SHARP), 25),
-    "tilted": gk.Cam(TranslatingFlat(15), programme(20, ends=SHARP), 25, "clockwise"),
-    "flat, jumps": gk.Cam(TranslatingFlat(10), programme(15, laws=("uniform", "harmonic")), 30),
-    "roller on arm": gk.Cam(OscillatingRoller(30, 100, 80), programme(15, True, SHARP), 20, "clockwise"),
-    "roller on arm, jumps": gk.Cam(
+UNDERCUT = Made({
+    "roller": lambda: gk.Cam(TranslatingRoller(30, 5), programme(20, ends=SHARP), 20),
+    "roller, tip lost": lambda: gk.Cam(TranslatingRoller(25, 5), programme(20, ends=SHARP), 8, "clockwise"),
+    "roller, jumps": lambda: gk.Cam(TranslatingRoller(14, -4), programme(15, laws=("uniform", "uniform")), 30),
+    "flat": lambda: gk.Cam(TranslatingFlat(), programme(20, ends=SHARP), 25),
+    "tilted": lambda: gk.Cam(TranslatingFlat(15), programme(20, ends=SHARP), 25, "clockwise"),
+    "flat, jumps": lambda: gk.Cam(TranslatingFlat(10), programme(15, laws=("uniform", "harmonic")), 30),
+    "roller on arm": lambda: gk.Cam(OscillatingRoller(30, 100, 80), programme(15, True, SHARP), 20, "clockwise"),
+    "roller on arm, jumps": lambda: gk.Cam(
         OscillatingRoller(12, 90, 70, "below"), programme(12, True, laws=("uniform", "uniform")), 35
     ),
-    "flat on arm": gk.Cam(OscillatingFlat(110, 8), programme(20, True), 40, "clockwise"),
-    "flat on arm, jumps": gk.Cam(OscillatingFlat(120, -5, "below"), programme(8, True, laws=("uniform", "3-4-5")), 40),
-}  # fmt: skip
+    "flat on arm": lambda: gk.Cam(OscillatingFlat(110, 8), programme(20, True), 40, "clockwise"),
+    "flat on arm, jumps": lambda: gk.Cam(OscillatingFlat(120, -5, "below"), programme(8, True, laws=("uniform", "3-4-5")), 40),
+})  # fmt: skip
 
 
 def rolls(cam):

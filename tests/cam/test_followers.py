@@ -12,7 +12,14 @@ from geomkin.cam.roller import OscillatingRoller, TranslatingRoller
 
 from .cams import CAMS, FOLLOWERS, LIFTS, SWINGS, depth, placed, programme, resting, rolls, seen_from_cam
 
-each_cam = pytest.mark.parametrize("cam", CAMS.values(), ids=CAMS)
+each_cam = pytest.mark.parametrize("cam", CAMS, indirect=True)
+
+
+@pytest.fixture
+def cam(request):
+    return CAMS[request.param]
+
+
 DEGREES = np.radians(np.arange(0.5, 360, 4))
 
 

@@ -15,6 +15,11 @@ from .cams import CAMS, LIFTS, SWINGS, programme, rolls
 HARMONIC = gk.Program([gk.Rise("harmonic", rise=2, end_deg=180), gk.Return("harmonic", end_deg=360)])
 
 
+@pytest.fixture
+def cam(request):
+    return CAMS[request.param]
+
+
 def test_harmonic_lift_equal_to_the_prime_radius_has_the_limits_of_the_worked_case():
     """alpha_max = asin(1/3) at 70.5288 deg; pitch radius 4 at 0, 3.2 at 180, least 2 sqrt 2."""
     cam = gk.Cam(TranslatingRoller(0.5), HARMONIC, 1.5)
@@ -25,7 +30,7 @@ def test_harmonic_lift_equal_to_the_prime_radius_has_the_limits_of_the_worked_ca
     assert tightest_convex(cam)[0] == pytest.approx(2 * np.sqrt(2), rel=1e-14)
 
 
-@pytest.mark.parametrize("cam", CAMS.values(), ids=CAMS)
+@pytest.mark.parametrize("cam", CAMS, indirect=True)
 def test_the_worst_of_each_segment_is_worse_than_any_sample_and_hardly(cam):
     limits, breaks = segment_limits(cam), cam.program.breaks
     for k in range(len(breaks) - 1):

@@ -12,7 +12,12 @@ from geomkin.cam.undercut import undercut
 
 from .cams import CAMS, UNDERCUT, depth, programme, resting, rolls, seen_from_cam
 
-each_undercut = pytest.mark.parametrize("cam", UNDERCUT.values(), ids=UNDERCUT)
+each_undercut = pytest.mark.parametrize("cam", UNDERCUT, indirect=True)
+
+
+@pytest.fixture
+def cam(request):
+    return UNDERCUT[request.param]
 
 
 def polygon(curve, tolerance=1e-5):
@@ -80,8 +85,9 @@ def test_where_the_follower_touches_it_touches_the_outline(cam):
     assert (away[missing] > 1e-9).mean() > 0.95
 
 
-@pytest.mark.parametrize("cam", CAMS.values(), ids=CAMS)
-def test_a_cam_without_undercut_keeps_its_profile(cam):
+@pytest.mark.parametrize("name", CAMS)
+def test_a_cam_without_undercut_keeps_its_profile(name):
+    cam = CAMS[name]
     cut = undercut(cam)
     assert not cut.found and cut.worst == (0, 0) and not cut.lost_lift(np.linspace(0, 7, 9)).any()
     assert cut.outline.point(1.25) == cam.profile.point(1.25)
@@ -153,7 +159,9 @@ def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
     for follower, bend in [(TranslatingFlat(), 0), (TranslatingRoller(14), -1 / 14)]:
         outline = undercut(gk.Cam(follower, program, 40)).outline
         pieces = [p for p in outline.pieces if len(p.breaks) == 2 and gk.length(p) > 1e-3]
-        assert any(p.curvature(p.breaks.mean()) * np.sign(gk.signed_area(outline)) == pytest.approx(bend) for p in pieces)
+        assert any(
+            p.curvature(p.breaks.mean()) * np.sign(gk.signed_area(outline)) == pytest.approx(bend) for p in pieces
+        )
 
 
 def test_a_knife_edge_cuts_nothing_away():

@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import region
+from tests.made import Made
 from tests.tables import gears as tables
 
 TOLERANCE = 1e-4
@@ -24,25 +25,29 @@ def common(pair, turn, extra=0.0):
     return area - region.overlap([one], [two])
 
 
-PAIRS = {
-    "standard": gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2)),
-    "shifted": gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
-    "undercut": gk.GearPair(gk.SpurGear(11, 2), gk.SpurGear(24, 2)),
-    "far": gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2), 64.3),
-    "thinned": gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
-    "rounded": gk.GearPair(gk.SpurGear(20, 2, tip_rounding=0.2), gk.SpurGear(30, 2, tip_chamfer=0.1)),
-    "ring": gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)),
-    "ring, thinned": gk.GearPair(gk.SpurGear(20, 2, thinning=0.05), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)),
-    "ring, shifted": gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
-    "ring, near": gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
-    "ring, one apart": gk.GearPair(
+PAIRS = Made({
+    "standard": lambda: gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2)),
+    "shifted": lambda: gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
+    "undercut": lambda: gk.GearPair(gk.SpurGear(11, 2), gk.SpurGear(24, 2)),
+    "far": lambda: gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2), 64.3),
+    "thinned": lambda: gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
+    "rounded": lambda: gk.GearPair(gk.SpurGear(20, 2, tip_rounding=0.2), gk.SpurGear(30, 2, tip_chamfer=0.1)),
+    "ring": lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)),
+    "ring, thinned": lambda: gk.GearPair(gk.SpurGear(20, 2, thinning=0.05), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)),
+    "ring, shifted": lambda: gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
+    "ring, near": lambda: gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
+    "ring, one apart": lambda: gk.GearPair(
         gk.SpurGear(49, 1, addendum=0.7), gk.RingGear(50, 1, 1.0, gk.PinionCutter(24), addendum=0.7)
     ),
-}
-EVERY = [pytest.param(pair, id=name) for name, pair in PAIRS.items()]
+})  # fmt: skip
 
 
-@pytest.mark.parametrize("pair", EVERY)
+@pytest.fixture
+def pair(request):
+    return PAIRS[request.param]
+
+
+@pytest.mark.parametrize("pair", PAIRS, indirect=True)
 def test_meshed_outlines_share_nothing_through_a_pitch_and_do_when_turned_beyond_the_backlash(pair):
     assert not set(pair.interferences) - {"trimming"}
     r2 = pair.working_radii[1]
@@ -76,15 +81,19 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
 
 
 @pytest.mark.parametrize(
-    ("pair", "names"),
+    ("build", "names"),
     [
         # A ring's full teeth reach below the flank that the rack leaves on the pinion.
-        (gk.GearPair(gk.SpurGear(24, 2), gk.RingGear(60, 2)), {"first root"}),
-        (gk.GearPair(gk.SpurGear(54, 2), gk.RingGear(60, 2, addendum=0.8)), {"second root", "trochoid", "trimming"}),
-        (gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
+        (lambda: gk.GearPair(gk.SpurGear(24, 2), gk.RingGear(60, 2)), {"first root"}),
+        (
+            lambda: gk.GearPair(gk.SpurGear(54, 2), gk.RingGear(60, 2, addendum=0.8)),
+            {"second root", "trochoid", "trimming"},
+        ),
+        (lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
     ],
 )
-def test_what_interferes_is_named_and_overlaps(pair, names):
+def test_what_interferes_is_named_and_overlaps(build, names):
+    pair = build()
     assert set(pair.interferences) & {"first root", "second root", "trochoid"} >= names - {"trimming", "second root"}
     turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 7)
     assert max(common(pair, turn) for turn in turns) > 1e-3 * pair.first.module
@@ -126,7 +135,7 @@ def test_published_internal_pairs(z1, x2, angle, distance):
     assert pair.centre_distance / 3 == pytest.approx(distance, abs=6e-4)
 
 
-@pytest.mark.parametrize("pair", EVERY)
+@pytest.mark.parametrize("pair", PAIRS, indirect=True)
 def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
     """The two flanks' points that meet, followed by differences: their speeds along the common tangent."""
     start, end = pair.contact_lengths

@@ -7,9 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import region
-
-SPUR_12 = gk.SpurGear(12, 2)
-SUN, PLANET, RING = gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8)
+from tests.made import Made
 
 
 def shifted():
@@ -20,18 +18,29 @@ def shifted():
     return gk.PlanetarySet(sun, planet, gk.RingGear(53, 2, shift, addendum=0.7))
 
 
-SETS = [
-    pytest.param(gk.PlanetarySet(SUN, PLANET, RING, 4), id="four"),
-    pytest.param(gk.PlanetarySet(SUN, PLANET, RING, 3), id="three"),
-    pytest.param(
-        gk.PlanetarySet(gk.SpurGear(25, 2), gk.SpurGear(20, 2), gk.RingGear(65, 2, addendum=0.8), 3), id="odd"
-    ),
-    pytest.param(shifted(), id="shifted"),
-    pytest.param(gk.PlanetarySet(SUN, PLANET, gk.RingGear(60, 2, addendum=0.8, thinning=0.1)), id="thinned"),
-]
+def sets(sun=24, planet=18, ring=60, planets=3, **more):
+    return gk.PlanetarySet(
+        gk.SpurGear(sun, 2), gk.SpurGear(planet, 2), gk.RingGear(ring, 2, addendum=0.8, **more), planets
+    )
 
 
-@pytest.mark.parametrize("gears", SETS)
+SETS = Made(
+    {
+        "four": lambda: sets(planets=4),
+        "three": sets,
+        "odd": lambda: sets(25, 20, 65),
+        "shifted": shifted,
+        "thinned": lambda: sets(thinning=0.1),
+    }
+)
+
+
+@pytest.fixture
+def gears(request):
+    return SETS[request.param]
+
+
+@pytest.mark.parametrize("gears", SETS, indirect=True)
 def test_all_teeth_mesh_without_overlap_while_the_sun_turns_and_the_ring_stands(gears):
     sun, planet, ring = (gk.flatten(g.outline, 1e-4) for g in (gears.sun, gears.planet, gears.ring))
     first = None
@@ -51,7 +60,7 @@ def test_all_teeth_mesh_without_overlap_while_the_sun_turns_and_the_ring_stands(
         assert abs(planets[0].origin) == pytest.approx(gears.inner.centre_distance)
 
 
-@pytest.mark.parametrize("gears", SETS[:1])
+@pytest.mark.parametrize("gears", ["four"], indirect=True)
 def test_ratios_follow_from_rolling_without_slip(gears):
     """Speeds of the pitch points, with each member held in turn."""
     r_s, r_p, r_r = 24.0, 18.0, 60.0
@@ -68,15 +77,17 @@ def test_ratios_follow_from_rolling_without_slip(gears):
 @pytest.mark.parametrize(
     ("make", "field", "remedy"),
     [
-        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 5), "planets", "give 4"),
-        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 14), "planets", "give 6"),
+        (lambda: sets(planets=5), "planets", "give 4"),
+        (lambda: sets(planets=14), "planets", "give 6"),
         (
-            lambda: gk.PlanetarySet(SPUR_12, SPUR_12, gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6),
+            lambda: gk.PlanetarySet(
+                gk.SpurGear(12, 2), gk.SpurGear(12, 2), gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6
+            ),
             "planets",
             "give 4",
         ),
-        (lambda: gk.PlanetarySet(SUN, gk.SpurGear(16, 2), RING, 3), "ring.profile_shift", "give the ring 56 teeth"),
-        (lambda: gk.PlanetarySet(SUN, PLANET, RING, 0), "planets", "at least 1"),
+        (lambda: sets(planet=16), "ring.profile_shift", "give the ring 56 teeth"),
+        (lambda: sets(planets=0), "planets", "at least 1"),
     ],
 )
 def test_sets_that_cannot_be_put_together_are_refused_by_name(make, field, remedy):

@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import region
+from tests.made import Made
 
 
 @pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(25, 1, 1.2, 0.1)])
@@ -39,15 +40,20 @@ def test_arcs_are_kept_as_arcs():
     assert len(gk.to_arcs(bar.outline, 1e-6).vertices) == len(bar.outline.vertices) <= 5 * 6 + 6
 
 
-PAIRS = {
-    "even": gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 2)),
-    "odd": gk.RackPair(gk.SpurGear(19, 2), gk.GearRack(9, 2)),
-    "shifted": gk.RackPair(gk.SpurGear(10, 2, 0.45), gk.GearRack(9, 2)),
-    "far": gk.RackPair(gk.SpurGear(24, 2, thinning=0.05), gk.GearRack(9, 2, thinning=0.1), 24.2),
-}
+PAIRS = Made({
+    "even": lambda: gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 2)),
+    "odd": lambda: gk.RackPair(gk.SpurGear(19, 2), gk.GearRack(9, 2)),
+    "shifted": lambda: gk.RackPair(gk.SpurGear(10, 2, 0.45), gk.GearRack(9, 2)),
+    "far": lambda: gk.RackPair(gk.SpurGear(24, 2, thinning=0.05), gk.GearRack(9, 2, thinning=0.1), 24.2),
+})  # fmt: skip
 
 
-@pytest.mark.parametrize("pair", [pytest.param(p, id=name) for name, p in PAIRS.items()])
+@pytest.fixture
+def pair(request):
+    return PAIRS[request.param]
+
+
+@pytest.mark.parametrize("pair", PAIRS, indirect=True)
 def test_pinion_and_rack_share_nothing_through_a_pitch_and_do_when_pushed_beyond_the_backlash(pair):
     assert not pair.interferences
     one, two = (gk.flatten(g.outline, 1e-4) for g in (pair.pinion, pair.rack))

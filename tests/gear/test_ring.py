@@ -5,30 +5,33 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import region
+from tests.made import Made
 
-STANDARD = gk.PinionCutter()
-CASES = [
-    (40, 0.0, STANDARD, 1.0),
-    (60, 0.0, STANDARD, 1.0),
-    (41, 0.5, STANDARD, 1.0),
-    (60, -0.3, gk.PinionCutter(30, profile_shift=0.1), 0.8),
-    (25, 1.0, STANDARD, 0.3),
-    (50, 0.0, gk.PinionCutter(26, tip_radius=0), 1.0),
-    (50, 0.2, gk.PinionCutter(20, 25, 1.2, 0.1), 0.9),
-    (48, 0.0, gk.PinionCutter(18, 20, 1.25, 0.2), 0.7),
-    (200, 0.0, gk.PinionCutter(30), 1.0),
-    (1000, 0.0, gk.PinionCutter(30), 1.0),
-    (12, 0.6, gk.PinionCutter(6, 30, 0.8, 0.05), 0.4),
-    (30, 1.5, gk.PinionCutter(27, 20, 1.25, 0.1), 0.6),
-]
-# The last is thinned by more than the cutter's tips are wide.
-THINNED = [
-    gk.RingGear(60, 2, thinning=0.1),
-    gk.RingGear(50, 2, 0.2, gk.PinionCutter(26, tip_radius=0), thinning=0.3),
-    gk.RingGear(40, 2, thinning=0.6),
-]
-RINGS = [pytest.param(gk.RingGear(z, 2, x, c, ha), id=f"{z},{x},{c.teeth}") for z, x, c, ha in CASES]
-RINGS += [pytest.param(ring, id=f"{ring.teeth}, thinned by {ring.thinning}") for ring in THINNED]
+RINGS = Made(
+    {
+        "40,0.0,24": lambda: gk.RingGear(40, 2),
+        "60,0.0,24": lambda: gk.RingGear(60, 2),
+        "41,0.5,24": lambda: gk.RingGear(41, 2, 0.5),
+        "60,-0.3,30": lambda: gk.RingGear(60, 2, -0.3, gk.PinionCutter(30, profile_shift=0.1), 0.8),
+        "25,1.0,24": lambda: gk.RingGear(25, 2, 1.0, addendum=0.3),
+        "50,0.0,26": lambda: gk.RingGear(50, 2, 0.0, gk.PinionCutter(26, tip_radius=0)),
+        "50,0.2,20": lambda: gk.RingGear(50, 2, 0.2, gk.PinionCutter(20, 25, 1.2, 0.1), 0.9),
+        "48,0.0,18": lambda: gk.RingGear(48, 2, 0.0, gk.PinionCutter(18, 20, 1.25, 0.2), 0.7),
+        "200,0.0,30": lambda: gk.RingGear(200, 2, 0.0, gk.PinionCutter(30)),
+        "1000,0.0,30": lambda: gk.RingGear(1000, 2, 0.0, gk.PinionCutter(30)),
+        "12,0.6,6": lambda: gk.RingGear(12, 2, 0.6, gk.PinionCutter(6, 30, 0.8, 0.05), 0.4),
+        "30,1.5,27": lambda: gk.RingGear(30, 2, 1.5, gk.PinionCutter(27, 20, 1.25, 0.1), 0.6),
+        "60, thinned by 0.1": lambda: gk.RingGear(60, 2, thinning=0.1),
+        "50, thinned by 0.3": lambda: gk.RingGear(50, 2, 0.2, gk.PinionCutter(26, tip_radius=0), thinning=0.3),
+        # Thinned by more than the cutter's tips are wide.
+        "40, thinned by 0.6": lambda: gk.RingGear(40, 2, thinning=0.6),
+    }
+)
+
+
+@pytest.fixture
+def ring(request):
+    return RINGS[request.param]
 
 
 def off_cutter(cutter, module, z):
@@ -97,7 +100,7 @@ def _least_distance(ring, z):
     return near.min(axis=1)
 
 
-@pytest.mark.parametrize("ring", RINGS)
+@pytest.mark.parametrize("ring", RINGS, indirect=True)
 def test_the_rolling_cutter_never_enters_the_tooth_and_touches_it_everywhere(ring):
     piece = ring.outline.piece
     t = np.concatenate([np.linspace(b0, b1, 21)[1:-1] for b0, b1 in zip(piece.breaks, piece.breaks[1:])])
@@ -108,7 +111,7 @@ def test_the_rolling_cutter_never_enters_the_tooth_and_touches_it_everywhere(rin
     assert np.abs(least[~tip]).max() < 1e-10 * ring.module
 
 
-@pytest.mark.parametrize("ring", RINGS)
+@pytest.mark.parametrize("ring", RINGS, indirect=True)
 def test_outline_is_one_simple_loop_of_equal_teeth_that_point_inwards(ring):
     polygon = gk.flatten(ring.outline, 0.001 * ring.module)
     assert region.is_simple(polygon)
@@ -121,7 +124,7 @@ def test_outline_is_one_simple_loop_of_equal_teeth_that_point_inwards(ring):
     assert np.abs(one[np.abs(np.angle(one / 1j)).argmin()]) < ring.pitch_radius + ring.profile_shift * ring.module
 
 
-@pytest.mark.parametrize("ring", RINGS)
+@pytest.mark.parametrize("ring", RINGS, indirect=True)
 def test_root_and_flank_meet_with_one_tangent(ring):
     root, flank = ring.root_curve, ring.flank
     assert abs(root.point(root.breaks[-1]) - flank.point(flank.breaks[0])) < 1e-11 * ring.pitch_radius
@@ -129,7 +132,7 @@ def test_root_and_flank_meet_with_one_tangent(ring):
     assert abs(np.angle(after / before)) < 1e-4
 
 
-@pytest.mark.parametrize("ring", RINGS[:4])
+@pytest.mark.parametrize("ring", list(RINGS)[:4], indirect=True)
 def test_velocity_and_curvature_of_the_root_agree_with_differences(ring):
     root = ring.root_curve
     t = np.linspace(root.breaks[0], root.breaks[-1], 9)[1:-1]

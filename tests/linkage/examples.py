@@ -3,6 +3,7 @@
 import numpy as np
 
 import geomkin as gk
+from tests.made import Made
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, 40 + 25j)
 TURN = np.linspace(0, 2 * np.pi, 73)
@@ -119,37 +120,55 @@ def between():
 
 
 # name: (linkage, drives, branch)
-ALL = {
-    "four-bar": (FOUR_BAR, TURN, 1),
-    "four-bar by rocker": (gk.FourBar(100, 30, 90, 70, 40 + 25j, driver="rocker"), np.linspace(1.7, 2.4, 30), -1),
-    "four-bar by coupler": (gk.FourBar(100, 90, 25, 90, 12 + 40j, driver="coupler"), TURN, 1),
-    "four-bar placed elsewhere": (gk.FourBar(100, 30, 90, 70, 40, origin=5 - 3j, ground_angle_deg=37), TURN, -1),
-    "slider-crank": (gk.SliderCrank(30, 90, 12, 40 + 5j), TURN, 1),
-    "slider-crank the other way": (gk.SliderCrank(30, 90, -12, ground_angle_deg=200), TURN, -1),
-    "slider-crank by coupler": (gk.SliderCrank(30, 90, 12, driver="coupler"), np.linspace(-0.2, 0.3, 30), 1),
-    "slider-crank by slider": (gk.SliderCrank(30, 90, 12, driver="slider"), np.linspace(70, 110, 30), -1),
-    "slotted lever": (gk.InvertedSliderCrank(80, 30, 7, point=130), TURN, 1),
-    "slotted lever by lever": (gk.InvertedSliderCrank(80, 30, driver="rocker"), np.linspace(2.9, 3.3, 30), -1),
-    "whitworth": (gk.InvertedSliderCrank(20, 60, 3), TURN, 1),
-    "sliding coupler": (gk.InvertedSliderCrank(80, 30, 5, "coupler", 130), TURN, 1),
-    "stephenson": (gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, {"output_pin": -1}),
-    "watt": (gk.WattSixBar(FOUR_BAR, 50 - 30j, 90, 60, 180), TURN, 1),
-    "shaper": (gk.Shaper(90, 30, 180, 60, 85, origin=3j), TURN, 1),
-    "trammel": (gk.EllipticTrammel(60, 100, 80), TURN, 1),
-    "trammel by shuttle": (gk.EllipticTrammel(60, 100, driver="shuttle"), np.linspace(-50, 50, 30), 1),
-    "scotch yoke": (gk.ScotchYoke(30, 100, 70), TURN, 1),
-    "oldham": (gk.OldhamCoupling(6), TURN, 1),
-    "walking leg": (walking_leg(), TURN, {"B": -1, "G": -1}),
-    "loops": (*locked(), 1),
-    "boom": (boom(), np.linspace(40, 150, 30), -1),
-    "boom after its cylinder": (
-        boom(("rod", "cylinder", "boom"), origin=5 - 3j, ground_angle_deg=37),
-        np.linspace(40, 150, 30),
-        1,
-    ),
-    "boom, the cylinder slides": (boom(turned=True), np.linspace(40, 150, 30), -1),
-    "boom, pulled through": (boom(), np.linspace(-200, -60, 30), 1),
-    "pushed crosshead": (pushed(), np.linspace(50, 95, 30), 1),
-    "lift table": (lift_table(), np.linspace(100, 180, 30), 1),
-    "actuator between moving bars": (*between()[:2], 1),
-}
+ALL = Made(
+    {
+        "four-bar": lambda: (FOUR_BAR, TURN, 1),
+        "four-bar by rocker": lambda: (
+            gk.FourBar(100, 30, 90, 70, 40 + 25j, driver="rocker"),
+            np.linspace(1.7, 2.4, 30),
+            -1,
+        ),
+        "four-bar by coupler": lambda: (gk.FourBar(100, 90, 25, 90, 12 + 40j, driver="coupler"), TURN, 1),
+        "four-bar placed elsewhere": lambda: (
+            gk.FourBar(100, 30, 90, 70, 40, origin=5 - 3j, ground_angle_deg=37),
+            TURN,
+            -1,
+        ),
+        "slider-crank": lambda: (gk.SliderCrank(30, 90, 12, 40 + 5j), TURN, 1),
+        "slider-crank the other way": lambda: (gk.SliderCrank(30, 90, -12, ground_angle_deg=200), TURN, -1),
+        "slider-crank by coupler": lambda: (
+            gk.SliderCrank(30, 90, 12, driver="coupler"),
+            np.linspace(-0.2, 0.3, 30),
+            1,
+        ),
+        "slider-crank by slider": lambda: (gk.SliderCrank(30, 90, 12, driver="slider"), np.linspace(70, 110, 30), -1),
+        "slotted lever": lambda: (gk.InvertedSliderCrank(80, 30, 7, point=130), TURN, 1),
+        "slotted lever by lever": lambda: (
+            gk.InvertedSliderCrank(80, 30, driver="rocker"),
+            np.linspace(2.9, 3.3, 30),
+            -1,
+        ),
+        "whitworth": lambda: (gk.InvertedSliderCrank(20, 60, 3), TURN, 1),
+        "sliding coupler": lambda: (gk.InvertedSliderCrank(80, 30, 5, "coupler", 130), TURN, 1),
+        "stephenson": lambda: (gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, {"output_pin": -1}),
+        "watt": lambda: (gk.WattSixBar(FOUR_BAR, 50 - 30j, 90, 60, 180), TURN, 1),
+        "shaper": lambda: (gk.Shaper(90, 30, 180, 60, 85, origin=3j), TURN, 1),
+        "trammel": lambda: (gk.EllipticTrammel(60, 100, 80), TURN, 1),
+        "trammel by shuttle": lambda: (gk.EllipticTrammel(60, 100, driver="shuttle"), np.linspace(-50, 50, 30), 1),
+        "scotch yoke": lambda: (gk.ScotchYoke(30, 100, 70), TURN, 1),
+        "oldham": lambda: (gk.OldhamCoupling(6), TURN, 1),
+        "walking leg": lambda: (walking_leg(), TURN, {"B": -1, "G": -1}),
+        "loops": lambda: (*locked(), 1),
+        "boom": lambda: (boom(), np.linspace(40, 150, 30), -1),
+        "boom after its cylinder": lambda: (
+            boom(("rod", "cylinder", "boom"), origin=5 - 3j, ground_angle_deg=37),
+            np.linspace(40, 150, 30),
+            1,
+        ),
+        "boom, the cylinder slides": lambda: (boom(turned=True), np.linspace(40, 150, 30), -1),
+        "boom, pulled through": lambda: (boom(), np.linspace(-200, -60, 30), 1),
+        "pushed crosshead": lambda: (pushed(), np.linspace(50, 95, 30), 1),
+        "lift table": lambda: (lift_table(), np.linspace(100, 180, 30), 1),
+        "actuator between moving bars": lambda: (*between()[:2], 1),
+    }
+)

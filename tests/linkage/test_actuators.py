@@ -57,7 +57,12 @@ def _right(motion, linkage, branch):
     return all(np.abs(motion.bodies[b].direction - driven.bodies[b].direction).max() < 1e-6 for b in linkage.bodies)
 
 
-@pytest.mark.parametrize("name", [n for n in ALL if ALL[n][0].linkage.driven_slider])
+DRIVEN_BY_SLIDERS = ["slider-crank by slider", "trammel by shuttle", "boom", "boom after its cylinder",
+                     "boom, the cylinder slides", "boom, pulled through", "pushed crosshead", "lift table",
+                     "actuator between moving bars"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DRIVEN_BY_SLIDERS)
 def test_the_slide_stands_where_it_is_driven(name):
     linkage, drive, branch = ALL[name]
     general = linkage.linkage

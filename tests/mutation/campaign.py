@@ -1,31 +1,43 @@
-"""Faults put into the source one at a time, and whether the tests that run the faulty line see them.
+"""Faults put into the source one at a time, and whether a test sees them.
 
-    pip install coverage
-    python tests/mutation/campaign.py map            # once: which tests run which line (minutes)
+    pip install -e '.[test]' coverage
+    python tests/mutation/campaign.py map            # once: which tests run which line, and how long they take (minutes)
     python tests/mutation/campaign.py run 200 7      # 200 faults chosen by seed 7, two at a time
     python tests/mutation/campaign.py one geomkin/gear/ring.py:152
 
-Each fault is one change of one operator, number, name of a comparison, sign or condition of a random line. The tests
-that run the line are run in a copy of the project until one fails. What survives is printed with its change, for a
-person to judge: some changes alter nothing that can be seen (an equal bound, a message's wording, a speed).
+Each fault is one change of one operator, number, name, sign or condition of a random line. In a copy of the project the
+tests that run the line are run until one fails, the quickest first; then the whole folder of tests that has the name of
+the source's folder; then the kept drawings. What survives is printed with its change, for a person to judge: some
+changes alter nothing that can be seen (an equal bound, a message's wording, a speed).
+
+The map leaves out the tests that work in processes of their own for long (kills, same bytes), so a fault that only they
+would see is printed as a survivor. A line that only runs while the source is imported is tried with its folder alone.
 """
 
 import ast
 import concurrent.futures
-import json
 import os
+import queue
 import random
+import re
+import resource
 import shutil
-import sqlite3
 import subprocess
 import sys
 import tempfile
+import time
+from collections import Counter
+from json import loads
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
-MAP = ROOT / ".coverage"
-# Tests tried for a fault, quickest to reach first, and the time they get: a fault that hangs is seen, too.
-MOST_TESTS, SECONDS = 80, 240
+MAP = ROOT / ".mutation"
+LEFT_OUT = ["tests/hostile/test_kills.py", "tests/hostile/test_same_bytes.py", "tests/test_recipes.py"]
+GALLERY = "tests/test_recipes.py"
+# Of the tests that run a line, as many as take this long together are tried: more, and a survivor costs minutes.
+SECONDS = 40
+# A fault that asks for more than this fails instead of taking the machine down.
+MEMORY = 6 << 30
 COMPARISONS = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "==", ast.In: "not in",
                ast.NotIn: "in", ast.Is: "is not", ast.IsNot: "is"}  # fmt: skip
 OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Pow: "*", ast.BitAnd: "|", ast.BitOr: "&",
@@ -36,20 +48,12 @@ NAMES = {"min": "max", "max": "min", "cos": "sin", "sin": "cos", "real": "imag",
 
 
 def draw_map():
-    """Run the whole suite once and note which test runs which line."""
-    settings = ROOT / ".mutation-coverage"
-    settings.write_text("[run]\nsource = geomkin\ndynamic_context = test_function\nparallel = True\n")
-    try:
-        command = [sys.executable, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest", "-p", "no:randomly"]
-        rooms = sorted(p.relative_to(ROOT).as_posix() for p in (ROOT / "tests").iterdir() if any(p.glob("test_*.py")))
-        others = ["tests/hostile", "tests/linkage", *(f"tests/{p.name}" for p in (ROOT / "tests").glob("test_*.py"))]
-        halves = [room for room in rooms if room not in others], others
-        runs = [subprocess.Popen([*command, *half], cwd=ROOT) for half in halves]
-        for run in runs:
-            run.wait()
-        subprocess.run([sys.executable, "-m", "coverage", "combine", f"--rcfile={settings}"], cwd=ROOT, check=True)
-    finally:
-        settings.unlink()
+    """Run the suite once and note which test runs which line, and each test's seconds."""
+    shutil.rmtree(MAP, ignore_errors=True)
+    MAP.mkdir()
+    left_out = [f"--ignore={file}" for file in LEFT_OUT]
+    plugin = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+    subprocess.run([sys.executable, "-m", "pytest", "-p", "drawing", "-n", "2", *left_out], cwd=ROOT, env=plugin)
 
 
 def faults(file):
@@ -62,9 +66,9 @@ def faults(file):
     for node in ast.walk(tree):
         for (row, column), (last_row, last_column), text in _changes(node):
             begin, end = starts[row - 1] + column, starts[last_row - 1] + last_column
-            # Between two operands there may be brackets, which belong to neither.
-            if b"(" in raw[begin:end] or b")" in raw[begin:end]:
-                continue
+            if isinstance(node, ast.Compare | ast.BinOp | ast.UnaryOp | ast.BoolOp):
+                # Between two operands there may be brackets, which belong to neither: only what is between those goes.
+                text = re.sub(r"[^()\s]([^()]*[^()\s])?", text, raw[begin:end].decode(), count=1)
             changed = raw[:begin] + text.encode() + raw[end:]
             try:
                 ast.parse(changed)
@@ -77,13 +81,13 @@ def _changes(node):
     """(place, place, new text) for what a slip of the hand makes of one node."""
     match node:
         case ast.Compare(ops=[one]) if type(one) in COMPARISONS:
-            yield _end(node.left), _start(node.comparators[0]), f" {COMPARISONS[type(one)]} "
+            yield _end(node.left), _start(node.comparators[0]), COMPARISONS[type(one)]
         case ast.BinOp() if type(node.op) in OPERATORS:
-            yield _end(node.left), _start(node.right), f" {OPERATORS[type(node.op)]} "
+            yield _end(node.left), _start(node.right), OPERATORS[type(node.op)]
         case ast.UnaryOp(op=ast.USub() | ast.Not()):
             yield _start(node), _start(node.operand), ""
         case ast.BoolOp():
-            yield _end(node.values[0]), _start(node.values[1]), " or " if isinstance(node.op, ast.And) else " and "
+            yield _end(node.values[0]), _start(node.values[1]), "or" if isinstance(node.op, ast.And) else "and"
         case ast.Constant(value=bool()):
             yield _start(node), _end(node), str(not node.value)
         case ast.Constant(value=int() | float()):
@@ -105,96 +109,105 @@ def _end(node):
     return node.end_lineno, node.end_col_offset
 
 
-def tests_of(file, line):
-    """Names of the tests that run a line, those that run few lines first; empty where none does."""
-    with sqlite3.connect(MAP) as base:
-        rows = base.execute("select id from file where path like ?", (f"%/{file}",)).fetchall()
-        found = []
-        for (number,) in rows:
-            for context, bits in base.execute(
-                "select context.context, numbits from line_bits join context on context.id = context_id where file_id = ?",
-                (number,),
-            ):
-                if line // 8 < len(bits) and bits[line // 8] & 1 << line % 8:
-                    found.append(context)
+def tests_by_line():
+    """{file: {line: names of the tests that run it}}; a test file's own name stands for what it runs at import."""
+    from coverage import CoverageData
+
+    found = {}
+    for part in MAP.glob("map.*"):
+        data = CoverageData(part)
+        data.read()
+        for path in data.measured_files():
+            lines = found.setdefault(Path(path).relative_to(ROOT).as_posix(), {})
+            for line, contexts in data.contexts_by_lineno(path).items():
+                lines.setdefault(line, set()).update(c for c in contexts if c.endswith(".py") or "::" in c)
     return found
 
 
-def node_names(contexts):
-    """Files and expression that select the tests of these contexts."""
-    names, files = set(), set()
-    for context in filter(None, contexts):
-        module, _, test = context.rpartition(".")
-        files.add(module.replace(".", "/") + ".py")
-        names.add(test)
-    return sorted(f for f in files if (ROOT / f).exists()), sorted(names)
+def quickest(names, seconds, folder):
+    """The tests that are tried, and how long they take: the source's own folder first, quick ones first."""
+    chosen, total = [], 0
+    for name in sorted(names, key=lambda n: (not n.startswith(folder), seconds.get(n, SECONDS / 4), n)):
+        if total + seconds.get(name, SECONDS / 4) < SECONDS:
+            chosen.append(name)
+            total += seconds.get(name, SECONDS / 4)
+    return chosen, total
 
 
-def try_fault(home, file, fault):
-    """ "caught", "survived" or "untested"."""
-    line, (begin, end), text = fault
-    path = Path(home) / file
+def try_fault(home, file, fault, names, seconds):
+    """What became of a fault in the copy at `home`: a word or two that begin with "caught" or "survived"."""
+    _, (begin, end), text = fault
     original = (ROOT / file).read_bytes()
-    contexts = tests_of(file, line)
-    files, names = node_names(contexts)
-    at_import = not files
-    if at_import:  # a line run at import, or by a process of its own only
-        files, names = [], []
-    path.write_bytes(original[:begin] + text.encode() + original[end:])
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *files]
-    if names and len(names) < 400:
-        command += ["-k", " or ".join(names)]
-    elif at_import:
-        room = Path(file).parts[1]
-        folder = Path(home) / "tests" / room
-        command += [str(folder.relative_to(home)) if folder.is_dir() else "tests/hostile", "tests/test_recipes.py"]
+    (home / file).write_bytes(original[:begin] + text.encode() + original[end:])
+    folder = f"tests/{Path(file).parts[1]}"
+    chosen, expected = quickest(names, seconds, folder)
+    rounds = [("caught", chosen, 30 + 3 * expected)] if chosen else []
+    if (home / folder).is_dir():
+        rounds.append(("caught by its folder", [folder], 300))
+    rounds.append(("caught by the gallery only", [GALLERY], 300))
     try:
-        done = subprocess.run(command, cwd=home, env=os.environ | {"PYTHONPATH": str(home)}, capture_output=True,
-                              text=True, timeout=SECONDS)  # fmt: skip
-        if (
-            done.returncode == 0 and not at_import
-        ):  # the kept drawings and the README, which run in processes of their own
-            done = subprocess.run([sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "tests/test_recipes.py"],
-                                  cwd=home, env=os.environ | {"PYTHONPATH": str(home)}, capture_output=True, text=True, timeout=SECONDS)  # fmt: skip
-            if done.returncode == 1:
-                return "caught by the gallery only"
-        return {0: "survived", 5: "untested"}.get(done.returncode, "caught")
-    except subprocess.TimeoutExpired:
-        return "caught (hung)"
+        for verdict, tests, limit in rounds:
+            if not _pass(home, tests, limit):
+                return verdict
+        return "survived" if chosen else "survived, no test runs it"
     finally:
-        path.write_bytes(original)
+        (home / file).write_bytes(original)
+
+
+def _pass(home, tests, limit):
+    """Whether tests pass within a time: a fault that hangs is seen, too."""
+    command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", *tests]
+    environment = os.environ | {"PYTHONPATH": str(home)}
+    with subprocess.Popen(
+        command, cwd=home, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT
+    ) as job:
+        try:
+            return job.wait(limit) in (0, 5)  # 5: nothing was left to run
+        except subprocess.TimeoutExpired:
+            job.kill()
+            return False
 
 
 def shown(file, fault):
     line, (begin, end), text = fault
     raw = (ROOT / file).read_bytes()
     low, high = raw.rfind(b"\n", 0, begin) + 1, raw.find(b"\n", end)
-    return f"{file}:{line}\n  - {raw[low:high].decode().strip()}\n  + {(raw[low:begin] + text.encode() + raw[end:high]).decode().strip()}"
+    after = raw[low:begin] + text.encode() + raw[end:high]
+    return f"{file}:{line}\n  - {raw[low:high].decode().strip()}\n  + {after.decode().strip()}"
 
 
 def work(jobs):
-    with tempfile.TemporaryDirectory() as home:
-        skip = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".mypy_cache", ".ruff_cache")
-        shutil.copytree(ROOT, home, dirs_exist_ok=True, ignore=skip)
-        return [(file, fault, try_fault(home, file, fault)) for file, fault in jobs]
+    """Try (file, fault) two at a time, say what survived, and count."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    runs, seconds = tests_by_line(), loads((MAP / "seconds.json").read_text())
+    counts, homes = Counter(), queue.SimpleQueue()
+    skip = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".mypy_cache", ".ruff_cache", MAP.name)
+
+    def attempt(file, fault):
+        home, start = homes.get(), time.time()
+        verdict = try_fault(home, file, fault, runs.get(file, {}).get(fault[0], ()), seconds)
+        homes.put(home)
+        return verdict, time.time() - start, file, fault
+
+    with tempfile.TemporaryDirectory() as room, concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for name in "ab":
+            homes.put(Path(shutil.copytree(ROOT, Path(room) / name, ignore=skip)))
+        for done in concurrent.futures.as_completed([pool.submit(attempt, *job) for job in jobs]):
+            verdict, took, file, fault = done.result()
+            counts[verdict] += 1
+            print(f"{verdict} ({took:.0f} s): {shown(file, fault)}", flush=True)
+    print(dict(counts))
 
 
 def run(count, seed):
-    files = sorted(p.relative_to(ROOT).as_posix() for p in (ROOT / "geomkin").rglob("*.py"))
-    every = [(file, fault) for file in files for fault in faults(ROOT / file)]
+    """Try faults of random lines, one a line."""
     by_line = {}
-    for file, fault in every:
-        by_line.setdefault((file, fault[0]), []).append(fault)
+    for path in sorted((ROOT / "geomkin").rglob("*.py")):
+        file = path.relative_to(ROOT).as_posix()
+        for fault in faults(path):
+            by_line.setdefault((file, fault[0]), []).append(fault)
     rng = random.Random(seed)
-    chosen = [(file, rng.choice(by_line[file, line])) for file, line in rng.sample(sorted(by_line), count)]
-    counts = {}
-    with concurrent.futures.ProcessPoolExecutor(2) as pool:
-        for done in concurrent.futures.as_completed([pool.submit(work, chosen[k::20]) for k in range(20)]):
-            for file, fault, verdict in done.result():
-                counts[verdict] = counts.get(verdict, 0) + 1
-                if verdict != "caught":
-                    print(f"{verdict}: {shown(file, fault)}", flush=True)
-    print(json.dumps(counts))
+    work([(file, rng.choice(by_line[file, line])) for file, line in rng.sample(sorted(by_line), count)])
 
 
 if __name__ == "__main__":
@@ -205,8 +218,6 @@ if __name__ == "__main__":
             run(int(count), int(seed))
         case ["one", place]:
             file, line = place.split(":")
-            for fault in faults(ROOT / file):
-                if fault[0] == int(line):
-                    print(work([(file, fault)])[0][2], shown(file, fault))
+            work([(file, fault) for fault in faults(ROOT / file) if fault[0] == int(line)])
         case _:
             print(__doc__)

@@ -16,8 +16,14 @@ from geomkin.shop.cams import CamStock, cam_parts
 from tests.cam.cams import CAMS, LIFTS, SWINGS, UNDERCUT
 
 EVERYTHING = CamStock(bore=12, keyway_width=4, keyway_depth=1.8, timing_mark=True, bar_width=10, pivot_bore=5)
-ALL = CAMS | {f"undercut {name}": cam for name, cam in UNDERCUT.items() if name != "roller, tip lost"}
-each_cam = pytest.mark.parametrize("cam", ALL.values(), ids=ALL)
+ALL = [*CAMS, *(f"undercut {name}" for name in UNDERCUT if name != "roller, tip lost")]
+each_cam = pytest.mark.parametrize("cam", ALL, indirect=True)
+
+
+@pytest.fixture
+def cam(request):
+    name = request.param
+    return CAMS[name] if name in CAMS else UNDERCUT[name.removeprefix("undercut ")]
 
 
 def parts_of(cam, stock=EVERYTHING):
