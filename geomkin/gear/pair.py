@@ -293,10 +293,10 @@ class GearPair:
             return problem, "give gears with taller teeth or other profile shifts"
 
         def meets(distance: float) -> bool:
-            try:
-                return replace(self, centre_distance=distance).contact_ratio >= 1
-            except DesignError:
-                return False
+            # Not checked: every refusal would search for advice in its turn.
+            pair = object.__new__(GearPair)
+            pair.__dict__.update(first=self.first, second=self.second, centre_distance=distance)
+            return pair.contact_ratio >= 1
 
         good = last_fit(meets, good, bad)
         way = f"at least {rounded_up(good)}" if bad < good else f"at most {rounded_down(good)}"

@@ -148,12 +148,15 @@ def refused(here, known_keys):
 
 @pytest.fixture
 def sound():
-    """sound(folder): every file in it is whole and holds only finite numbers; returns their names."""
+    """sound(folder): every file in it is whole and holds only finite numbers; returns their names.
 
-    def judge(folder):
+    With gaps=True cells of tables may be empty, as they are where a mechanism does not reach.
+    """
+
+    def judge(folder, gaps=False):
         files = sorted(p for p in Path(folder).rglob("*") if p.is_file())
         for file in files:
-            JUDGES[file.suffix](file)
+            JUDGES[file.suffix](file, *([gaps] if file.suffix == ".csv" else []))
         return [file.name for file in files]
 
     return judge
@@ -166,10 +169,10 @@ def _json(file):
     assert json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
 
 
-def _csv(file):
+def _csv(file, gaps):
     header, *rows = csv.reader(file.read_text(encoding="utf-8").splitlines())
     assert rows and {len(row) for row in rows} == {len(header)}
-    assert not {"", "nan", "inf", "-inf"} & {cell for row in rows for cell in row}, file.name
+    assert not {*([] if gaps else [""]), "nan", "inf", "-inf"} & {cell for row in rows for cell in row}, file.name
 
 
 def _svg(file):
