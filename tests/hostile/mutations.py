@@ -138,6 +138,7 @@ def _places(held):
 
 def _pick(recipe, rng, fits=lambda value: True):
     places = [(held, key) for held, key in _places(recipe) if key != "kind" and fits(held[key])]
+    recipe.setdefault("kind", "")  # may be all that earlier blows have left, or not even that
     return rng.choice(places) if places else (recipe, "kind")
 
 
@@ -156,7 +157,7 @@ def _name(recipe, rng):
     """Another name for a body, point or whatever is named, everywhere it stands."""
     names = {v for held, key in _places(recipe) if isinstance(v := held[key], str)}
     names |= {key for held, key in _places(recipe) if isinstance(key, str)}
-    old, new = rng.choice(sorted(names)), rng.choice(TEXTS)
+    old, new = rng.choice(sorted(names) or [""]), rng.choice(TEXTS)
     renamed = _renamed(recipe, old, new)
     recipe.clear()
     recipe.update(renamed)

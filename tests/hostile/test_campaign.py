@@ -1,6 +1,7 @@
 """Thousands of spoilt recipes, each in a process of its own: each is made or told in plain lines, and in its folder."""
 
 import os
+import random
 import resource
 import shutil
 import signal
@@ -9,9 +10,14 @@ from collections import Counter
 
 import pytest
 
-from .mutations import campaign
+from geomkin.recipe.kinds import KINDS
+
+from .extremes import attempt, every_case
+from .mutations import GALLERY, campaign
 
 COUNT, SEED = int(os.environ.get("HOSTILE_RECIPES", 2000)), int(os.environ.get("HOSTILE_SEED", 1))
+# Of some 6,000 cases of `extremes.py`; more than these and the campaign takes longer than five minutes.
+EXTREMES = int(os.environ.get("HOSTILE_EXTREMES", 500))
 # A recipe that is legal may be much work; none may be more than these, nor may one that is refused.
 # Seconds are of the processor, whatever else the machine does.
 SECONDS, BYTES = 20, 2 << 30
@@ -114,8 +120,6 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
     import trimesh.creation  # noqa: F401
     from geomkin import build  # noqa: F401
 
-    from .mutations import GALLERY
-
     made, tried, faults = 0, 0, []
     for number, (name, kind, text) in enumerate(campaign(COUNT, SEED)):
         if number // 4 % 8 != share:
@@ -136,6 +140,26 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
         count.update({"made": status == 0, "refused": status == 1, "survived": not told})
         if told:
             faults.append(f"{number} {name}: {told}\n{text[:3000]}")
+            print(faults[-1], flush=True)
         shutil.rmtree(home)
     assert 0 < made < tried, "nothing was made, or nothing refused: no campaign"
     assert not faults, "\n\n".join(faults)
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(not CAN_FORK, reason="processes are made by fork")
+@pytest.mark.parametrize("share", range(4))
+def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
+    import ezdxf  # noqa: F401  loaded once here, so that each process need not
+    import shapely  # noqa: F401
+    import trimesh.creation  # noqa: F401
+    from geomkin import build  # noqa: F401
+
+    every = list(every_case(KINDS))
+    faults = []
+    for kind, wish, key, value, text in random.Random(SEED).sample(every, min(EXTREMES, len(every)))[share::4]:
+        told, seconds = attempt(text, tmp_path)
+        if told:
+            faults.append(f"{kind} {wish}: {key} = {value}: {told} ({seconds:.1f} s)")
+            print(faults[-1], flush=True)
+    assert not faults, "\n".join(faults)
