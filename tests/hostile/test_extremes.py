@@ -37,7 +37,9 @@ def test_axes_too_far_apart_are_advised_after_one_search(run, refused, monkeypat
     searches = []
     monkeypatch.setattr(pair, "last_fit", lambda *given: searches.append(given) or last_fit(*given))
     text = template("gear-pair")
-    refused(run(text.replace("# centre_distance =", f"centre_distance = {distance}")), "centre_distance", "at most 57.9")
+    refused(
+        run(text.replace("# centre_distance =", f"centre_distance = {distance}")), "centre_distance", "at most 57.9"
+    )
     assert len(searches) == 1
     assert run(text.replace("# centre_distance =", "centre_distance = 57.92052")).exit_code == 0
 
