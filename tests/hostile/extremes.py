@@ -7,6 +7,7 @@ is every one that ends otherwise than made, or refused in lines that name a key;
 """
 
 import os
+import random
 import re
 import resource
 import select
@@ -107,6 +108,22 @@ def every_case(kinds):
                 if (tables, key, value) not in seen:
                     seen.add((tables, key, value))
                     yield name, " ".join(wish), key, value, text
+
+
+def numbers_at_their_ends(count, seed):
+    """(name, text) of so many recipes drawn from all kinds' alike, half of them with a second number at its end."""
+    from geomkin.recipe.kinds import KINDS
+
+    rng, found = random.Random(seed), []
+    by_kind = {kind: list(every_case([kind])) for kind in KINDS}
+    for number in range(count):
+        kind, wish, key, value, text = rng.choice(by_kind[list(KINDS)[number % len(KINDS)]])
+        name = f"{kind} {wish}: {key} = {value}"
+        if rng.random() < 0.5:
+            key, value, text = rng.choice(list(cases(text)))
+            name += f", {key} = {value}"
+        found.append((name, text))
+    return found
 
 
 def main(arguments):
