@@ -1,11 +1,13 @@
-"""Every number that a recipe may give, at its ends: `python tests/hostile/extremes.py [KIND...]`.
+"""Every number that a recipe may give, at its ends: `python -m tests.hostile.extremes [KIND...]`.
 
 Of each kind's template one number at a time is set to its declared least and greatest, to what is tiny and to
 what is huge. Each recipe is run in a process of its own with 2 GB of memory, 20 s, and warnings as errors. Told
 is every one that ends otherwise than made, or refused in lines that name a key; exit 1 where there is any.
+`pytest -m campaign` tries a sample of them.
 """
 
 import os
+import random
 import re
 import resource
 import select
@@ -14,6 +16,8 @@ import sys
 import tempfile
 import warnings
 from pathlib import Path
+
+from .mutations import wishes
 
 # Seconds are of the processor, whatever else the machine does.
 MEMORY, SECONDS = 2 << 30, 20
@@ -24,10 +28,12 @@ LIMIT = re.compile(r"(?:at least|above|at most|below) (-?[\d.]+(?:e[+-]?\d+)?)")
 
 def cases(text):
     """(key, value, text) for every number and point of a template."""
-    lines, table = text.splitlines(), ""
+    lines, table, rows = text.splitlines(), "", 0
     for k, line in enumerate(lines):
         if line.startswith("["):
             table = line.split("#")[0].strip(" []")
+            rows += line.startswith("[[")
+            table += f"[{rows}]" if line.startswith("[[") else ""
         found = LINE.match(line)
         if not found:
             continue
@@ -73,6 +79,7 @@ def attempt(text, folder):
 
 
 def _made(text, folder):
+    """What is odd about how a recipe ended, "" where nothing is."""
     import geomkin as gk
 
     file = Path(folder) / "r.toml"
@@ -89,33 +96,50 @@ def _made(text, folder):
     return ""
 
 
-def main(arguments):
-    from geomkin.recipe.kinds import KINDS, kind
+def every_case(kinds):
+    """(kind, --with, key, value, text) of every template of the kinds; what several of one kind's share comes once."""
     from geomkin.recipe.template import template
-    from geomkin.recipe.variants import choices
+
+    for name in kinds:
+        seen = set()
+        for wish in wishes(name):
+            for key, value, text in cases(template(name, wish)):
+                tables = " ".join(wish) if "program" in key or "follower" in key else ""
+                if (tables, key, value) not in seen:
+                    seen.add((tables, key, value))
+                    yield name, " ".join(wish), key, value, text
+
+
+def numbers_at_their_ends(count, seed):
+    """(name, text) of so many recipes drawn from all kinds' alike, half of them with a second number at its end."""
+    from geomkin.recipe.kinds import KINDS
+
+    rng, found = random.Random(seed), []
+    by_kind = {kind: list(every_case([kind])) for kind in KINDS}
+    for number in range(count):
+        kind, wish, key, value, text = rng.choice(by_kind[list(KINDS)[number % len(KINDS)]])
+        name = f"{kind} {wish}: {key} = {value}"
+        if rng.random() < 0.5:
+            key, value, text = rng.choice(list(cases(text)))
+            name += f", {key} = {value}"
+        found.append((name, text))
+    return found
+
+
+def main(arguments):
+    from geomkin.recipe.kinds import KINDS
+    from geomkin.recipe.template import template
 
     failures = tried = 0
-    seen = set()  # the same line of the same table is the same code for every kind
-    for name in arguments or KINDS:
-        offered = choices(kind(name).recipe)
-        wishes = [[], *([f"{key}={which}" if which else key] for key in offered for which in offered[key])]
-        with tempfile.TemporaryDirectory() as folder:
-            _made(template(name), folder)  # loads what every child needs
-            for table, (key, value, spoiled) in ((w, case) for w in wishes for case in cases(template(name, w))):
-                shared = key.startswith(("files.", "stock.", "drive."))
-                place = (
-                    *(() if shared else (name, *(table if "program" in key or "follower" in key else ()))),
-                    key,
-                    value,
-                )
-                if place in seen:
-                    continue
-                seen.add(place)
-                told, seconds = attempt(spoiled, folder)
-                tried += 1
-                failures += bool(told)
-                if told or seconds > SECONDS / 2:
-                    print(f"{name} {' '.join(table)}: {key} = {value}: {told or 'made'} ({seconds:.1f} s)", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in arguments or KINDS:
+            _made(template(kind), folder)  # loads what every child needs
+        for kind, wish, key, value, text in every_case(arguments or KINDS):
+            told, seconds = attempt(text, folder)
+            tried += 1
+            failures += bool(told)
+            if told or seconds > SECONDS / 2:
+                print(f"{kind} {wish}: {key} = {value}: {told or 'made'} ({seconds:.1f} s)", flush=True)
     print(f"{tried} recipes, {failures} failures")
     return 1 if failures else 0
 

@@ -2,11 +2,14 @@
 
 import json
 import random
+import re
 import tomllib
 from pathlib import Path
 
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, kind
+from geomkin.recipe.schema import schema
 from geomkin.recipe.template import template
+from geomkin.recipe.variants import choices
 
 GALLERY = Path(__file__).parent.parent.parent / "recipes"
 # Texts that would be a path, a formula, an order to a terminal, markup, a device or too much.
@@ -43,6 +46,8 @@ TEXTS = [
     "time",
     "nan",
 ]
+# Names that a person may well give a part, and that files or terminals may not like.
+PLAUSIBLE = ["Crank", "lever 2", "pin.1", "Ω", "e\u0301", "a/b", "$x", "summary", "rod-3", "r", "1"]
 NUMBERS = [
     0, -1, 1, 2, 1e-300, 5e-324, 1e-12, 1e-7, 1e-3, 0.5, 3.7, 89.9999999, 90, 179.999, 180, 359.9999, 360, 1e3, 1e5,
     1e7, 1e9, 1e12, 1e160, 1e308, -1e9, -1e-9, 2**31, 2**63, 10**30, float("nan"), float("inf"), -float("inf"),
@@ -51,19 +56,76 @@ STRANGE = [True, False, [], {}, [1, 2], [1, 2, 3], [[0, 0]] * 3, {"kind": "dwell
 
 
 def good_recipes():
-    """(name, recipe as a dict) of the gallery and of every kind's template."""
+    """(name, recipe as a dict) of the gallery and of every kind's templates, all that may be left out written out."""
     texts = {f"gallery {file.stem}": file.read_text("utf-8") for file in sorted(GALLERY.glob("*.toml"))}
-    texts |= {f"template {kind}": template(kind) for kind in KINDS}
+    for name in KINDS:
+        for wish in wishes(name):
+            texts[f"template {' '.join([name, *wish])}"] = written_out(template(name, wish))
     return [(name, tomllib.loads(text)) for name, text in texts.items()]
 
 
-def spoilt(recipe, rng):
-    """A TOML text of the recipe after one to four random blows."""
+def wishes(name):
+    """Every --with of a kind's template, one at a time, and none."""
+    offered = choices(kind(name).recipe)
+    return [[], *([f"{key}={which}" if which else key] for key in offered for which in offered[key])]
+
+
+def written_out(text):
+    """A template with the values in use that it shows commented out."""
+    return re.sub(r"^# (\w+ +=\s*[^#\s])", r"\1", text, flags=re.MULTILINE)
+
+
+def declared():
+    """Key -> the limits, choices and defaults that the schema declares for it in any table."""
+    found = {}
+
+    def walk(held):
+        if isinstance(held, list):
+            for inner in held:
+                walk(inner)
+        elif isinstance(held, dict):
+            for key, about in held.get("properties", {}).items():
+                ends = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default", "const")
+                values = [about[end] for end in ends if end in about] if isinstance(about, dict) else []
+                values += about.get("enum", []) if isinstance(about, dict) else []
+                found.setdefault(key, []).extend(v for v in values if v is not None and v not in found[key])
+            for inner in held.values():
+                walk(inner)
+
+    walk(schema())
+    return {key: values for key, values in found.items() if values and key != "kind"}
+
+
+def spoilt(recipe, rng, known):
+    """A TOML text of the recipe after one to four random blows, in half of the cases such as may well be legal.
+
+    known: what `declared` found.
+    """
     recipe = json.loads(json.dumps(recipe))
+    if rng.random() < 0.5:
+        for _ in range(rng.choice([1, 1, 2, 3])):
+            rng.choice([_gentle, _gentle, _known])(recipe, rng, known)
+        return toml(recipe)
     for _ in range(rng.choice([1, 1, 1, 2, 4])):
         rng.choice([_value, _value, _value, _nudge, _nudge, _name, _name, _drop, _copy, _key])(recipe, rng)
     text = toml(recipe)
     return text if rng.random() > 0.03 else _torn(text, rng)
+
+
+def _gentle(recipe, rng, known):
+    """A number somewhat smaller or larger, a whole one by a few."""
+    held, key = _pick(recipe, rng, lambda v: isinstance(v, int | float) and not isinstance(v, bool))
+    if key != "kind":
+        value = held[key]
+        held[key] = value + rng.choice([-2, -1, 1, 2]) if isinstance(value, int) else value * rng.uniform(0.5, 1.6)
+
+
+def _known(recipe, rng, known):
+    """A declared limit, choice or default in place of what stands there."""
+    places = [(held, key) for held, key in _places(recipe) if key in known]
+    held, key = rng.choice(places) if places else (recipe, "kind")
+    if key != "kind":
+        held[key] = rng.choice(known[key])
 
 
 def _places(held):
@@ -76,6 +138,7 @@ def _places(held):
 
 def _pick(recipe, rng, fits=lambda value: True):
     places = [(held, key) for held, key in _places(recipe) if key != "kind" and fits(held[key])]
+    recipe.setdefault("kind", "")  # may be all that earlier blows have left, or not even that
     return rng.choice(places) if places else (recipe, "kind")
 
 
@@ -94,7 +157,7 @@ def _name(recipe, rng):
     """Another name for a body, point or whatever is named, everywhere it stands."""
     names = {v for held, key in _places(recipe) if isinstance(v := held[key], str)}
     names |= {key for held, key in _places(recipe) if isinstance(key, str)}
-    old, new = rng.choice(sorted(names)), rng.choice(TEXTS)
+    old, new = rng.choice(sorted(names) or [""]), rng.choice(TEXTS)
     renamed = _renamed(recipe, old, new)
     recipe.clear()
     recipe.update(renamed)
@@ -159,23 +222,25 @@ def _text(text):
 
 
 def campaign(count, seed):
-    """(name, TOML text) of so many spoilt recipes; of every four, one has bodies and points renamed."""
-    rng, recipes = random.Random(seed), good_recipes()
+    """(name, kind before, TOML text) of so many spoilt recipes; of every four, one has bodies and points renamed."""
+    rng, recipes, known = random.Random(seed), good_recipes(), declared()
     named = [(name, recipe) for name, recipe in recipes if recipe["kind"] == "linkage"]
+    rng.shuffle(recipes)
     for number in range(count):
         if number % 4:
-            name, recipe = recipes[number % len(recipes)]
-            yield name, spoilt(recipe, rng)
+            # All in turn, whatever their number: none may be left to the renamed ones' places.
+            name, recipe = recipes[(number - 1 - number // 4) % len(recipes)]
+            yield name, recipe["kind"], spoilt(recipe, rng, known)
         else:
             name, recipe = rng.choice(named)
             recipe = json.loads(json.dumps(recipe))
             for _ in range(rng.choice([1, 1, 2])):
                 _rename_part(recipe, rng)
-            yield f"renamed {name}", toml(recipe)
+            yield f"renamed {name}", "linkage", toml(recipe)
 
 
 def _rename_part(recipe, rng):
     """Another name for a body or a point of a linkage, everywhere it stands."""
     bodies = recipe["linkage"]["bodies"]
     names = sorted({*bodies, *(point for points in bodies.values() for point in points)})
-    recipe["linkage"] = _renamed(recipe["linkage"], rng.choice(names), rng.choice(TEXTS))
+    recipe["linkage"] = _renamed(recipe["linkage"], rng.choice(names), rng.choice([*TEXTS, *PLAUSIBLE]))

@@ -7,6 +7,8 @@ import ezdxf
 import pytest
 from shapely.geometry import Polygon
 
+from geomkin.gear import pair
+from geomkin.gear.limit import last_fit
 from geomkin.recipe.template import template
 
 DWELL = '{kind = "dwell", end_deg = 360}'
@@ -27,6 +29,19 @@ def test_a_drawing_too_far_away_for_its_digits_is_refused_and_nearer_ones_are_so
     text = template(kind).replace("# origin = [0, 0]", "origin = [1e9, -1e9]")
     refused(run(text), "linkage", "stay within 100000 mm")
     assert run(text.replace("1e9, -1e9", "6e4, -7e4")).exit_code == 0 and sound("out")
+
+
+@pytest.mark.parametrize("distance", ["100", "1e5", "1e9"])
+def test_axes_too_far_apart_are_advised_after_one_search(run, refused, monkeypatch, distance):
+    """A search whose every refused step searched for advice in its turn took minutes."""
+    searches = []
+    monkeypatch.setattr(pair, "last_fit", lambda *given: searches.append(given) or last_fit(*given))
+    text = template("gear-pair")
+    refused(
+        run(text.replace("# centre_distance =", f"centre_distance = {distance}")), "centre_distance", "at most 57.9"
+    )
+    assert len(searches) == 1
+    assert run(text.replace("# centre_distance =", "centre_distance = 57.92052")).exit_code == 0
 
 
 @pytest.mark.parametrize("curves", ["chords", "arcs"])

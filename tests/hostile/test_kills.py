@@ -97,14 +97,14 @@ def test_killed_in_the_middle_of_a_file_every_file_is_old_or_new(command, made, 
 
 # With everything loaded once, a copy of the process makes the recipe in some 10 ms and is killed within them.
 KILLED_COPIES = """
-import os, random, signal, time
+import os, random, signal, sys, time
 from geomkin import make
 import geomkin.export.csv, geomkin.export.dxf, geomkin.export.svg
 chance = random.Random(20)
 start = time.perf_counter()
 make("r.toml", "timed")
 whole = time.perf_counter() - start
-for k in range(20):
+for k in range(int(sys.argv[1])):
     if (copy := os.fork()) == 0:
         make("r.toml", f"out{k}")
         os._exit(0)
@@ -114,11 +114,12 @@ for k in range(20):
 """
 
 
-def test_killed_at_random_every_file_is_old_or_new(replaced, here):
-    for k in range(20):
+@pytest.mark.parametrize("count", [20, pytest.param(500, marks=pytest.mark.campaign)])
+def test_killed_at_random_every_file_is_old_or_new(replaced, here, count):
+    for k in range(count):
         shutil.copytree(here / "out", here / f"out{k}")
-    subprocess.run([sys.executable, "-c", KILLED_COPIES], check=True)
-    fresh = [replaced(f"out{k}") for k in range(20)]
+    subprocess.run([sys.executable, "-c", KILLED_COPIES, str(count)], check=True)
+    fresh = [replaced(f"out{k}") for k in range(count)]
     assert min(fresh) < 4 <= max(fresh), "no kill came in between"
 
 
