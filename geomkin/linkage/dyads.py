@@ -181,7 +181,7 @@ class RPR(Dyad):
         s, n = np.abs(w), self.offset
         with np.errstate(invalid="ignore", divide="ignore"):
             angles = [angle for dyad in self.before if (angle := dyad.transmission_angle(p0)) is not None]
-            worse = 1 / np.maximum(np.sin(reduce(np.fmin, angles, 0.5 * np.pi)), 1 / WORST)
+            worse = 1 / np.maximum(np.sin(reduce(np.fmin, angles, np.asarray(0.5 * np.pi))), 1 / WORST)
             # Places far out, as on a slide driven far, round as they are large.
             w = np.where(s <= MEETING * worse * (self.size + np.abs(ends[1])), np.nan, w)
             x = _root(branch, (s - n) * (s + n))
