@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -17,9 +18,10 @@ from .steps import Anchor, Pass, Rail, Step
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
 # Distance of two pins, in sizes of the linkage, below which rounding alone decides which way one lies from the other:
-# behind two dyads it comes to 3e-16. Larger, and places that are told with few digits are lost; smaller, and the
+# behind two dyads it comes to 3e-16, and by a dyad at a bad angle to as many times more as its condition tells, no more
+# than the root of it. Larger, and places that are told with few digits are lost; smaller, and the
 # direction of rounding counts as a pose.
-MEETING = 1e-14
+MEETING, WORST = 1e-14, 1e8
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +154,8 @@ class RPR(Dyad):
     """Two bodies, each pinned, that slide on each other: a line through one point at a distance from another.
 
     base_2 - base_1 = (x + i n) f, f the direction of the slide, n the distance of base_2 to the left of the
-    line through base_1. branch +1: x above 0. turns: each body's direction from f. size: of the linkage, mm. Where the
-    bases meet no direction is told.
+    line through base_1. branch +1: x above 0. turns: each body's direction from f. size: of the linkage, mm; before:
+    the dyads that were placed before. Where the bases meet no direction is told.
     """
 
     bodies: tuple[str, str]
@@ -161,6 +163,7 @@ class RPR(Dyad):
     offset: float
     bases: tuple[Anchor, Anchor]
     size: Array
+    before: tuple[Dyad, ...]
 
     @property
     def leader(self) -> str:
@@ -176,10 +179,11 @@ class RPR(Dyad):
         ends = self.bases[0].at(p0), self.bases[1].at(p0)
         w = ends[1] - ends[0]
         s, n = np.abs(w), self.offset
-        # Places far out, as on a slide driven far, round as they are large.
-        meet = s <= MEETING * (self.size + np.abs(ends[1]))
-        w = np.where(meet, np.nan, w)
         with np.errstate(invalid="ignore", divide="ignore"):
+            angles = [angle for dyad in self.before if (angle := dyad.transmission_angle(p0)) is not None]
+            worse = 1 / np.maximum(np.sin(reduce(np.fmin, angles, np.asarray(0.5 * np.pi))), 1 / WORST)
+            # Places far out, as on a slide driven far, round as they are large.
+            w = np.where(s <= MEETING * worse * (self.size + np.abs(ends[1])), np.nan, w)
             x = _root(branch, (s - n) * (s + n))
             f = w / (x + 1j * n)
         p0.turn[self.bodies[0]], p0.turn[self.bodies[1]] = f * self.turns[0], f * self.turns[1]

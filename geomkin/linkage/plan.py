@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import DesignError
 from .actuators import Stroked
 from .driven import actuated, driven
-from .dyads import RPR, RRP, RRR, Crossed
+from .dyads import RPR, RRP, RRR, Crossed, Dyad
 from .linkage import Linkage, Slider
 from .loops import Loops
 from .steps import Anchor, Carried, Drawn, Oriented, Rail, Slid, Step, Turned
@@ -204,9 +204,9 @@ class _Planner:
             turns.append(np.conj(along))
             left.append(np.imag(np.conj(along) * (self.local(body, pins[0]) - on_line)))
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
-        self.steps.append(
-            RPR(slider.name, (one, two), (turns[0], turns[1]), left[1] - left[0], bases, self.linkage.size)
-        )
+        before = tuple(step for step in self.steps if isinstance(step, Dyad))
+        directions, offset = (turns[0], turns[1]), left[1] - left[0]
+        self.steps.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
         for body, pins in zip((one, two), outer):
             self.steps.append(Carried(body, self.local(body, pins[0]), self.anchor(pins[0])))
         self.placed |= {one, two}

@@ -68,8 +68,12 @@ def test_a_slide_that_closes_hardly_anywhere_is_found(short):
     """Crank and coupler just reach the slide's line, so that the whole stroke is a sliver of their lengths."""
     offset = 120 - short
     stroke = np.sqrt((120 - offset) * (120 + offset))
-    ((low, high),) = gk.driver_limits(gk.SliderCrank(30, 90, offset, driver="slider"))
-    assert [low, high] == pytest.approx([-stroke, stroke], rel=1e-13 / short + 1e-13)
+    linkage = gk.SliderCrank(30, 90, offset, driver="slider").linkage
+    (slider,) = linkage.sliders
+    # Places are told from a point of the line that no look falls on.
+    away = replace(linkage, sliders=(replace(slider, through=slider.through - 7.31 * slider.direction),))
+    ((low, high),) = gk.driver_limits(away)
+    assert [low - 7.31, high - 7.31] == pytest.approx([-stroke, stroke], rel=1e-13 / short + 1e-13)
 
 
 def test_an_actuator_is_followed_over_its_whole_reach():

@@ -22,8 +22,20 @@ def test_a_lift_table_that_folds_onto_itself_is_open(size, origin):
     folded = gk.move(table, np.linspace(1.6, 3, 500))
     assert not folded.closed.any() and np.isnan(folded.table.direction.real).all()
     assert set(folded.branches["ceiling"]) == {0}
+    # Just beyond upright the shoe's place is at its least certain.
+    beyond = gk.move(
+        table, np.pi / 2 + np.concatenate([np.geomspace(1e-15, 1e-1, 2000), -np.geomspace(1e-15, 1e-12, 50)])
+    )
+    assert not beyond.closed.any()
     upright = gk.move(table, np.append(np.linspace(0.1, 1.57, 50), np.pi / 2 - 1e-6))
     assert upright.closed.all() and upright.table.direction == pytest.approx(np.ones(51), abs=1e-8)
+
+
+def test_a_lift_table_s_reach_ends_where_it_folds():
+    """By Pythagoras with its arm upright, the cylinder's base 40 mm beside its pivot and 60 mm below."""
+    far = abs(1j * (130 + 5j) - (40 - 60j))
+    parts = gk.driver_limits(lift_table())
+    assert parts[0][0] == pytest.approx(-far, abs=1e-4) and parts[-1][1] == pytest.approx(far, abs=1e-4)
 
 
 @pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
