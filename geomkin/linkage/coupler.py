@@ -33,26 +33,36 @@ def moved_at(linkage: Named, t: ArrayLike, branch: Branch, start: float) -> tupl
 class CouplerCurve(AbstractCurve):
     """The path of the named `point`; t is the driver's angle, rad, or place, mm, over `span`.
 
-    branch as in `move`. Raises DesignError where the linkage does not reach the whole span.
+    span: one turn unless given; where a slide drives it must be. branch as in `move`. Raises DesignError where the
+    linkage does not reach the whole span.
     """
 
     linkage: OneLinkage
     point_name: str
     branch: Branch = 1
-    span: tuple[float, float] = (0.0, 2 * np.pi)
+    span: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
         named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
         if self.point_name not in named:
             raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
-        parts = driver_limits(self.linkage, self.branch, self.span)
-        if parts != (tuple(self.span),):
-            reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
+        untold = self.span is None and self.linkage.linkage.driven_slider is not None
+        parts = driver_limits(self.linkage, self.branch, None if untold else self.way)
+        reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
+        if untold:
+            remedy = f"give its first and last place, mm: the linkage closes from {reached}"
+            raise DesignError("span", "is missing where a slide drives", remedy)
+        if parts != (self.way,):
             raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
 
+    @property
+    def way(self) -> tuple[float, float]:
+        """The driver's first and last angle or place."""
+        return (0.0, 2 * np.pi) if self.span is None else (self.span[0], self.span[1])
+
     def _track(self, t: ArrayLike) -> tuple[PointMotion, Array]:
-        motion, frames = moved_at(self.linkage, t, self.branch, self.span[0])
+        motion, frames = moved_at(self.linkage, t, self.branch, self.way[0])
         return motion.point(self.point_name), frames
 
     def point(self, t: ArrayLike) -> Array:
@@ -71,9 +81,9 @@ class CouplerCurve(AbstractCurve):
 
     @property
     def breaks(self) -> Array:
-        return np.array(self.span, dtype=float)
+        return np.array(self.way, dtype=float)
 
     @cached_property
     def closed(self) -> bool:
-        ends = self.point(np.array(self.span))
-        return bool(abs(ends[1] - ends[0]) <= 1e-9 * abs(self.velocity(self.span[0])) * (self.span[1] - self.span[0]))
+        ends = self.point(np.array(self.way))
+        return bool(abs(ends[1] - ends[0]) <= 1e-9 * abs(self.velocity(self.way[0])) * (self.way[1] - self.way[0]))

@@ -1,5 +1,6 @@
 """Driver limits, dead centres, mechanical advantage, coupler curves."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -230,3 +231,14 @@ def test_a_coupler_curve_that_is_not_reached_says_from_where_to_where_it_is():
         gk.CouplerCurve(gk.FourBar(4, 3, 2, 2.5, 1j), "coupler_point")
     open_curve = gk.CouplerCurve(gk.FourBar(4, 3, 2, 2.5, 1j), "coupler_point", span=(-1.0, 1.0))
     assert not open_curve.closed and np.isfinite(gk.length(open_curve))
+
+
+def test_a_coupler_curve_of_a_driving_slide_needs_its_places_and_is_told_them():
+    linkage = gk.SliderCrank(30, 90, 12, 40 + 10j, driver="slider")
+    with pytest.raises(gk.DesignError, match="is missing where a slide drives") as caught:
+        gk.CouplerCurve(linkage, "coupler_point")
+    places = [float(v) for v in re.findall(r"(-?[\d.]+) to (-?[\d.]+)", caught.value.remedy)[-1]]
+    middle = (places[0] + 1e-3, places[1] - 1e-3)
+    curve = gk.CouplerCurve(linkage, "coupler_point", span=middle)
+    assert np.array_equal(curve.breaks, middle)
+    assert curve.point(middle[0]) == gk.move(linkage, [middle[0]]).point("coupler_point").position[0]
