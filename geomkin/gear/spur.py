@@ -19,6 +19,8 @@ from .tooth import Tooth, outline
 
 # An inch, mm, by definition.
 INCH = 25.4
+# Least chamfer, modules: rounding turns the edge of a smaller one, and a kerf's offset of it never gets smooth.
+SMALLEST_CHAMFER = 1e-6
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,9 @@ class SpurGear:
         """The two edges of a tip must leave each other, and the flanks, their room."""
         if self.tip_rounding and self.tip_chamfer:
             raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g} beside a tip_rounding", "give one of them")
+        if 0 < self.tip_chamfer < SMALLEST_CHAMFER:
+            remedy = f"give 0 or at least {SMALLEST_CHAMFER:g}"
+            raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g}, too small to be told from none", remedy)
         if self.tip_rounding:
             name, value = "tip_rounding", self.tip_rounding
             most = largest_rounding(self.base_radius, self._half_angle(self.base_radius), self.tip_radius)

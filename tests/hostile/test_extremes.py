@@ -44,6 +44,12 @@ def test_axes_too_far_apart_are_advised_after_one_search(run, refused, monkeypat
     assert run(text.replace("# centre_distance =", "centre_distance = 57.92052")).exit_code == 0
 
 
+def test_a_chamfer_lost_in_rounding_is_refused_before_its_offset_takes_the_memory(run, refused, recipe):
+    changes = {"files.kerf": "1", "files.write": '["svg"]'}
+    refused(run(recipe("spur-gear", changes | {"gear.tip_chamfer": "1e-12"})), "gear.tip_chamfer", "at least 1e-06")
+    assert run(recipe("spur-gear", changes | {"gear.tip_chamfer": "1e-6"})).exit_code == 0
+
+
 @pytest.mark.parametrize("curves", ["chords", "arcs"])
 @pytest.mark.parametrize(
     ("kind", "changes"),
