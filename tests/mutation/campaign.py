@@ -67,7 +67,10 @@ def faults(file):
     starts = [0]
     for line in raw.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
-    for node in ast.walk(tree):
+    # What is written about types alters nothing.
+    types = {id(n) for node in ast.walk(tree) for kind in ("annotation", "returns")
+             if (about := getattr(node, kind, None)) for n in ast.walk(about)}  # fmt: skip
+    for node in (node for node in ast.walk(tree) if id(node) not in types):
         for (row, column), (last_row, last_column), text in _changes(node):
             begin, end = starts[row - 1] + column, starts[last_row - 1] + last_column
             if isinstance(node, ast.Compare | ast.BinOp | ast.UnaryOp | ast.BoolOp):
@@ -95,7 +98,11 @@ def _changes(node):
         case ast.Constant(value=bool()):
             yield _start(node), _end(node), str(not node.value)
         case ast.Constant(value=int() | float()):
-            yield _start(node), _end(node), repr(node.value + 1 if isinstance(node.value, int) else node.value * 1.5)
+            yield (
+                _start(node),
+                _end(node),
+                repr(node.value + 1 if isinstance(node.value, int) else node.value * 1.5 or 1.0),
+            )
         case ast.Attribute() if node.attr in NAMES:
             row, column = _end(node)
             yield (row, column - len(node.attr)), (row, column), NAMES[node.attr]

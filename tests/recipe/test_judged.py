@@ -29,7 +29,11 @@ def test_the_largest_forces_of_the_table_are_compared():
 
 @pytest.mark.parametrize(
     ("follower", "sharp"),
-    [("translating-roller, roller_radius = 10", False), ("translating-roller, roller_radius = 0", True), ("translating-flat", True)],
+    [
+        ("translating-roller, roller_radius = 10", False),
+        ("translating-roller, roller_radius = 0", True),
+        ("translating-flat", True),
+    ],
 )
 def test_a_sharp_profile_is_told_where_no_roller_rounds_it(follower, sharp):
     name, _, sizes = follower.partition(",")
