@@ -45,3 +45,15 @@ program = [{{kind = "rise", law = "cycloidal", rise = 10, end_deg = 180}}, {{kin
 """
     assert ("least convex radius of the profile" in checks(parse(text))) is sharp
     assert ("least pitch radius to roller radius" in checks(parse(text))) is not sharp
+
+
+def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
+    recipe = parse(template("planetary"))
+    table = {column.name: np.asarray(column.values) for column in kind("planetary").table(recipe).columns}
+    sun, planet, ring = (gear.teeth for gear in (recipe.gears.sun, recipe.gears.planet, recipe.gears.ring))
+    carrier = table["carrier_angle"]
+    assert (carrier[0], carrier[-1]) == (0, pytest.approx(360)) and (np.diff(carrier) > 0).all()
+    # As many teeth of each planet pass the standing ring as of the sun pass it, seen from the carrier.
+    seen = table["planet_angle"] - carrier
+    assert seen * planet == pytest.approx(-carrier * ring)
+    assert seen * planet == pytest.approx(-(table["sun_angle"] - carrier) * sun)

@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.recipe.kinds import kind
 from geomkin.recipe.load import parse
 from geomkin.recipe.template import template
-from geomkin.shop.drawing import PlateStock, skeleton
+from geomkin.shop.drawing import HEAD, PlateStock, arrow, skeleton
 
 
 def test_circles_are_drawn_where_pins_are_and_nowhere_else():
@@ -41,3 +41,16 @@ def test_the_centre_of_curvature_is_a_dot_with_a_line_to_the_point():
     assert [mark.radius for mark in near] == [dot]
     ends = [mark.point(np.array([0.0, 1.0])) for mark in part.marks if isinstance(mark, gk.Segment)]
     assert any(abs(e[0] - centre) < 1e-3 * abs(away) and abs(e[1] - b) < 1e-9 for e in ends)
+
+
+@pytest.mark.parametrize(("length", "head"), [(100, 4), (6, 2)])
+@pytest.mark.parametrize("tail", [0, 300 - 40j])
+def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):
+    """Barbs of 20 degrees, as long as a head of the drawing, or a third of a short arrow."""
+    ahead = 0.6 + 0.8j
+    line, barbs = arrow(tail, tail + length * ahead)
+    assert line.point(np.array([0.0, 1.0])) == pytest.approx([tail, tail + length * ahead])
+    assert barbs.vertices[1] == pytest.approx(tail + length * ahead)
+    back = (barbs.vertices[[0, 2]] - barbs.vertices[1]) / -ahead
+    assert np.abs(back) == pytest.approx([min(HEAD, head), min(HEAD, head)])
+    assert sorted(np.degrees(np.angle(back))) == pytest.approx([-20, 20])
