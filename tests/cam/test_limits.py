@@ -180,3 +180,14 @@ def test_curvature_of_the_pitch_curve_is_that_of_the_profile_moved_by_the_roller
             bend = gk.convexity(cam.pitch_curve, np.linspace(0.1, 6, 50))
             inner = gk.convexity(cam.profile, np.linspace(0.1, 6, 50))
             assert inner == pytest.approx(bend / (1 - cam.follower.roller_radius * bend), rel=1e-9)
+
+
+def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
+    """A corner that only a very large cam has room for: at the radius nothing is cut away, just below it something."""
+    program = gk.Program([gk.Rise("harmonic", rise=10, end_deg=22), gk.Dwell(end_deg=42),
+                          gk.Return("uniform", end_deg=78), gk.Dwell(end_deg=360)])  # fmt: skip
+    follower = TranslatingRoller(2)
+    found = least_base_circle(follower, program, pressure_angle_deg=60)
+    assert found.limit == "undercut"
+    assert not undercut(gk.Cam(follower, program, found.radius)).found
+    assert undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6))).found

@@ -105,3 +105,10 @@ def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
     named = float(caught.value.remedy.split(" mm")[0].split()[-1])
     pair = gk.RackPair(*parts, named)
     assert pair.contact_ratio >= 1 and pair.backlash > -1e-9
+
+
+@pytest.mark.parametrize("teeth", [1, 2, 3, 4, 7, 8])
+def test_as_many_teeth_stand_left_of_the_axis_as_right_of_it_or_one_fewer(teeth):
+    z = gk.flatten(gk.GearRack(teeth, 2).outline, 1e-4)
+    left, right = -z.real.min() / (2 * np.pi) - 0.5, z.real.max() / (2 * np.pi) - 0.5
+    assert (left, right) == pytest.approx(((teeth - 1) // 2, teeth // 2), abs=1e-9)

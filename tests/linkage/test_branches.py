@@ -140,3 +140,13 @@ def test_circuits_are_what_small_steps_can_reach(linkage, count):
     told = {pose: gk.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
     assert len(sets) == count
     assert len({(root(p), t) for p, t in told.items()}) == count and 0 not in told.values()
+
+
+@pytest.mark.parametrize("there", [100, -100])
+def test_one_frame_at_a_change_point_stands_as_the_first_of_many(there):
+    """The branch that is followed is told by what comes after; a single frame has nothing after it."""
+    bars = {"crank": {"O": 0, "A": 40}, "coupler": {"A": 0, "B": 100}, "rocker": {"C": 0, "B": 40}}
+    linkage = gk.Linkage({"ground": {"O": 0, "C": there}} | bars, "crank")
+    one, many = (gk.move(linkage, drive, "follow") for drive in ([0.0], np.linspace(0, 1, 50)))
+    for name in bars:
+        assert one.bodies[name].first[0] == pytest.approx(many.bodies[name].first[0], abs=1e-9)

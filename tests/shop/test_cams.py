@@ -204,3 +204,10 @@ def test_a_stem_stands_on_a_face_that_the_cam_hardly_uses():
         stem = 1j * np.exp(-1j * np.radians(tilt)) * np.array([10 / np.cos(np.radians(tilt)), 44])
         assert plate.contains(shapely.LineString(gk.xy(stem)))
         assert shapely.box(*plate.bounds).area > plate.area
+
+
+def test_a_rollers_arm_is_a_bar_of_the_width_asked_for_from_pivot_to_roller():
+    arm = parts_of(CAMS["roller on arm, clockwise"], CamStock(bar_width=14))["arm"]
+    left, low, right, high = polygon(arm.outline).bounds
+    length = CAMS["roller on arm, clockwise"].follower.arm_length
+    assert (left, low, right, high) == pytest.approx((-7, -7, length + 7, 7), abs=1e-3)

@@ -1,0 +1,59 @@
+"""What recipes' checks say, held against what they are about."""
+
+import numpy as np
+import pytest
+
+from geomkin.recipe.kinds import kind
+from geomkin.recipe.load import parse
+from geomkin.recipe.template import template
+
+
+def checks(recipe):
+    return {check.name: check for check in kind(recipe.kind).checks(recipe)}
+
+
+@pytest.mark.parametrize(("teeth", "undercut"), [(8, True), (14, True), (18, False), (40, False)])
+def test_any_involute_lost_to_undercut_fails(teeth, undercut):
+    recipe = parse(f'kind = "spur-gear"\n[gear]\nteeth = {teeth}\nmodule = 10\n')
+    found = checks(recipe)["involute lost to undercut"]
+    assert found.passed is not undercut and (found.value > 0) is undercut
+
+
+def test_the_largest_forces_of_the_table_are_compared():
+    recipe = parse(template("shaking-force"))
+    table = {column.name: np.asarray(column.values) for column in kind("shaking-force").table(recipe).columns}
+    most = {name: np.abs(table[f"force_{name}"]).max() for name in ("given", "best")}
+    found = checks(recipe)["largest force, given to best counterbalance"]
+    assert found.value == pytest.approx(most["given"] / most["best"], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("follower", "sharp"),
+    [
+        ("translating-roller, roller_radius = 10", False),
+        ("translating-roller, roller_radius = 0", True),
+        ("translating-flat", True),
+    ],
+)
+def test_a_sharp_profile_is_told_where_no_roller_rounds_it(follower, sharp):
+    name, _, sizes = follower.partition(",")
+    text = f"""kind = "disk-cam"
+[cam]
+base_radius = 60
+follower = {{kind = "{name}"{"," + sizes if sizes else ""}}}
+program = [{{kind = "rise", law = "cycloidal", rise = 10, end_deg = 180}}, {{kind = "return", law = "cycloidal", end_deg = 360}}]
+"""
+    assert ("least convex radius of the profile" in checks(parse(text))) is sharp
+    assert ("least pitch radius to roller radius" in checks(parse(text))) is not sharp
+
+
+def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
+    recipe = parse(template("planetary"))
+    table = {column.name: np.asarray(column.values) for column in kind("planetary").table(recipe).columns}
+    sun, planet, ring = (gear.teeth for gear in (recipe.gears.sun, recipe.gears.planet, recipe.gears.ring))
+    carrier = table["carrier_angle"]
+    assert (carrier[0], carrier[-1]) == (0, pytest.approx(360)) and (np.diff(carrier) > 0).all()
+    # As many teeth of each planet pass the standing ring as of the sun pass it, seen from the carrier.
+    seen = table["planet_angle"] - carrier
+    assert seen * planet == pytest.approx(-carrier * ring)
+    assert seen * planet == pytest.approx(-(table["sun_angle"] - carrier) * sun)
