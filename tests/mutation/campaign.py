@@ -38,6 +38,8 @@ ROOT = Path(__file__).parent.parent.parent
 MAP = ROOT / ".mutation"
 LEFT_OUT = ["tests/hostile/test_kills.py", "tests/hostile/test_same_bytes.py", "tests/test_recipes.py"]
 GALLERY = "tests/test_recipes.py"
+# Reads what is written where classes are made, so it is tried for every line that is run while the source is imported.
+AT_IMPORT = "tests/test_quantities.py"
 # Of the tests that run a line, as many as take this long together are tried: more, and a survivor costs minutes.
 SECONDS = 15
 # A fault that asks for more than this fails instead of taking the machine down.
@@ -145,7 +147,10 @@ def quickest(names, seconds, folder):
 def try_fault(home, file, fault, seconds):
     """What became of a fault in the copy at `home`: "caught", "survived" or "not run" by any test of the map."""
     folder = f"tests/{Path(file).parts[1]}"
-    chosen, expected = quickest(tests_by_line(file).get(fault[0], ()), seconds, folder)
+    names = tests_by_line(file).get(fault[0], set())
+    chosen, expected = quickest(names, seconds, folder)
+    if any("::" not in name for name in names):
+        chosen.append(AT_IMPORT)
     own = [name for name in chosen if name.startswith(folder)]
     rounds = own, [name for name in chosen if name not in own]
     if not chosen:
