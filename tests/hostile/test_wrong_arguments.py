@@ -12,6 +12,7 @@ import pytest
 
 import geomkin as gk
 from geomkin import public
+from geomkin.arguments import sort_of
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
 CRANK = gk.SliderCrank(30, 90, 5)
@@ -239,3 +240,8 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
             except Exception as error:
                 broken.append(f"{argument} = {what}: {type(error).__name__}: {error}")
     assert not broken, "\n".join([f"{name}: {len(broken)} raw errors", *broken])
+
+
+def test_how_long_a_row_must_be_is_told_where_it_must_be_so_long():
+    assert sort_of(tuple[float, float]).allowed.startswith("a row of 2,")
+    assert sort_of(tuple[float, ...]).allowed.startswith("a tuple,")

@@ -57,3 +57,18 @@ def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
     seen = table["planet_angle"] - carrier
     assert seen * planet == pytest.approx(-carrier * ring)
     assert seen * planet == pytest.approx(-(table["sun_angle"] - carrier) * sun)
+
+
+def test_lift_lost_to_undercut_is_told_in_the_unit_of_the_lift():
+    recipe = parse("""kind = "disk-cam"
+[cam]
+base_radius = 20
+direction = "clockwise"
+follower = {kind = "oscillating-roller", roller_radius = 30, pivot_distance = 100, arm_length = 80}
+program = [{kind = "dwell", end_deg = 60}, {kind = "rise", law = "3-4-5", rise_deg = 15, end_deg = 110},
+           {kind = "dwell", end_deg = 120}, {kind = "return", law = "cycloidal", end_deg = 175},
+           {kind = "dwell", end_deg = 360}]
+""")
+    most = np.degrees(recipe.cut.lost_lift(np.linspace(0, 2 * np.pi, 20001)).max())
+    found = checks(recipe)["lift lost to undercut"]
+    assert found.unit == "deg" and found.value == pytest.approx(most, rel=1e-4) and most > 0.1

@@ -130,3 +130,13 @@ def test_of_very_many_problems_only_some_are_looked_into(monkeypatch):
     bodies = "".join(f'b{i} = {{ O = [0, ""] }}\n' for i in range(3000))
     found = told('kind = "linkage"\n[linkage]\ndriver = "b1"\n[linkage.bodies]\n' + bodies)
     assert len(found) == 3000 and len(looked) == explain.EXPLAINED
+
+
+@pytest.mark.parametrize(
+    ("written", "right"),
+    [("no", "false"), ("off", "false"), ("False", "false"), ("yes", "true"), ("on", "true"), ("True", "true")],
+)
+def test_words_for_true_and_false_are_told_how_toml_writes_them(written, right):
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(f'kind = "cognates"\n[figure]\nshown = {written}\n')
+    assert str(caught.value).endswith(f"found {written}; write {right}")

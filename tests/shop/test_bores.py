@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 import geomkin as gk
@@ -96,3 +97,13 @@ def test_all_stock_tables_mean_the_same_by_clearance():
         if field.name == "clearance"
     }
     assert words == {"how much wider than its pin or shaft a hole is, mm"}
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
+    """The corner of the slot, 13 from the axis by 5-12-13, lies just within the part or just beyond it."""
+    sizes = {"diameter": 18 * size, "clearance": 0.0, "width": 10 * size, "depth": 3 * size}
+    (hole,) = keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 + 1e-9), "stock")
+    assert np.abs(hole.vertices).max() == pytest.approx(13 * size)
+    with pytest.raises(gk.DesignError, match="keyway"):
+        keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 - 1e-9), "stock")

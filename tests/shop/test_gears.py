@@ -86,3 +86,9 @@ def test_what_leaves_no_gear_is_refused_by_the_key_of_the_recipe(stock, field):
     with pytest.raises(gk.DesignError) as caught:
         gear_parts(gk.SpurGear(40, 2), stock)
     assert caught.value.field == field and caught.value.remedy
+
+
+def test_a_base_plate_reaches_its_margin_beyond_the_widest_hole():
+    z = gk.flatten(base_plate("base", [0j, 56 + 0j], [8, 12], 9, 6).outline, 1e-4)
+    assert (z.real.min(), z.real.max()) == pytest.approx((-15, 71), abs=1e-3)
+    assert (z.imag.min(), z.imag.max()) == pytest.approx((-15, 15), abs=1e-3)
