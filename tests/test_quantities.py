@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import importlib
+import inspect
 import pkgutil
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import geomkin as gk
 
 TABLE = Path(__file__).parent / "tables" / "quantities.csv"
+CHOICES = TABLE.with_name("defaults.csv")
 LIMITS = ("gt", "ge", "lt", "le")
 
 
@@ -44,3 +46,29 @@ def test_defaults_and_limits_are_those_that_recipes_were_written_for(classes):
     rows = list(csv.reader(TABLE.read_text().splitlines()))
     assert rows[0] == ["quantity", "default", "above", "at least", "below", "at most"]
     assert found == {row[0]: row[1:] for row in rows[1:]}
+
+
+def test_what_is_left_out_of_a_recipe_or_a_call_means_what_it_meant(classes):
+    """What quantities.csv does not tell: tables, words and places that are left out, and arguments of public calls."""
+    calls = {name: getattr(gk, name) for name in dir(gk) if inspect.isfunction(getattr(gk, name))}
+    quantities = {
+        f"{name}.{field.name}"
+        for name, made in classes.items()
+        for field in dataclasses.fields(made)
+        if "unit" in field.metadata
+    }
+    found = {
+        f"{name}.{given.name}": str(given.default)
+        for name, made in (classes | calls).items()
+        for given in inspect.signature(made).parameters.values()
+        if given.default is not given.empty
+    }
+    rows = list(csv.reader(CHOICES.read_text().splitlines()))
+    assert rows[0] == ["name", "left out"]
+    assert {name: text for name, text in found.items() if name not in quantities} == dict(rows[1:])
+
+
+def test_what_holds_arrays_is_itself_and_equals_nothing_else(classes):
+    """By its values, comparing would fail and no cache could keep it."""
+    holders = [c for c in classes.values() if any("Array" in str(field.type) for field in dataclasses.fields(c))]
+    assert len(holders) > 20 and [c.__name__ for c in holders if c.__dataclass_params__.eq] == []
