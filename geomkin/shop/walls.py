@@ -58,7 +58,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
         found = min(found, region.neck(loops, tried, thin))
     # Half of the last digit is no less than the accuracy, so that a round number comes out as one.
     digits = -int(np.ceil(np.log10(2 * accuracy)))
-    return round(found, digits) if found < np.inf else found
+    return round(found, digits)
 
 
 def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Array:

@@ -51,7 +51,7 @@ def test_a_check_turns_at_its_limit(text, name, edge, limit, worse, unit):
     for step in (-1e-4, 1e-4):
         check = checks(text.format(edge * (1 + step)))[name]
         assert (check.passed, check.unit) == (step * worse < 0, unit)
-        assert check.value == pytest.approx(limit, rel=1e-2)
+        assert check.value == pytest.approx(limit, rel=1e-2) and check.limit == limit
 
 
 CAM = """kind = "disk-cam"
@@ -86,7 +86,7 @@ def test_pressure_angles_are_judged_as_the_table_tells_them(follower, sizes, ris
             text = CAM.format(radius, follower, sizes, "rise", rise, "return")
         rows, check = table(text), checks(text)[f"pressure angle on the {way}"]
         most = np.abs(rows["pressure_angle"])[rows["velocity"] * (1 if way == "rise" else -1) > 0].max()
-        assert check.value == pytest.approx(most, rel=1e-3) and check.unit == "deg"
+        assert check.value == pytest.approx(most, rel=1e-3) and (check.unit, check.limit) == ("deg", limit)
         assert check.passed == (most <= limit)
         seen.add(check.passed)
     assert seen == {True, False}
@@ -105,6 +105,7 @@ def test_sharp_cams_are_judged_as_the_table_tells_them(sizes, column, name, limi
         if name in found:
             least = 1 / table(text)[column].max()
             assert found[name].value == pytest.approx(least / (5 if unit == "" else 1), rel=1e-3)
+            assert found[name].limit == (1.5 if unit == "" else 1)
             assert found[name].passed == (least >= limit) and found[name].unit == unit
             seen.add((found[name].passed, round(float(least), 2)))
     assert {passed for passed, _ in seen} == {True, False}, seen

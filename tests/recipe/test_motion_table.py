@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.recipe.load import load
 from geomkin.recipe.motion_table import motion_table
@@ -37,3 +38,12 @@ def test_digits_are_counted_from_the_scale_or_the_largest_value(size):
     assert cells(Table((Column("a", "", "", noise, size),)))["a"] == ["0.0", "0.0"]
     assert float(cells(Table((Column("a", "", "", large, size / 10),)))["a"][0]) == pytest.approx(large[0], rel=1e-9)
     assert set(cells(Table(xy_columns("z", "", "", large + 1j * noise)))["z_y"]) == {"0.0"}
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-3, 1.0, 1e7])
+def test_the_columns_are_the_same_at_any_size(size):
+    four_bar = gk.FourBar(100 * size, 30 * size, 90 * size, 70 * size)
+    slow = gk.OldhamCoupling(6 * size)
+    for linkage, angles in ((four_bar, ["coupler", "rocker"]), (slow, ["disc", "driven"])):
+        columns = motion_table(gk.move(linkage, np.linspace(0, 6, 50))).columns
+        assert [name for name in angles if f"{name}_omega" in {c.name for c in columns}] == angles

@@ -1,9 +1,12 @@
 """Gear plates: what is cut out of them, measured on polygons of their outlines."""
 
+import re
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.errors import DesignError
 from geomkin.plane import region
 from geomkin.shop.gears import GearStock, RingStock, base_plate, carrier, gear_parts, ring_part
 from geomkin.shop.spokes import Web, openings
@@ -92,3 +95,12 @@ def test_a_base_plate_reaches_its_margin_beyond_the_widest_hole():
     z = gk.flatten(base_plate("base", [0j, 56 + 0j], [8, 12], 9, 6).outline, 1e-4)
     assert (z.real.min(), z.real.max()) == pytest.approx((-15, 71), abs=1e-3)
     assert (z.imag.min(), z.imag.max()) == pytest.approx((-15, 15), abs=1e-3)
+
+
+def test_holes_of_two_shafts_as_wide_together_as_the_refusal_says_do_not_meet():
+    with pytest.raises(DesignError, match="less than") as caught:
+        base_plate("base", [0j, 30 + 0j], [40, 25], 9, 6)
+    most = float(re.search(r"less than (\S+) mm", caught.value.remedy)[1])
+    assert len(base_plate("base", [0j, 30 + 0j], [40, most - 40 - 1e-6], 9, 6).holes) == 2
+    with pytest.raises(DesignError):
+        base_plate("base", [0j, 30 + 0j], [40, most - 40 + 1e-6], 9, 6)

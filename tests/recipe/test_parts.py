@@ -1,0 +1,35 @@
+"""Parts that recipes make of what they work out."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.kinds import kind
+from geomkin.recipe.load import parse
+from geomkin.recipe.template import template
+
+
+def parts(text):
+    recipe = parse(text)
+    return {part.name: part for part in kind(recipe.kind).parts(recipe)}
+
+
+@pytest.mark.parametrize("frame", [60, 0, 180])
+def test_no_line_of_a_polygon_is_drawn_twice(frame):
+    """Of two bodies that meet in a point one vector is the other's way back."""
+    text = template("polygons").replace("# position = 60 ", f"position = {frame} ")
+    for name in ("velocity-polygon", "acceleration-polygon"):
+        ends = [mark.point(mark.breaks[[0, -1]]) for mark in parts(text)[name].marks]
+        lines = {frozenset(np.round(pair, 6).tolist()) for pair in ends if abs(pair[1] - pair[0]) > 1e-9}
+        assert len(lines) == sum(abs(b - a) > 1e-9 for a, b in ends) > 5
+
+
+@pytest.mark.parametrize(("share", "made"), [(0.98, False), (1.02, True)])
+def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(share, made):
+    text = template("shaking-force").replace("# bar_width = 14 ", "bar_width = 20 ")
+    for heavy, light in (("crank = 0.5 ", "crank = 0.02 "), ("coupler = 0.6 ", "coupler = 0.01 "), ("0.8 ", "0.01 ")):
+        text = text.replace(heavy, light)
+    radius = np.ptp(gk.flatten(parts(text)["counterweight"].outline, 1e-4).real) / 2
+    # The hole is wider than its pin by the clearance of 0.2 mm.
+    pin = radius / share / 2 - 0.2
+    assert ("counterweight" in parts(text.replace("# pin_diameter = 4 ", f"pin_diameter = {pin:.6g} "))) is made
