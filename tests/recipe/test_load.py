@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.kinds import KINDS, kind
-from geomkin.recipe.load import parse
+from geomkin.recipe.load import LARGEST, load, parse
 from geomkin.recipe.schema import schema
 from geomkin.recipe.template import template
 
@@ -120,3 +120,14 @@ def test_schema_covers_every_kind_and_key():
         for key in kind(name).recipe.__dataclass_fields__:
             assert f'"{key}"' in whole
     assert '"exclusiveMinimum": 0' in whole and "additionalProperties" in whole
+
+
+@pytest.mark.parametrize(("size", "fits"), [(LARGEST, True), (LARGEST + 1, False)])
+def test_a_recipe_is_read_to_its_last_byte_or_refused(tmp_path, size, fits):
+    file, text = tmp_path / "a.toml", 'kind = "spur-gear"\ngear = {module = 2, teeth = 20}\n#'
+    file.write_text(text + "." * (size - len(text)))
+    if fits:
+        # In the very last byte something that cannot be.
+        file.write_text(text + "." * (size - len(text) - 2) + "\n=")
+    with pytest.raises(gk.RecipeError, match="not TOML|line" if fits else f"{LARGEST:,} bytes"):
+        load(file)

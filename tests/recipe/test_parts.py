@@ -33,3 +33,15 @@ def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(shar
     # The hole is wider than its pin by the clearance of 0.2 mm.
     pin = radius / share / 2 - 0.2
     assert ("counterweight" in parts(text.replace("# pin_diameter = 4 ", f"pin_diameter = {pin:.6g} "))) is made
+
+
+def test_the_summary_of_cognates_builds_the_linkages_that_draw_the_same_curve():
+    recipe = parse(template("cognates"))
+    point = recipe.linkage.coupler_point
+    traced = gk.move(recipe.linkage, np.linspace(0, 2 * np.pi, 721)).point("coupler_point").position
+    for told in kind("cognates").notes(recipe)["cognates"].values():
+        places = {key: complex(*told.pop(key)) for key in ("coupler_point", "origin")}
+        other = gk.FourBar(**told, **places)
+        ways = [gk.move(other, np.linspace(0, 2 * np.pi, 91), sign).point("coupler_point").position for sign in (1, -1)]
+        off = [np.nanmax(np.abs(way[:, None] - traced).min(axis=1)) for way in ways]
+        assert point and min(off) < 1
