@@ -9,6 +9,7 @@ import numpy as np
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import AbstractCurve
+from geomkin.plane.cycloid import Cycloid
 from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.pose import Pose
@@ -87,6 +88,8 @@ def examples(s: float = 1.0) -> dict[str, AbstractCurve]:
         "hull of a row": rounded_hull(s * np.array([0, 2 + 1j, 4 + 2j, 1 + 0.5j]), 0.6 * s),
         "involute from its cusp": Involute(3 * s, 0.0, 1.2),
         "involute": Involute(3 * s, 0.3, 1.5),
+        "epicycloid": Cycloid(12 * s, 3 * s, 0.2, 1.2),
+        "hypocycloid": Cycloid(12 * s, -2 * s, 0.2, 0.9),
         "trochoid": trochoid,
         "trochoid of a point": Trochoid(12 * s, 1.2 * s, 0.0, -1.1, 0.3),
         "trochoid outside": Trochoid(12 * s, -0.9 * s, 0.4 * s, -0.9, 1.0),
