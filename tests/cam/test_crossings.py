@@ -6,6 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.cam import undercut as tracing
 from geomkin.cam.crossings import chord_crossings, crossings
+from geomkin.cam.raw_outline import RawOutline
 from geomkin.cam.undercut import undercut
 from geomkin.plane.curve import AbstractCurve
 
@@ -164,3 +165,12 @@ def test_a_cam_of_many_waves_leaves_its_valleys_as_corners(follower):
         assert z.imag.max() < 45 + 1e-9 and (z.imag - contact.point.imag).max() < 1e-9
     else:
         assert np.abs(z - (contact.point + 10 * contact.normal)).min() > 10 - 1e-9
+
+
+def test_of_a_piece_of_which_only_rounding_is_left_nothing_is_kept():
+    uniform = gk.Program((gk.Rise("uniform", rise=10, end_deg=90), gk.Return("uniform", end_deg=360)))
+    raw = RawOutline(gk.Cam(gk.TranslatingRoller(5), uniform, 40))
+    assert len(raw.pieces) >= 4
+    for k in (1, 2, 3):
+        assert len(raw.between(k - 0.5, k + 0.5)) == 2
+        assert [len(raw.between(k - 4e-16 * k, k + 0.5)), len(raw.between(k - 0.5, k + 5e-16 * k))] == [1, 1]

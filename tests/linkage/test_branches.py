@@ -150,3 +150,9 @@ def test_one_frame_at_a_change_point_stands_as_the_first_of_many(there):
     one, many = (gk.move(linkage, drive, "follow") for drive in ([0.0], np.linspace(0, 1, 50)))
     for name in bars:
         assert one.bodies[name].first[0] == pytest.approx(many.bodies[name].first[0], abs=1e-9)
+
+
+def test_at_a_change_point_the_two_circuits_are_one():
+    kite = gk.FourBar(100, 30, 100, 30)
+    for branch in (1, -1):
+        assert (gk.circuits(kite, gk.move(kite, np.linspace(0.1, 3, 20), branch)) == 1).all()

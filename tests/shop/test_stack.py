@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.shop.assembly import assemble
+from geomkin.shop.bridge import pile_places
 from geomkin.shop.contact import Contacts
 from geomkin.shop.links import link_parts
 from geomkin.shop.order import Passing, order
@@ -356,3 +357,16 @@ def test_the_summary_lists_layers_upwards_and_pins_with_their_lengths():
         assert pin["layers"] == [min(at), max(at)]
         assert pin["length_mm"] == 3 * (max(at) - min(at) + 1)
     assert summary["collisions"] == []
+
+
+@pytest.mark.parametrize("linkage", [gk.SliderCrank(30, 90), gk.SliderCrank(30, 90, 20), gk.FourBar(100, 30, 90, 70)])
+def test_a_bridge_stands_where_the_mechanism_is_narrowest(linkage):
+    motion = gk.move(linkage, TURN)
+    assembly, near = assemble(motion, STOCK), 10.0
+    one, two = pile_places(motion, assembly, near)
+    places = [motion.bodies[p.body].point(z).position for p in assembly.plates.values() for z in p.centres]
+    ways = np.exp(1j * np.linspace(0, np.pi, 3601))
+    seen = np.real(np.conj(ways)[:, None] * np.concatenate(places))
+    # Looked at every 5 deg, it is found to within that times its length.
+    narrowest, length = np.ptp(seen, axis=1).min(), np.ptp(seen, axis=1).max()
+    assert 0 <= abs(one - two) - 2 * near - narrowest < np.radians(2.5) * length
