@@ -131,3 +131,13 @@ def test_a_recipe_is_read_to_its_last_byte_or_refused(tmp_path, size, fits):
         file.write_text(text + "." * (size - len(text) - 2) + "\n=")
     with pytest.raises(gk.RecipeError, match="not TOML|line" if fits else f"{LARGEST:,} bytes"):
         load(file)
+
+
+@pytest.mark.parametrize(("key", "value"), [("body", '"a b\\n"'), ("point", '"a\\nb"'), ("base", '["A", "\\n"]')])
+def test_a_corner_s_wrong_name_is_told_by_the_corner_s_number(key, value):
+    corner = {"body": '"coupler"', "point": '"pen"', "base": '["A", "B"]', "lengths": "[50, 60]"}
+    good, bad = ("\n".join(f"{k} = {v}" for k, v in (corner | more).items()) for more in ({}, {key: value}))
+    text = "".join(line for line in template("linkage").splitlines(keepends=True) if not line.startswith("#"))
+    text = text.split("[[linkage.corners]]")[0] + f"[[linkage.corners]]\n{good}\n[[linkage.corners]]\n{bad}\n"
+    with pytest.raises(gk.RecipeError, match=rf"linkage\.corners\.2\.{key}"):
+        parse(text)
