@@ -162,3 +162,16 @@ def test_stretch_is_its_part_of_the_curve():
     assert np.isclose(part.velocity(2.0), BULGED.velocity(2 - 1e-12), rtol=1e-9)
     assert np.isclose(part.curvature(2.0), BULGED.curvature(1.5))
     assert np.isclose(part.point(2.0), BULGED.point(2.0), rtol=1e-13)
+
+
+@pytest.mark.parametrize("edge", range(4))
+def test_corners_that_close_are_found_wherever_the_origin_lies(edge):
+    """Also where the edge moved inward starts or ends at it: rounding is told by the outline's size."""
+    corners, bulges = np.array([0.13, 4.2 - 0.3j, 5.1 + 3.7j, 0.9 + 4.3j]), np.full(4, 0.05)
+    outline = Polyline(corners, bulges)
+    along = complex(outline.velocity(float(edge)))
+    inner = corners[edge] + 0.3j * along / abs(along)
+    expected = measure.area(parallel(outline, -0.3))
+    for turn in np.exp(1j * np.linspace(0, 6, 7)):
+        moved = parallel(Polyline((corners - inner) * turn, bulges), -0.3)
+        assert moved is not None and measure.area(moved) == pytest.approx(expected, rel=1e-9)
