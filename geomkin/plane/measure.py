@@ -10,6 +10,7 @@ from ..arguments import Points, Reals, checked
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .joined import Ring
+from .primitives import Polyline
 from .vec import Array
 
 # Gauss points per smooth piece. 16 integrate the pieces met here to rounding at once; the doubling
@@ -49,6 +50,8 @@ def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
         raise DesignError("curve", "found an open one, which encloses no area", "give a closed curve")
     if isinstance(curve, Ring):
         return curve.count * _sector(curve.piece, 0j, accuracy).real
+    if isinstance(curve, Polyline):
+        return curve.swept
     return float(_sector(curve, complex(curve.point(curve.breaks[0])), accuracy).real)
 
 

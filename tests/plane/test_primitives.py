@@ -117,3 +117,18 @@ def test_what_cannot_be_drawn_is_refused_by_name(make, field):
     with pytest.raises(DesignError) as refusal:
         make()
     assert refusal.value.field == field and refusal.value.remedy
+
+
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+@pytest.mark.parametrize("bulge", [0.0, 1e-9, 1e-4, 0.00499, 0.00501, 0.3, 1.0, 3.0, -0.4])
+def test_the_area_within_edges_and_arcs_is_that_of_many_chords(bulge, size):
+    """By Richardson's limit of the chords' areas, which err by the square of their length."""
+    curve = Polyline(size * np.array([3 + 1j, 9 + 2j, 8 + 7j, 2 + 5j]), np.array([bulge, 0.0, bulge / 2, 0.0]))
+
+    def chords(count):
+        z = curve.point(np.linspace(0, 4, 4 * count, endpoint=False))
+        return 0.5 * np.sum(np.conj(z - z[0]) * (np.roll(z, -1) - z[0])).imag
+
+    coarse, fine, finest = (chords(count) for count in (500, 1000, 2000))
+    once = [fine + (fine - coarse) / 3, finest + (finest - fine) / 3]
+    assert measure.signed_area(curve) == pytest.approx(once[1] + (once[1] - once[0]) / 15, rel=1e-13)
