@@ -1,7 +1,6 @@
 """Thousands of spoilt recipes, each in a process of its own: each is made or told in plain lines, and in its folder."""
 
 import os
-import resource
 import shutil
 import signal
 import time
@@ -9,8 +8,10 @@ from collections import Counter
 
 import pytest
 
-from .extremes import attempt, numbers_at_their_ends
-from .mutations import GALLERY, campaign
+resource = pytest.importorskip("resource", reason="processes are forked and limited as POSIX has it")
+
+from .extremes import attempt, numbers_at_their_ends  # noqa: E402
+from .mutations import GALLERY, campaign  # noqa: E402
 
 COUNT, SEED = int(os.environ.get("HOSTILE_RECIPES", 2000)), int(os.environ.get("HOSTILE_SEED", 1))
 # Of some 6,000 cases of `extremes.py`; more than these and the campaign takes longer than five minutes.
@@ -18,7 +19,6 @@ EXTREMES = int(os.environ.get("HOSTILE_EXTREMES", 500))
 # A recipe that is legal may be much work; none may be more than these, nor may one that is refused.
 # Seconds are of the processor, whatever else the machine does.
 SECONDS, BYTES = 20, 2 << 30
-CAN_FORK = hasattr(os, "fork")
 
 
 def _child(folder, *arguments):
@@ -109,7 +109,6 @@ def tally():
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not CAN_FORK, reason="processes are made by fork")
 @pytest.mark.parametrize("share", range(8))
 def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
@@ -144,7 +143,6 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
 
 
 @pytest.mark.campaign
-@pytest.mark.skipif(not CAN_FORK, reason="processes are made by fork")
 @pytest.mark.parametrize("share", range(4))
 def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
