@@ -9,39 +9,70 @@ Points are complex numbers in mm; angles are rad unless a name ends in `_deg`; y
 counterclockwise positive. Recipes need more than NumPy and are loaded only by `gk.load`, `gk.make`.
 """
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from typing import TYPE_CHECKING, Any
-
-__version__ = "0.1.0"
+from .version import VERSION as __version__
 
 if TYPE_CHECKING:
+    from . import cam
+    from . import export
+    from . import gear
+    from . import judge
+    from . import kinds
+    from . import linkage
+    from . import plane
+    from . import recipe
+    from . import shop
+    from .build import load as load
     from .build import make as make
-    from .public import *  # noqa: F403
-    from .recipe.load import load as load
+    from .build import write as write
+    from .cam.cam import Cam as Cam
+    from .cam.cam import pressure_angle as pressure_angle
+    from .cam.followers.follower import OscillatingFlat as OscillatingFlat
+    from .cam.followers.follower import OscillatingRoller as OscillatingRoller
+    from .cam.followers.follower import TranslatingFlat as TranslatingFlat
+    from .cam.followers.follower import TranslatingRoller as TranslatingRoller
+    from .cam.program.program import Dwell as Dwell
+    from .cam.program.program import Program as Program
+    from .cam.program.program import Return as Return
+    from .cam.program.program import Rise as Rise
+    from .cam.undercut import undercut as undercut
+    from .check import Check as Check
+    from .errors import DesignError as DesignError
+    from .errors import FileError as FileError
+    from .errors import GeomkinError as GeomkinError
+    from .errors import RecipeError as RecipeError
+    from .gear.conjugate.conjugate import conjugate as conjugate
+    from .gear.pair import GearPair as GearPair
+    from .gear.ring import RingGear as RingGear
+    from .gear.spur import SpurGear as SpurGear
+    from .linkage.coupler.curve import CouplerCurve as CouplerCurve
+    from .linkage.limits import driver_limits as driver_limits
+    from .linkage.linkage import Linkage as Linkage
+    from .linkage.linkage import Slider as Slider
+    from .linkage.measures import least_transmission_angle as least_transmission_angle
+    from .linkage.named.double_sliders import EllipticTrammel as EllipticTrammel
+    from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
+    from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
+    from .linkage.named.four_bar import FourBar as FourBar
+    from .linkage.named.inverted_slider_crank import InvertedSliderCrank as InvertedSliderCrank
+    from .linkage.named.shaper import Shaper as Shaper
+    from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
+    from .linkage.named.six_bars import WattSixBar as WattSixBar
+    from .linkage.named.slider_crank import SliderCrank as SliderCrank
+    from .linkage.solve.branch import Follow as Follow
+    from .linkage.solve.move import move as move
+    from .part import Part as Part
+    from .plane.arcs import to_arcs as to_arcs
+    from .plane.curve import AbstractCurve as AbstractCurve
+    from .plane.flatten import flatten as flatten
+    from .plane.measure import area as area
+    from .plane.measure import curvature as curvature
+    from .plane.measure import length as length
+    from .plane.measure import nearest as nearest
+    from .table import Column as Column
+    from .table import Table as Table
+else:
+    from .lazy import attach
 
-# Names that load the validator of recipes, which is heavier than NumPy alone.
-_HEAVIER = {"load": "recipe.load", "make": "build"}
-
-
-def __getattr__(name: str) -> Any:
-    """Names are loaded when first used, so that the command line answers before NumPy is there."""
-    from importlib import import_module
-
-    if name in _HEAVIER:
-        value = getattr(import_module(f".{_HEAVIER[name]}", __name__), name)
-    elif name.startswith("_"):
-        raise AttributeError(name)
-    else:
-        public = import_module(".public", __name__)
-        if name not in public.__all__:
-            raise AttributeError(f"geomkin has no {name!r}")
-        value = getattr(public, name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    from .public import __all__
-
-    return sorted([*__all__, *_HEAVIER, "__version__"])
+    __getattr__, __dir__ = attach(__name__)

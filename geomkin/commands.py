@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-FORMATS = ("dxf", "stl", "svg", "csv")
+from .export.writers import WRITERS
 
 _recipes = click.argument(
     "recipes", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path), metavar="RECIPE_OR_FOLDER..."
@@ -23,9 +23,9 @@ class _Formats(click.ParamType):
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         chosen = [part.strip() for part in value.split(",")]
-        unknown = [c for c in chosen if c not in FORMATS]
+        unknown = [c for c in chosen if c not in WRITERS]
         if unknown:
-            self.fail(f"unknown format {unknown[0]!r}; choose of {', '.join(FORMATS)}")
+            self.fail(f"unknown format {unknown[0]!r}; choose of {', '.join(WRITERS)}")
         return chosen
 
 
@@ -38,7 +38,7 @@ def cli() -> None:
 @cli.command()
 @_recipes
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
-@click.option("--only", type=_Formats(), help=f"Write only these of the recipe's formats ({', '.join(FORMATS)}).")
+@click.option("--only", type=_Formats(), help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).")
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/."""
     from .build import make
@@ -74,11 +74,11 @@ def check_command(recipes: tuple[Path, ...]) -> None:
 @cli.command("list")
 def list_command() -> None:
     """List the kinds of mechanism."""
-    from .recipe.kinds import KINDS, kind
+    from .kinds import KINDS
 
     width = max(map(len, KINDS))
     for name in KINDS:
-        click.echo(f"{name:<{width}}  {kind(name).about}")
+        click.echo(f"{name:<{width}}  {KINDS[name].about()}")
 
 
 @cli.command()
@@ -90,7 +90,7 @@ def list_command() -> None:
 def new(name: str, wishes: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
     from .errors import DesignError, printable
-    from .recipe.kinds import KINDS
+    from .kinds import KINDS
 
     if name not in KINDS:
         from .recipe.explain import nearest
@@ -101,7 +101,7 @@ def new(name: str, wishes: tuple[str, ...]) -> None:
     from .recipe.template import template
 
     try:
-        text = template(name, wishes)
+        text = template(KINDS[name], wishes)
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
     click.echo(text, nl=False)
@@ -112,9 +112,10 @@ def schema() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
+    from .kinds import KINDS
     from .recipe.schema import schema
 
-    click.echo(json.dumps(schema(), indent=1))
+    click.echo(json.dumps(schema(KINDS), indent=1))
 
 
 def _files(paths: Iterable[Path]) -> list[Path]:

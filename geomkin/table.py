@@ -64,3 +64,8 @@ def xy_columns(name: str, unit: str, meaning: str, values: np.ndarray) -> tuple[
         Column(f"{name}_x", unit, f"{meaning}, x", values.real, float(size)),
         Column(f"{name}_y", unit, f"{meaning}, y", values.imag, float(size)),
     )
+
+
+def finite(values: np.ndarray) -> np.ndarray:
+    """The values with what lies at infinity, which no number tells, left out."""
+    return np.where(np.isfinite(values), values, np.nan)

@@ -45,5 +45,5 @@ def test_every_error_there_is_was_tried():
 
 def test_a_refusal_in_another_process_arrives_whole():
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        refusal = pool.submit(gk.Circle, 0j, -1.0).exception(timeout=60)
+        refusal = pool.submit(gk.plane.Circle, 0j, -1.0).exception(timeout=60)
     assert isinstance(refusal, gk.DesignError) and refusal.field == "radius" and "above 0" in refusal.remedy

@@ -77,7 +77,7 @@ def test_strange_names_are_refused_everywhere_they_could_enter(name):
         lambda: gk.Linkage({"ground": {"O": 0}, name: {"O": 0, "A": 9}}, driver=name),
         lambda: gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0, name: 9}}, driver="crank"),
         lambda: gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0}}, "crank", (gk.Slider(name, "crank", "ground"),)),
-        lambda: Part(name, gk.Circle(0, 1), (), 1.0),
+        lambda: Part(name, gk.plane.Circle(0, 1), (), 1.0),
     ]
     for refusal in refusals:
         with pytest.raises(gk.DesignError, match="give (letters, digits|a table|a text)") as refused:

@@ -82,7 +82,7 @@ def test_ame_352_slider_crank():
 
 @pytest.mark.parametrize("estimate", iterations.CUBIC)
 def test_newton_raphson_on_a_cubic(estimate):
-    root = gk.newton_raphson(lambda x: x**3 - 3 * x**2 - 10 * x + 24, lambda x: 3 * x**2 - 6 * x - 10, estimate)
+    root = gk.linkage.newton_raphson(lambda x: x**3 - 3 * x**2 - 10 * x + 24, lambda x: 3 * x**2 - 6 * x - 10, estimate)
     wanted = iterations.CUBIC[estimate]
     assert root.converged and root.path[1 : len(wanted) + 1, 0] == pytest.approx(wanted, abs=5.1e-5)
 
@@ -97,7 +97,7 @@ def test_newton_raphson_on_the_loop_of_a_four_bar():
     def jacobian(x):
         return [[-6 * np.sin(x[0]), 4 * np.sin(x[1])], [6 * np.cos(x[0]), -4 * np.cos(x[1])]]
 
-    root = gk.newton_raphson(loop, jacobian, np.radians([30, 90]))
+    root = gk.linkage.newton_raphson(loop, jacobian, np.radians([30, 90]))
     assert root.path[1] - root.path[0] == pytest.approx(iterations.FOUR_BAR_STEP, abs=5.1e-5)
     assert root.converged and np.degrees(root.path[4]) == pytest.approx(four_bars.AME_352[:2], abs=5.1e-4)
 
@@ -119,7 +119,7 @@ def test_undercut_limit_of_sharp_deep_racks_lies_between_two_tooth_counts(angle,
     # A rack whose straight flank reaches one module deep, as the textbook limit assumes.
     rounding = 0.2
     depth = 1 + rounding * (1 - np.sin(np.radians(angle)))
-    rack = gk.Rack(pressure_angle_deg=angle, dedendum=depth, tip_radius=rounding)
+    rack = gk.gear.RackCutter(pressure_angle_deg=angle, dedendum=depth, tip_radius=rounding)
     below, above = int(np.floor(limit)), int(np.ceil(limit))
     assert gk.SpurGear(below, 1, rack=rack).is_undercut
     assert not gk.SpurGear(above, 1, rack=rack).is_undercut
@@ -140,7 +140,7 @@ def test_cam_worked_case_with_offset():
     profile = [40.616209122 - 11.619222011j, -56.485225210 - 10.920662631j]
     assert cam.profile.point(angles) == pytest.approx(profile, abs=6e-10)
     assert np.degrees(gk.pressure_angle(cam, angles)) == pytest.approx([-2.182224728, -17.115454754], abs=6e-10)
-    assert 1 / gk.convexity(cam.pitch_curve, angles) == pytest.approx([104.124385915, 53.972778506], abs=6e-10)
+    assert 1 / gk.plane.convexity(cam.pitch_curve, angles) == pytest.approx([104.124385915, 53.972778506], abs=6e-10)
 
 
 def test_cam_worked_case_of_a_harmonic_lift_equal_to_the_prime_radius():
@@ -150,6 +150,6 @@ def test_cam_worked_case_of_a_harmonic_lift_equal_to_the_prime_radius():
     leaning = np.abs(gk.pressure_angle(cam, angles))
     assert leaning.max() == pytest.approx(np.arcsin(1 / 3), abs=1e-8)
     assert np.degrees(angles[:10001][leaning[:10001].argmax()]) == pytest.approx(70.5288, abs=0.02)
-    radius = 1 / gk.convexity(cam.pitch_curve, angles)
+    radius = 1 / gk.plane.convexity(cam.pitch_curve, angles)
     assert [radius[0], radius[10000]] == pytest.approx([4, 3.2])
     assert radius.min() == pytest.approx(2 * np.sqrt(2), abs=1e-7)

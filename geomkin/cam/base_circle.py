@@ -13,8 +13,8 @@ from ..errors import DesignError
 from ..plane.vec import Array
 from .cam import Cam, check_lifts
 from .extremes import largest, samples
-from .follower import Follower, Roller, TranslatingFlat
-from .program import FollowerMotion, Program
+from .followers.follower import Follower, Roller, TranslatingFlat
+from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
 # Base radii tried before the least is closed in on. Good ones between bad ones are found where they cover a

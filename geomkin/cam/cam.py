@@ -14,9 +14,9 @@ from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
 from ..plane.vec import Array
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .contact import AbstractFollower, Contact
-from .follower import Follower, Roller, TranslatingRoller
-from .program import Dwell, Program, Return, Rise
+from .followers.contact import AbstractFollower, Contact
+from .followers.follower import Follower, Roller, TranslatingRoller
+from .program.program import Dwell, Program, Return, Rise
 
 
 # Smooth stretches of a programme: of more, a search for undercut and least base circle takes over five seconds.

@@ -11,7 +11,7 @@ from ..errors import DesignError
 from ..plane.vec import Array
 from .cam import Cam, convex_curvature, pressure_angle
 from .extremes import highest, largest, samples
-from .follower import Flat, Roller
+from .followers.follower import Flat, Roller
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from ..plane.primitives import Arc, Segment
 from ..plane.vec import Array, dot
 from .cam import Cam
 from .extremes import samples
-from .follower import Roller
+from .followers.follower import Roller
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
 # what joins them is a piece of the outline. Smaller makes pieces of what a law leaves of rounding at its ends;

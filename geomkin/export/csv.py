@@ -10,10 +10,16 @@ import numpy as np
 from ..errors import harmless
 from ..plane.vec import rounded
 from ..table import Column, Table
+from .job import Job
 
 # Digits kept of each column, counted from its largest value or its scale: more would print the last bit of a
 # processor's sine, and the same recipe would no longer give the same bytes everywhere.
 DIGITS = 10
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """The table in one file."""
+    return {f"{job.name}.csv": csv(job.source.table)}
 
 
 def csv(table: Table) -> bytes:

@@ -13,8 +13,14 @@ from ezdxf.document import Drawing
 
 from ..plane.primitives import Circle
 from .cut import Loop
+from .job import Job
 from .layers import LAYERS
 from .layout import Sheet
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """All parts in one file."""
+    return {f"{job.name}.dxf": dxf(job.sheet)}
 
 
 def dxf(sheet: Sheet) -> bytes:

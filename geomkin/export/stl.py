@@ -5,10 +5,22 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from ..errors import GeomkinError
+from ..errors import DesignError, GeomkinError, shown
 from ..plane import region
 from ..plane.vec import Array, xy
 from .cut import Cut, signed_area
+from .job import Job
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """A file for each part, named after it."""
+    contents: dict[str, bytes] = {}
+    for cut in job.solids:
+        name = f"{cut.part.name}.stl"
+        if name in contents:
+            raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+        contents[name] = stl(cut)
+    return contents
 
 
 def stl(cut: Cut) -> bytes:

@@ -9,11 +9,17 @@ import numpy as np
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array
 from .cut import Loop
+from .job import Job
 from .layers import LAYERS
 from .layout import Sheet
 
 # Hairlines, mm, as cutting programs expect; thick enough to be seen on a screen.
 STROKE = 0.25
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """All parts in one file."""
+    return {f"{job.name}.svg": svg(job.sheet, job.name)}
 
 
 def svg(sheet: Sheet, title: str) -> bytes:

@@ -10,7 +10,7 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
 from ..sizes import check_sizes, entry, quantity
-from .rack import Rack
+from .rack import RackCutter
 
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
 CORNER = 0.5
@@ -26,7 +26,7 @@ class GearRack:
 
     teeth: int = quantity("number of teeth", whole=True, at_least=1, at_most=10_000, example=12)
     module: float = quantity("pitch by pi", "mm", above=0, at_most=1e5, example=2)
-    rack: Rack = entry("the rack that cuts its mating gears, and gives its proportions", default=Rack())
+    rack: RackCutter = entry("the rack that cuts its mating gears, and gives its proportions", default=RackCutter())
     height: float = quantity(
         "of the bar, from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
     )

@@ -69,6 +69,11 @@ class GearPair:
         return isinstance(self.second, RingGear)
 
     @property
+    def module(self) -> float:
+        """Pitch diameter per tooth of both, mm."""
+        return self.first.module
+
+    @property
     def ratio(self) -> float:
         """Turns of the first for one of the second; negative where they turn against each other."""
         return self.second.teeth / self.first.teeth * (1 if self.is_internal else -1)

@@ -11,7 +11,7 @@ from ..sizes import check_sizes, quantity, rounded_down
 
 
 @dataclass(frozen=True)
-class Rack:
+class RackCutter:
     """A straight-flanked cutting rack, lengths in modules; the defaults are ISO 53 profile A.
 
     `addendum` is the gear's: how far its teeth reach above the reference line. `dedendum` is how deep

@@ -67,6 +67,11 @@ class RackPair:
             )
 
     @property
+    def module(self) -> float:
+        """Pitch per pi of both, mm."""
+        return self.pinion.module
+
+    @property
     def travel(self) -> float:
         """Way of the rack for one turn of the pinion, mm."""
         return float(np.pi * self.pinion.module * self.pinion.teeth)

@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import Count, between, checked, whole_between
 from ..errors import DesignError
 from .involute import inverse_involute, involute_function, roll_at
-from .rack import Rack
+from .rack import RackCutter
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
 LEAST, MOST = -2.0, 3.0
@@ -18,19 +18,21 @@ Total = Annotated[float, between(-20, 20, "modules")]
 
 
 @checked
-def undercut_free_shift(teeth: Count, rack: Rack | None = None) -> float:
+def undercut_free_shift(teeth: Count, rack: RackCutter | None = None) -> float:
     """The least profile shift, 0 or more, modules, with which a rack does not undercut a gear of `teeth` teeth.
 
     The end of the rack's straight flank must meet the line of action outside the base circle.
     """
-    rack = Rack() if rack is None else rack
+    rack = RackCutter() if rack is None else rack
     least = rack.flank_depth - teeth / 2 * float(np.sin(rack.pressure_angle)) ** 2
     # Just beyond the limit, where rounding cannot call it undercut.
     return max(0.0, least + 1e-12 * (1 + abs(least)))
 
 
 @checked
-def balanced_shifts(first: Teeth, second: Teeth, rack: Rack | None = None, total: Total = 0.0) -> tuple[float, float]:
+def balanced_shifts(
+    first: Teeth, second: Teeth, rack: RackCutter | None = None, total: Total = 0.0
+) -> tuple[float, float]:
     """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
 
     first, second: numbers of teeth; total: sum of the shifts, 0 for the centre distance of a pair without.
@@ -38,7 +40,7 @@ def balanced_shifts(first: Teeth, second: Teeth, rack: Rack | None = None, total
     rack's addendum above their shifted reference lines. Raises DesignError where tips of either gear meet the
     line of action outside the base circles whatever the shifts.
     """
-    rack = Rack() if rack is None else rack
+    rack = RackCutter() if rack is None else rack
     slope = float(np.tan(rack.pressure_angle))
     base_1, base_2 = (z / 2 * float(np.cos(rack.pressure_angle)) for z in (first, second))
     angle = involute_function(slope) + 2 * slope * total / (first + second)

@@ -14,7 +14,7 @@ from ..plane.curve import AbstractCurve
 from ..sizes import SMALLEST, check_sizes, entry, quantity, rounded_down
 from .involute import inverse_involute, involute_function, largest_rounding, roll_at
 from .limit import last_fit
-from .rack import Rack
+from .rack import RackCutter
 from .tooth import Tooth, outline
 
 # An inch, mm, by definition.
@@ -37,7 +37,7 @@ class SpurGear:
     profile_shift: float = quantity(
         "outward shift of the cutting rack", "modules", default=0.0, at_least=-10, at_most=10
     )
-    rack: Rack = entry("the cutting rack", default=Rack())
+    rack: RackCutter = entry("the cutting rack", default=RackCutter())
     addendum: float = quantity(
         "height of the teeth above the shifted reference line, where it is not the rack's",
         "modules",

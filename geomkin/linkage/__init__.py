@@ -1,1 +1,53 @@
 """Planar linkages: sizes, closed-form motion, measures. Knows nothing of plates, pins or files."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .coupler.atlas import coupler_curves as coupler_curves
+    from .coupler.atlas import coupler_grid as coupler_grid
+    from .coupler.atlas import dashes as dashes
+    from .coupler.cognates import Cognate as Cognate
+    from .coupler.cognates import cognates as cognates
+    from .coupler.cognates import roberts_linkage as roberts_linkage
+    from .coupler.cognates import third_pivot as third_pivot
+    from .forces.shaking import Counterbalance as Counterbalance
+    from .forces.shaking import SliderCrankMasses as SliderCrankMasses
+    from .forces.shaking import best_counterbalance as best_counterbalance
+    from .forces.shaking import judged_counterbalance as judged_counterbalance
+    from .forces.shaking import shaking_force as shaking_force
+    from .instant.bobillier import Bobillier as Bobillier
+    from .instant.bobillier import bobillier as bobillier
+    from .instant.bobillier import bobillier_path as bobillier_path
+    from .instant.centres import InstantCentre as InstantCentre
+    from .instant.centres import instant_centre as instant_centre
+    from .instant.centres import instant_centres as instant_centres
+    from .instant.centrode_curve import CentrodeCurve as CentrodeCurve
+    from .instant.centrodes import Centrodes as Centrodes
+    from .instant.curvature import PathCurvature as PathCurvature
+    from .instant.curvature import crank_path as crank_path
+    from .instant.curvature import euler_savary as euler_savary
+    from .instant.curvature import path_curvature as path_curvature
+    from .instant.equivalent import DirectContact as DirectContact
+    from .instant.inflection import InflectionCircle as InflectionCircle
+    from .instant.inflection import inflection_circle as inflection_circle
+    from .instant.inflection import inflection_circle_of_cranks as inflection_circle_of_cranks
+    from .instant.polygons import VectorPolygon as VectorPolygon
+    from .instant.polygons import acceleration_polygon as acceleration_polygon
+    from .instant.polygons import velocity_polygon as velocity_polygon
+    from .limits import dead_centres as dead_centres
+    from .measures import circuits as circuits
+    from .measures import grashof_type as grashof_type
+    from .measures import mechanical_advantage as mechanical_advantage
+    from .motion import Body as Body
+    from .motion import Motion as Motion
+    from .motion import PointMotion as PointMotion
+    from .motion import SlideMotion as SlideMotion
+    from .tables import motion_table as motion_table
+    from .openings import Opening as Opening
+    from .openings import opening as opening
+    from .solve.newton import Root as Root
+    from .solve.newton import newton_raphson as newton_raphson
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)

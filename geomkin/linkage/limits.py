@@ -9,15 +9,15 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
-from .branch import chosen
-from .closure import Driven
-from .continued import reach_of, sides_along
-from .dyads import Dyad
-from .loops import Loops
+from .solve.branch import chosen
+from .solve.driver_dyads import Driven
+from .solve.continued import reach_of, sides_along
+from .solve.dyads import Dyad
+from .solve.iterate import Loops
 from .measures import goes_without_turning
-from .row import Row
-from .solve import Branch, OneLinkage, move, planned
-from .steps import Step
+from .solve.row import Row
+from .solve.move import Branch, OneLinkage, move, planned
+from .solve.steps import Step
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.

@@ -7,9 +7,9 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Array, dot
-from .four_bar import FourBar
+from .named.four_bar import FourBar
 from .motion import Motion
-from .slider_crank import SliderCrank
+from .named.slider_crank import SliderCrank
 
 # Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
 # is more a body that turns.

@@ -1,1 +1,30 @@
 """Plane geometry in complex numbers, in mm: points, poses, curves and measures. No mechanisms here."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .cycloid import Cycloid as Cycloid
+    from .derived import Mirrored as Mirrored
+    from .derived import Moved as Moved
+    from .derived import Offset as Offset
+    from .derived import Reversed as Reversed
+    from .joined import Path as Path
+    from .joined import Ring as Ring
+    from .measure import centroid as centroid
+    from .measure import convexity as convexity
+    from .measure import signed_area as signed_area
+    from .pose import Pose as Pose
+    from .primitives import Arc as Arc
+    from .primitives import Circle as Circle
+    from .primitives import Polyline as Polyline
+    from .primitives import Segment as Segment
+    from .primitives import rounded_hull as rounded_hull
+    from .primitives import slot as slot
+    from .roulettes import Involute as Involute
+    from .roulettes import Trochoid as Trochoid
+    from .spline import Spline as Spline
+    from .vec import xy as xy
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)

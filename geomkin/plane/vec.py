@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import Numbers, checked
 
-Array = np.ndarray
+# Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no.
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Whole = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+# Of whichever, where a function takes them alike.
+Array = NDArray[Any]
 # Share of the largest number by which the border between two roundings lies below half way. Processors differ by far
 # less, and recipes give numbers of few decimals, which lie half way but not there. Smaller, and the last bit of a
 # processor's sine decides about half; larger, and it shows in the last of ten digits.

@@ -1,1 +1,14 @@
 """Recipes: text to frozen data, one class for each kind of mechanism."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .recipe import AbstractRecipe as AbstractRecipe
+    from .settings import Drive as Drive
+    from .settings import Files as Files
+    from .settings import Stroke as Stroke
+    from .settings import Turn as Turn
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)

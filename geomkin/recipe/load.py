@@ -1,9 +1,10 @@
-"""A recipe file to its frozen dataclass, or all that is wrong with it at once."""
+"""A text or a table to a recipe, or all that is wrong with it at once."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable, shown
 from .explain import explain, nearest
-from .kinds import KINDS, kind
+from .recipe import AbstractRecipe
 from .slips import slip
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
@@ -22,16 +23,18 @@ LARGEST = 500_000
 DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 
 
-def load(file: str | Path) -> Any:
-    """The recipe in a TOML file, as the dataclass of its kind.
+Kinds = Mapping[str, type[AbstractRecipe]]
+
+
+def read(kinds: Kinds, path: Path) -> AbstractRecipe:
+    """The recipe in a TOML file, called as the file is.
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    path = Path(file)
-    return parse(_read(path), str(file), str(path.parent))
+    return parse(kinds, _text(path), str(path), str(path.parent)).called(path.stem)
 
 
-def parse(text: str, file: str = "recipe", folder: str = ".") -> Any:
+def parse(kinds: Kinds, text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
     # The reader's time grows with the square of a key's parts.
     if DEEP_KEY.search(text):
@@ -45,26 +48,31 @@ def parse(text: str, file: str = "recipe", folder: str = ".") -> Any:
         if slipped:
             raise RecipeError(file, [slipped]) from None
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
+    return told(kinds, data, file, folder)
+
+
+def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+    """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
-    if not isinstance(name, str) or name not in KINDS:
+    if not isinstance(name, str) or name not in kinds:
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
-        kinds = {table: inner.get("kind") for table, inner in data.items() if isinstance(inner, dict)}
-        held = next((table for table, named in kinds.items() if isinstance(named, str) and named in KINDS), None)
-        near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, KINDS)
-        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(KINDS)}")])
+        inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
+        held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
+        near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
+        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}")])
     try:
-        return adapter(name).validate_python(data, extra="forbid", context={"folder": folder})
+        return adapter(kinds[name]).validate_python(data, extra="forbid", context={"folder": folder})
     except ValidationError as error:
-        raise RecipeError(file, explain(error, kind(name).recipe)) from None
+        raise RecipeError(file, explain(error, kinds[name])) from None
 
 
 @cache
-def adapter(name: str) -> TypeAdapter:
+def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
     """Validator and serialiser of a kind's recipes."""
-    return TypeAdapter(kind(name).recipe)
+    return TypeAdapter(recipe)
 
 
-def _read(path: Path) -> str:
+def _text(path: Path) -> str:
     try:
         if not path.is_file():
             raise FileNotFoundError(0, "it is no file")

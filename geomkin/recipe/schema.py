@@ -6,21 +6,22 @@ from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
-from .kinds import KINDS
-from .load import adapter
+from .load import Kinds, adapter
 
 
-def schema() -> dict[str, Any]:
+def schema(kinds: Kinds) -> dict[str, Any]:
     """A schema in which a wrong key or value is wrong at its own place, not at the whole recipe or segment.
 
     Which table stands somewhere is told by its `kind` alone: each has its `if` and `then`. Of a plain choice between
     them (`oneOf`) an editor only sees that none fits, and marks the whole.
     """
-    inputs: list[tuple[str, Literal["validation"], TypeAdapter]] = [(k, "validation", adapter(k)) for k in KINDS]
+    inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
+        (name, "validation", adapter(kinds[name])) for name in kinds
+    ]
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
-    recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in KINDS})
+    recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
 
 

@@ -3,16 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..check import Check
+from ..arguments import Sort
 from ..errors import DesignError
+from ..export.writers import WRITERS
 from ..plane.vec import Array
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
 
-Format = Literal["dxf", "stl", "svg", "csv"]
+
+class OneOfFormats(Sort):
+    """Marks a text as the ending of a format that can be written, those of later on among them."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda value: value in WRITERS, "the ending of a format")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import PydanticCustomError, core_schema
+
+        def known(value: str) -> str:
+            if value not in WRITERS:
+                expected = " or ".join([", ".join(map(repr, list(WRITERS)[:-1])), repr(list(WRITERS)[-1])])
+                raise PydanticCustomError("literal_error", "one of {expected}", {"expected": expected})
+            return value
+
+        return core_schema.no_info_plain_validator_function(known)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
+        return {"type": "string", "enum": list(WRITERS)}
+
+
+Format = Annotated[str, OneOfFormats()]
 
 # Rows and cells of a table: what takes some seconds and half a GB. More are minutes and several GB, and no program
 # opens them; fewer would refuse a full turn in hundredths of a degree.
@@ -110,14 +134,14 @@ class Turn:
             raise DesignError("end_deg", f"found {self.end_deg:g}", f"give more than {self.start_deg:g}, the start")
 
     @property
-    def checks(self) -> list[Check]:
+    def checks(self) -> tuple[Check, ...]:
         """A word where the way is a number of quarter turns in radians: in degrees it is hardly ever meant."""
         turn = self.end_deg - self.start_deg
         quarters = round(turn / (np.pi / 2))
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
-            return []
+            return ()
         advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
-        return [Check("way of the driver", turn, "at least", 90 * quarters, "deg", advice)]
+        return (Check("way of the driver", turn, "at least", 90 * quarters, "deg", advice),)
 
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
@@ -161,6 +185,11 @@ class Stroke:
         check_sizes(self)
         if self.end <= self.start:
             raise DesignError("end", f"found {self.end:g}", f"give more than {self.start:g}, the start")
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Nothing that a way in mm could be mistaken for."""
+        return ()
 
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""

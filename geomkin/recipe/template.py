@@ -8,24 +8,25 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from ..sizes import allowed
-from .kinds import kind
+from .explain import kind_of
+from .recipe import AbstractRecipe
 from .variants import asked, choices
 
 # Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.
 SCHEMA = "geomkin.schema.json"
 
 
-def template(name: str, wishes: Sequence[str] = ()) -> str:
+def template(recipe: type[AbstractRecipe], wishes: Sequence[str] = ()) -> str:
     """A commented TOML text of a kind that runs as it is; what may be left out stands commented out.
 
     wishes: tables of another kind than the usual, as `follower=oscillating-roller`, and tables that may be left out,
     as `web`. DesignError for one that the kind does not have.
     """
-    about, offered, wanted = kind(name), choices(kind(name).recipe), asked(name, wishes)
-    fitted = about.fit(wanted)
+    offered, wanted = choices(recipe), asked(recipe, wishes)
+    fitted = recipe.fit(wanted)
     plain = {key: example(offered[key][which]) for key, which in wanted.items() if not _is_given(key, fitted)}
-    shown = example(about.recipe, name, plain | fitted)
-    return "\n".join([*_head(name, offered), *_table("", shown, offered)]).rstrip() + "\n"
+    shown = example(recipe, {**plain, **fitted})
+    return "\n".join([*_head(recipe, offered), *_table("", shown, offered)]).rstrip() + "\n"
 
 
 def _is_given(key: str, fitted: Mapping[str, Any]) -> bool:
@@ -33,7 +34,7 @@ def _is_given(key: str, fitted: Mapping[str, Any]) -> bool:
     return any(key == other or key.startswith(f"{other}.") for other in fitted)
 
 
-def example(cls: type, name: str | None = None, given: Mapping[str, Any] | None = None, base: Any = None) -> Any:
+def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None) -> Any:
     """An instance of a dataclass from the examples its fields give.
 
     given: values by dotted key that stand for those; base: an instance that the rest is taken from.
@@ -44,7 +45,7 @@ def example(cls: type, name: str | None = None, given: Mapping[str, Any] | None 
         inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{field.name}.")}
         shown = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
         if field.name == "kind" and base is None:
-            values["kind"] = name or field.default
+            values["kind"] = field.default
         elif field.name in given:
             values[field.name] = given[field.name]
         elif inside:
@@ -57,16 +58,16 @@ def example(cls: type, name: str | None = None, given: Mapping[str, Any] | None 
     return cls(**values)
 
 
-def _head(name: str, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
+def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """What the recipe is, how an editor gets to know it, and what else `new` can show."""
     text = [
-        *textwrap.wrap(f"{kind(name).about} {kind(name).advice}".strip(), 110),
+        *textwrap.wrap(f"{recipe.about()} {recipe.advice}".strip(), 110),
         f"An editor marks what is wrong here once `geomkin schema > {SCHEMA}` has been run beside this file.",
     ]
     for key in dict.fromkeys(key.rsplit(".", 1)[-1] for key in offered):
         kinds = next(kinds for other, kinds in offered.items() if other.rsplit(".", 1)[-1] == key)
         wish = f"{key}={list(kinds)[-1]}" if "" not in kinds else key
-        text.append(f"Another kind of table, or more: geomkin new {name} --with {wish}")
+        text.append(f"Another kind of table, or more: geomkin new {kind_of(recipe)} --with {wish}")
     return [f"#:schema ./{SCHEMA}", *(f"# {line}" for line in text)]
 
 

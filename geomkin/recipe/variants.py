@@ -8,7 +8,6 @@ from typing import get_origin, get_type_hints
 
 from ..errors import DesignError, printable
 from .explain import kind_of, nearest, tables_in
-from .kinds import kind
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
@@ -31,19 +30,19 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     return found
 
 
-def asked(name: str, wishes: Iterable[str]) -> dict[str, str]:
-    """Dotted key -> kind of what is asked for, as `follower=oscillating-roller` or `stock.web`, of the kind `name`.
+def asked(recipe: type, wishes: Iterable[str]) -> dict[str, str]:
+    """Dotted key -> kind of what is asked for, as `follower=oscillating-roller` or `stock.web`, of a recipe's class.
 
     The end of a key stands for all keys that end so. DesignError for what there is not.
     """
-    offered = choices(kind(name).recipe)
+    offered = choices(recipe)
     found: dict[str, str] = {}
     for wish in wishes:
         end, _, which = wish.partition("=")
         keys = [key for key in offered if key == end or key.endswith(f".{end}")]
         if not keys:
             short = {key.rsplit(".", 1)[-1]: key for key in offered}
-            known = f"{name} has {', '.join(short) or 'none'}"
+            known = f"{kind_of(recipe)} has {', '.join(short) or 'none'}"
             raise DesignError("--with", f"no such table: {printable(end)}", nearest(end, [*short, *offered]) + known)
         for key in keys:
             kinds = offered[key]

@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 
 import geomkin as gk
-from geomkin.cam.flat import OscillatingFlat, TranslatingFlat
-from geomkin.cam.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
+from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
 from tests.made import Made
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program import Program
-from geomkin.cam.segments import LiftSpline
+from geomkin.cam.program.program import Program
+from geomkin.cam.program.segments import LiftSpline
 
 
 def waves(count):
@@ -63,11 +63,11 @@ def test_radii_in_many_directions_and_lost_lift_at_many_angles_take_little_memor
     assert cut.found
     angles = np.linspace(0, 2 * np.pi, 36_001)
     tracemalloc.start()
-    radii = gk.polar_radius(cut.outline, angles)
+    radii = gk.cam.polar_radius(cut.outline, angles)
     lost = cut.lost_lift(angles)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert most < 150e6
     few = slice(None, None, 3000)
-    assert radii[few] == pytest.approx(gk.polar_radius(cut.outline, angles[few]), rel=1e-14)
+    assert radii[few] == pytest.approx(gk.cam.polar_radius(cut.outline, angles[few]), rel=1e-14)
     assert lost[few] == pytest.approx(np.array([cut.lost_lift(a) for a in angles[few]]), abs=1e-14)

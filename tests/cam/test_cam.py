@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.cam.laws import LAWS
+from geomkin.cam.program.laws import LAWS
 from geomkin.cam.limits import tightest_convex
 
 CLASSIC = gk.Program(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.laws import LAWS, breaks_of, checked, sine_constant_cosine
+from geomkin.cam.program.laws import LAWS, breaks_of, checked, sine_constant_cosine
 
 pi = np.pi
 each_law = pytest.mark.parametrize("law", LAWS)

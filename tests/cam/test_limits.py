@@ -5,9 +5,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.base_circle import flat_face_base_radius, least_base_circle
-from geomkin.cam.flat import OscillatingFlat, TranslatingFlat
+from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.limits import segment_limits, tightest_convex
-from geomkin.cam.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
 from geomkin.cam.undercut import undercut
 
 from .cams import CAMS, LIFTS, SWINGS, programme, rolls
@@ -63,7 +63,7 @@ def test_acceleration_that_jumps_at_a_joint_counts_on_its_own_side():
 def test_a_straight_flank_has_no_radius_to_stumble_over():
     """Where the pitch curve passes through straight, its radius through infinity: no sign and no size there."""
     steep = gk.Cam(TranslatingRoller(3), programme(25, ends=(60, 110, 150, 220)), 25)
-    bend = gk.convexity(steep.pitch_curve, np.linspace(0, 2 * np.pi, 5001))
+    bend = gk.plane.convexity(steep.pitch_curve, np.linspace(0, 2 * np.pi, 5001))
     assert bend.min() < -0.01 and np.isfinite(bend).all()
     limits = segment_limits(steep)
     assert (limits.convex_radius > 0).all() and not undercut(steep).found
@@ -177,8 +177,8 @@ def test_limits_that_are_none_are_refused(sizes, field):
 def test_curvature_of_the_pitch_curve_is_that_of_the_profile_moved_by_the_roller():
     for cam in CAMS.values():
         if rolls(cam):
-            bend = gk.convexity(cam.pitch_curve, np.linspace(0.1, 6, 50))
-            inner = gk.convexity(cam.profile, np.linspace(0.1, 6, 50))
+            bend = gk.plane.convexity(cam.pitch_curve, np.linspace(0.1, 6, 50))
+            inner = gk.plane.convexity(cam.profile, np.linspace(0.1, 6, 50))
             assert inner == pytest.approx(bend / (1 - cam.follower.roller_radius * bend), rel=1e-9)
 
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
 import geomkin as gk
-from geomkin.cam.optimise import optimal_polynomial, optimal_spline
-from geomkin.cam.program import Program
-from geomkin.cam.segments import LiftSpline, OptimisedPolynomial, OptimisedSpline
+from geomkin.cam.program.optimise import optimal_polynomial, optimal_spline
+from geomkin.cam.program.program import Program
+from geomkin.cam.program.segments import LiftSpline, OptimisedPolynomial, OptimisedSpline
 
 REST = (0.0, 0.0)
 X = np.linspace(0, 1, 200_001)
@@ -261,7 +261,7 @@ def test_equal_shapes_are_solved_once():
 def test_the_same_segment_gives_the_same_digits_in_every_process():
     code = (
         f"import sys; sys.path[:0] = {sys.path!r}\n"
-        "from geomkin.cam.optimise import optimal_polynomial as p, optimal_spline as s\n"
+        "from geomkin.cam.program.optimise import optimal_polynomial as p, optimal_spline as s\n"
         "import numpy as np\n"
         "x = np.linspace(0, 1, 99)\n"
         "print(hash(p(11, 1.0, (0.2, 3.0), (0.0, 0.0), 300.0).law(x).tobytes()"

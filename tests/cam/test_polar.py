@@ -9,13 +9,13 @@ from geomkin.cam.polar import polar_radius
 
 def test_an_eccentric_circle_has_the_radius_of_the_cosine_rule():
     angle = np.radians(np.arange(0, 360, 7))
-    got = polar_radius(gk.Circle(3 + 4j, 20), angle)
+    got = polar_radius(gk.plane.Circle(3 + 4j, 20), angle)
     ahead = np.real((3 + 4j) * np.exp(-1j * angle))
     assert got == pytest.approx(ahead + np.sqrt(ahead**2 - 25 + 400), rel=1e-14)
 
 
 def test_a_polygon_has_its_corners_and_edges():
-    square = gk.Polyline(np.array([1 - 1j, 1 + 1j, -1 + 1j, -1 - 1j]))
+    square = gk.plane.Polyline(np.array([1 - 1j, 1 + 1j, -1 + 1j, -1 - 1j]))
     got = polar_radius(square, np.radians([0, 30, 45, 90, 200]))
     assert got == pytest.approx([1, 1 / np.cos(np.pi / 6), np.sqrt(2), 1, 1 / np.cos(np.radians(20))], rel=1e-12)
 
@@ -28,5 +28,5 @@ def test_a_cam_profile_meets_its_own_points():
 
 
 def test_of_several_crossings_the_farthest_counts():
-    hook = gk.Polyline(np.array([1 - 1j, 5 - 1j, 5 + 1j, 4 + 1j, 4 - 0.5j, 2 - 0.5j, 2 + 2j, -2 + 2j, -2 - 1j]))
+    hook = gk.plane.Polyline(np.array([1 - 1j, 5 - 1j, 5 + 1j, 4 + 1j, 4 - 0.5j, 2 - 0.5j, 2 + 2j, -2 + 2j, -2 - 1j]))
     assert polar_radius(hook, np.array([0.0])) == pytest.approx([5], rel=1e-14)

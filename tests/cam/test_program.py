@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.cam.program import Program
-from geomkin.cam.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolynomial, OptimisedSpline
+from geomkin.cam.program.program import Program
+from geomkin.cam.program.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolynomial, OptimisedSpline
 
 REST = {"start_velocity_per_rad": 0, "start_acceleration_per_rad2": 0, "end_velocity_per_rad": 0}
 REST |= {"end_acceleration_per_rad2": 0}

@@ -11,7 +11,6 @@ import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
-from geomkin.recipe.kinds import kind
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NAMES = ["roller-cam", "flat-cam", "rocker-cam", "flat-rocker-cam", "optimised-cam", "table-cam", "undercut-cam"]
@@ -19,7 +18,7 @@ NAMES = ["roller-cam", "flat-cam", "rocker-cam", "flat-rocker-cam", "optimised-c
 
 def polygon(recipe):
     """The cam's outline about its axis, read back from the bytes of the file."""
-    sheet = lay_out([cut(part, recipe.files.tolerance) for part in kind("disk-cam").parts(recipe)])
+    sheet = lay_out([cut(part, recipe.files.tolerance) for part in recipe.parts])
     document = ezdxf.read(io.StringIO(dxf(sheet).decode()))
     loops = [np.array([complex(*p[:2]) for p in e.get_points()]) for e in document.query('LWPOLYLINE[layer=="CUT"]')]
     (placed,) = [p for p in sheet.placed if p.cut.part.name == "cam"]

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.band_matrix import BandMatrix
-from geomkin.cam.program import Program
-from geomkin.cam.segments import LiftTable
-from geomkin.cam.smoothest import smoothest_within
-from geomkin.cam.spline import spline_through
-from geomkin.cam.table_fit import TableFit
-from geomkin.recipe.disk_cam import DiskCamRecipe
-from geomkin.recipe.kinds import kind
+from geomkin.cam.program.band_matrix import BandMatrix
+from geomkin.cam.program.program import Program
+from geomkin.cam.program.segments import LiftTable
+from geomkin.cam.program.smoothest import smoothest_within
+from geomkin.cam.program.spline import spline_through
+from geomkin.cam.program.table_fit import TableFit
+from geomkin.kinds.disk_cam import DiskCamRecipe
 
 NOISE = 0.005
 # Smooth all the way round.
@@ -174,7 +173,7 @@ def test_what_is_no_band_is_refused(how, field, words):
 
 def checks(**how):
     cam = gk.Cam(gk.TranslatingRoller(10), Program([LiftTable(**how)]), 60)
-    found = kind("disk-cam").checks(DiskCamRecipe("disk-cam", cam))
+    found = DiskCamRecipe(cam=cam).judged
     return [check for check in found if "scatter" in check.name]
 
 

@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.cam.flat import TranslatingFlat
+from geomkin.cam.followers.flat import TranslatingFlat
 from geomkin.cam.limits import segment_limits, tightest_convex
-from geomkin.cam.roller import TranslatingRoller
+from geomkin.cam.followers.roller import TranslatingRoller
 from geomkin.cam.undercut import undercut
 
 from .cams import CAMS, UNDERCUT, depth, programme, resting, rolls, seen_from_cam
@@ -21,21 +21,23 @@ def cam(request):
 
 
 def polygon(curve, tolerance=1e-5):
-    return shapely.Polygon(gk.xy(gk.flatten(curve, tolerance)))
+    return shapely.Polygon(gk.plane.xy(gk.flatten(curve, tolerance)))
 
 
 def cut_by_another_library(cam, count=20_000):
     """What the follower leaves: the pitch polygon shrunk by the roller, or the half-planes behind the face."""
     angles = np.unique(np.concatenate([np.linspace(0, 2 * np.pi, count)[:-1], cam.program.breaks[:-1]]))
     if rolls(cam):
-        shrunk = shapely.Polygon(gk.xy(seen_from_cam(cam, angles))).buffer(-cam.follower.roller_radius, quad_segs=500)
+        shrunk = shapely.Polygon(gk.plane.xy(seen_from_cam(cam, angles))).buffer(
+            -cam.follower.roller_radius, quad_segs=500
+        )
         return next(part for part in shapely.get_parts(shrunk) if part.contains(shapely.Point(0, 0)))
     # Half-planes Re(conj(w) z) <= 1 have in common the polygon whose corners are the edges of the hull of all w.
     foot, normal = seen_from_cam(cam, angles[np.append(True, np.diff(angles) > 1e-9)])
-    hull = shapely.MultiPoint(gk.xy(normal / np.real(np.conj(normal) * foot))).convex_hull
+    hull = shapely.MultiPoint(gk.plane.xy(normal / np.real(np.conj(normal) * foot))).convex_hull
     w = shapely.get_coordinates(hull.exterior).view(complex)[:-1, 0]
     following = np.roll(w, -1)
-    return shapely.Polygon(gk.xy(1j * (w - following) / np.imag(np.conj(w) * following)))
+    return shapely.Polygon(gk.plane.xy(1j * (w - following) / np.imag(np.conj(w) * following)))
 
 
 @each_undercut
@@ -160,7 +162,7 @@ def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
         outline = undercut(gk.Cam(follower, program, 40)).outline
         pieces = [p for p in outline.pieces if len(p.breaks) == 2 and gk.length(p) > 1e-3]
         assert any(
-            p.curvature(p.breaks.mean()) * np.sign(gk.signed_area(outline)) == pytest.approx(bend) for p in pieces
+            p.curvature(p.breaks.mean()) * np.sign(gk.plane.signed_area(outline)) == pytest.approx(bend) for p in pieces
         )
 
 

@@ -22,9 +22,20 @@ from geomkin.shop.keyway import keyed_bore
 from geomkin.table import xy_columns
 
 TOLERANCE = 0.005
-PLATE = gk.Part("plate", gk.rounded_hull([0, 90, 40 + 25j], 8), (gk.Circle(0, 2.1), gk.Circle(90, 2.1)), 3.0, count=3)
-GEAR = gk.Part("gear", gk.SpurGear(17, 2).outline, (gk.Circle(0, 4),), 6.0)
-CLOCKWISE = gk.Part("clockwise", gk.Reversed(gk.slot(-10, 30j, 6)), (gk.Reversed(gk.slot(-10, -6 + 12j, 2)),), 2.0)
+PLATE = gk.Part(
+    "plate",
+    gk.plane.rounded_hull([0, 90, 40 + 25j], 8),
+    (gk.plane.Circle(0, 2.1), gk.plane.Circle(90, 2.1)),
+    3.0,
+    count=3,
+)
+GEAR = gk.Part("gear", gk.SpurGear(17, 2).outline, (gk.plane.Circle(0, 4),), 6.0)
+CLOCKWISE = gk.Part(
+    "clockwise",
+    gk.plane.Reversed(gk.plane.slot(-10, 30j, 6)),
+    (gk.plane.Reversed(gk.plane.slot(-10, -6 + 12j, 2)),),
+    2.0,
+)
 PARTS = [PLATE, GEAR, CLOCKWISE]
 
 
@@ -70,7 +81,9 @@ def test_dxf_says_millimetres_has_clean_layers_and_the_right_area(arcs):
 @pytest.mark.parametrize("count", [1, 4])
 def test_dxf_extents_are_those_of_what_is_cut(arcs, count):
     """Against every arc and line of it, in fine steps, as the library reads them."""
-    hook = gk.Part("hook", gk.Polyline(np.array([0, 10 - 5j, 20 + 5j, 3j]), np.array([0.9, -0.3, 1.0, 0.2])), (), 1)
+    hook = gk.Part(
+        "hook", gk.plane.Polyline(np.array([0, 10 - 5j, 20 + 5j, 3j]), np.array([0.9, -0.3, 1.0, 0.2])), (), 1
+    )
     document = read_dxf(dxf(sheet_of([hook, *PARTS][:count], arcs=arcs)))
     space = document.modelspace()
     edges = [edge for e in space.query("LWPOLYLINE") for edge in e.virtual_entities()]
@@ -90,7 +103,13 @@ def test_coordinates_carry_no_more_decimals_than_the_tolerance_asks(arcs):
 
 
 def test_holes_and_marks_come_before_the_outline_that_frees_the_part():
-    marked = gk.Part("marked", gk.Circle(0, 30), (gk.Circle(0, 4), gk.Circle(15, 3)), 2, marks=(gk.Circle(-15, 2),))
+    marked = gk.Part(
+        "marked",
+        gk.plane.Circle(0, 30),
+        (gk.plane.Circle(0, 4), gk.plane.Circle(15, 3)),
+        2,
+        marks=(gk.plane.Circle(-15, 2),),
+    )
     sheet = sheet_of([marked, PLATE])
     wanted = ["HOLE", "HOLE", "ENGRAVE", "CUT", *["HOLE", "HOLE", "CUT"] * PLATE.count]
     assert [e.dxf.layer for e in read_dxf(dxf(sheet)).modelspace()] == wanted
@@ -125,11 +144,11 @@ def test_kerf_moves_outlines_out_and_holes_in(part, kerf, arcs):
     made = cut(part, TOLERANCE, kerf=kerf, arcs=arcs)
     fine = [cut(part, 1e-4).loops[k] for k in range(len(made.loops))]
     for k, (loop, exact) in enumerate(zip(made.loops, fine)):
-        grown = shapely.Polygon(gk.xy(exact.points)).buffer(kerf / 2 * (-1 if k else 1), quad_segs=200)
-        got = shapely.Polygon(gk.xy(loop.points))
+        grown = shapely.Polygon(gk.plane.xy(exact.points)).buffer(kerf / 2 * (-1 if k else 1), quad_segs=200)
+        got = shapely.Polygon(gk.plane.xy(loop.points))
         assert got.symmetric_difference(grown).area < 1.5 * TOLERANCE * grown.length
         shape = gk.flatten(loop.shape, 1e-4)
-        assert shapely.Polygon(gk.xy(shape)).symmetric_difference(grown).area < 1.5 * TOLERANCE * grown.length
+        assert shapely.Polygon(gk.plane.xy(shape)).symmetric_difference(grown).area < 1.5 * TOLERANCE * grown.length
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda p: p.name)
@@ -200,8 +219,8 @@ def test_a_triangle_can_be_cut_and_be_a_hole(arcs, kerf):
     """Three corners are the fewest that enclose anything."""
     z = np.array([0, 60, 60 + 40j])
     hole = 20 + 0.25 * z + 5j
-    made = cut(gk.Part("triangle", gk.Polyline(z), (gk.Polyline(hole),), 2), TOLERANCE, kerf, arcs)
-    grown, shrunk = (shapely.Polygon(gk.xy(w)).buffer(d / 2, quad_segs=99) for w, d in ((z, kerf), (hole, -kerf)))
+    made = cut(gk.Part("triangle", gk.plane.Polyline(z), (gk.plane.Polyline(hole),), 2), TOLERANCE, kerf, arcs)
+    grown, shrunk = (shapely.Polygon(gk.plane.xy(w)).buffer(d / 2, quad_segs=99) for w, d in ((z, kerf), (hole, -kerf)))
     assert made.area == pytest.approx(grown.area - shrunk.area, abs=TOLERANCE)
     if not kerf:
         assert [len(loop.points) for loop in made.loops] == [3, 3]
@@ -209,12 +228,12 @@ def test_a_triangle_can_be_cut_and_be_a_hole(arcs, kerf):
 
 def test_a_sheet_is_as_wide_as_its_parts_ask_for():
     """25 squares in five rows of five; each takes its size and the gap after it, and the first the gap before it."""
-    squares = [gk.Part("square", gk.Polyline(20 * np.array([0, 1, 1 + 1j, 1j])), (), 1, count=25)]
+    squares = [gk.Part("square", gk.plane.Polyline(20 * np.array([0, 1, 1 + 1j, 1j])), (), 1, count=25)]
     sheet = sheet_of(squares)
     assert (sheet.width, sheet.height) == (130, 130)
     assert sheet.extents == (5 + 5j, 125 + 125j)
     # A part longer than all others together are wide: the sheet holds it, and two clear edges.
-    long = gk.Part("long", gk.Polyline(np.array([0, 900.5, 900.5 + 4j, 4j])), (), 1)
+    long = gk.Part("long", gk.plane.Polyline(np.array([0, 900.5, 900.5 + 4j, 4j])), (), 1)
     assert (sheet_of([long]).width, sheet_of([long]).height) == (911, 14)
     assert sheet_of([*squares, long]).width == 911
 
@@ -222,12 +241,12 @@ def test_a_sheet_is_as_wide_as_its_parts_ask_for():
 @pytest.mark.parametrize(
     ("part", "words"),
     [
-        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(0, 11),), 1), "reaches the outline"),
-        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(9, 2),), 1), "reaches the outline"),
-        (gk.Part("p", gk.Circle(0, 10), (gk.Circle(0, 2), gk.Circle(3, 2)), 1), "two holes meet"),
-        (gk.Part("p", gk.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 1), "crosses itself"),
-        (gk.Part("p", gk.Circle(0, 1e-3), (), 1), "ten times the tolerance"),
-        (gk.Part("p", gk.Circle(0, 1e9), (), 1), "make parts between"),
+        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(0, 11),), 1), "reaches the outline"),
+        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(9, 2),), 1), "reaches the outline"),
+        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(0, 2), gk.plane.Circle(3, 2)), 1), "two holes meet"),
+        (gk.Part("p", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 1), "crosses itself"),
+        (gk.Part("p", gk.plane.Circle(0, 1e-3), (), 1), "ten times the tolerance"),
+        (gk.Part("p", gk.plane.Circle(0, 1e9), (), 1), "make parts between"),
     ],
 )
 def test_what_cannot_be_cut_is_refused(part, words):
@@ -235,10 +254,10 @@ def test_what_cannot_be_cut_is_refused(part, words):
         cut(part, TOLERANCE)
 
 
-@pytest.mark.parametrize("hole", [gk.Circle(40, 2.1), gk.slot(30, 50, 2.1)], ids=["round", "slot"])
+@pytest.mark.parametrize("hole", [gk.plane.Circle(40, 2.1), gk.plane.slot(30, 50, 2.1)], ids=["round", "slot"])
 def test_a_kerf_wider_than_a_hole_is_refused(hole):
     """What is left of a slot narrower than the beam is a slot again, turned inside out."""
-    plate = gk.Part("plate", gk.slot(0, 90, 9), (hole,), 3.0)
+    plate = gk.Part("plate", gk.plane.slot(0, 90, 9), (hole,), 3.0)
     assert cut(plate, TOLERANCE, kerf=4).area > 0
     with pytest.raises(gk.DesignError, match="kerf"):
         cut(plate, TOLERANCE, kerf=5)
@@ -247,12 +266,12 @@ def test_a_kerf_wider_than_a_hole_is_refused(hole):
 def test_arcs_of_a_keyed_bore_survive_the_kerf():
     """Its keyway has corners that close as the hole shrinks: four edges before, four edges after."""
     (keyed,) = keyed_bore(20, 0, 6, 3, 1j, 60, "stock")
-    made = cut(gk.Part("hub", gk.Circle(0, 30), (keyed,), 3), TOLERANCE, kerf=0.2, arcs=True)
+    made = cut(gk.Part("hub", gk.plane.Circle(0, 30), (keyed,), 3), TOLERANCE, kerf=0.2, arcs=True)
     hole = made.loops[1].shape
     bends = np.abs(hole.bulges[hole.bulges != 0])
     assert len(hole.vertices) <= 8 and len(bends) >= 3
-    shrunk = shapely.Polygon(gk.xy(gk.flatten(keyed, 1e-5))).buffer(-0.1, quad_segs=2000)
-    written = shapely.Polygon(gk.xy(gk.flatten(hole, 1e-5)))
+    shrunk = shapely.Polygon(gk.plane.xy(gk.flatten(keyed, 1e-5))).buffer(-0.1, quad_segs=2000)
+    written = shapely.Polygon(gk.plane.xy(gk.flatten(hole, 1e-5)))
     assert written.symmetric_difference(shrunk).area < 1e-4 * shrunk.length
 
 
@@ -261,6 +280,6 @@ def test_a_hundred_thousand_points_stay_linear():
     sizes = []
     for n in (50_000, 100_000):
         t = np.linspace(0, 2 * np.pi, n, endpoint=False)
-        wavy = gk.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
+        wavy = gk.plane.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
         sizes.append(len(dxf(sheet_of([gk.Part("wavy", wavy, (), 1)]))))
     assert sizes[1] / sizes[0] == pytest.approx(2, rel=0.05)

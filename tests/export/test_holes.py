@@ -72,7 +72,7 @@ def test_the_first_hole_that_is_wrong_is_told(size):
     told = set()
     for seed in range(12):
         outer, holes = random_plate(seed, size, count=6)
-        part = gk.Part("plate", gk.Polyline(outer), tuple(gk.Polyline(h) for h in holes), 3.0)
+        part = gk.Part("plate", gk.plane.Polyline(outer), tuple(gk.plane.Polyline(h) for h in holes), 3.0)
         expected = ""
         for k, hole in enumerate(holes):
             if crossing(outer, hole) or not winds(outer, hole[0]) or away(outer, hole) < 0.01:
@@ -102,9 +102,9 @@ def test_the_first_hole_that_is_wrong_is_told(size):
 )
 def test_the_order_in_which_faults_are_told(places, expected):
     """Of a hole that is wrong in both ways the outline is told."""
-    holes = tuple(gk.Circle(complex(place), 1.0) for place in places)
+    holes = tuple(gk.plane.Circle(complex(place), 1.0) for place in places)
     with pytest.raises(gk.DesignError, match=expected):
-        cut(gk.Part("plate", gk.Circle(0j, 10.0), holes, 3.0), 0.01)
+        cut(gk.Part("plate", gk.plane.Circle(0j, 10.0), holes, 3.0), 0.01)
 
 
 def test_touching_holes_share_no_area_and_one_within_another_does():
@@ -120,6 +120,6 @@ def test_of_a_thousand_holes_only_neighbours_are_held_against_each_other(monkeyp
     held = []
     real = region.shapely.intersection
     monkeypatch.setattr(region.shapely, "intersection", lambda a, b: held.append(len(a)) or real(a, b))
-    pinion = gk.LanternPinion(1000, 4, 5)
-    disc = gk.Part("disc", gk.Circle(0j, pinion.pitch_radius + 10), pinion.circles, 3.0)
+    pinion = gk.gear.LanternPinion(1000, 4, 5)
+    disc = gk.Part("disc", gk.plane.Circle(0j, pinion.pitch_radius + 10), pinion.circles, 3.0)
     assert len(cut(disc, 0.05).loops) == 1001 and sum(held) <= 2000

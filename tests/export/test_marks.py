@@ -17,15 +17,15 @@ from geomkin.export.stl import stl
 from geomkin.export.svg import svg
 
 TOLERANCE = 0.005
-OUTLINE = gk.rounded_hull([0, 90, 40 + 25j], 12)
-HOLES = (gk.Circle(0, 2.1), gk.Circle(90, 2.1))
+OUTLINE = gk.plane.rounded_hull([0, 90, 40 + 25j], 12)
+HOLES = (gk.plane.Circle(0, 2.1), gk.plane.Circle(90, 2.1))
 TURN = np.linspace(0, 2 * np.pi, 200)[:-1]
 MARKS = {
-    "circle": gk.Circle(90, 6),
-    "line across a hole": gk.Segment(-8, 60 - 6j),
-    "open arc": gk.Arc(40 + 25j, 46 + 25j, 4.0),
-    "closed": gk.slot(60 + 5j, 70 + 2j, 3),
-    "figure of eight": gk.Polyline(30 + 18 * np.sin(TURN) + 8j * np.sin(2 * TURN)),
+    "circle": gk.plane.Circle(90, 6),
+    "line across a hole": gk.plane.Segment(-8, 60 - 6j),
+    "open arc": gk.plane.Arc(40 + 25j, 46 + 25j, 4.0),
+    "closed": gk.plane.slot(60 + 5j, 70 + 2j, 3),
+    "figure of eight": gk.plane.Polyline(30 + 18 * np.sin(TURN) + 8j * np.sin(2 * TURN)),
 }
 
 
@@ -40,7 +40,7 @@ def sheet(*marks, **how):
 def line_of(curve):
     """The exact curve, so finely that its chords do not count."""
     z = curve.point(np.linspace(curve.breaks[0], curve.breaks[-1], 4001))
-    return shapely.LineString(gk.xy(z))
+    return shapely.LineString(gk.plane.xy(z))
 
 
 def engraved(content):
@@ -80,7 +80,7 @@ def test_marks_in_the_svg_are_open_where_their_curves_are():
     drawn = [e for e in root.iter() if e.get("class") == "ENGRAVE"]
     assert len(drawn) == len(MARKS)
     for element, curve in zip(drawn, MARKS.values()):
-        if isinstance(curve, gk.Circle):
+        if isinstance(curve, gk.plane.Circle):
             assert float(element.get("r")) == curve.radius
             continue
         assert element.get("d").endswith("Z") == curve.closed
@@ -92,11 +92,11 @@ def test_marks_in_the_svg_are_open_where_their_curves_are():
 
 def test_an_open_mark_may_follow_a_bent_plate():
     """The chord from its end to its start would leave the plate; the mark itself does not."""
-    ring = gk.Polyline(np.array([0, 60, 60 + 10j, 10 + 10j, 10 + 50j, 60 + 50j, 60 + 60j, 60j]))
-    mark = gk.Polyline(np.array([55 + 5j, 5 + 5j, 5 + 55j, 55 + 55j]), is_closed=False)
+    ring = gk.plane.Polyline(np.array([0, 60, 60 + 10j, 10 + 10j, 10 + 50j, 60 + 50j, 60 + 60j, 60j]))
+    mark = gk.plane.Polyline(np.array([55 + 5j, 5 + 5j, 5 + 55j, 55 + 55j]), is_closed=False)
     made = cut(gk.Part("c", ring, (), 3, marks=(mark,)), TOLERANCE)
     assert len(made.marks[0].points) == 4
-    across = gk.Segment(55 + 5j, 55 + 55j)
+    across = gk.plane.Segment(55 + 5j, 55 + 55j)
     with pytest.raises(gk.DesignError, match="mark 2 reaches over the outline"):
         cut(gk.Part("c", ring, (), 3, marks=(mark, across)), TOLERANCE)
 
@@ -104,12 +104,12 @@ def test_an_open_mark_may_follow_a_bent_plate():
 @pytest.mark.parametrize(
     ("mark", "words"),
     [
-        (gk.Circle(90, 13), "reaches over the outline"),
-        (gk.Segment(0, 200), "reaches over the outline"),
-        (gk.Circle(300, 5), "reaches over the outline"),
-        (gk.Circle(40, 500), "reaches over the outline"),
-        (gk.Circle(40, 1e-9), "smaller than files can tell"),
-        (gk.Segment(40, 40 + 1e-10j), "smaller than files can tell"),
+        (gk.plane.Circle(90, 13), "reaches over the outline"),
+        (gk.plane.Segment(0, 200), "reaches over the outline"),
+        (gk.plane.Circle(300, 5), "reaches over the outline"),
+        (gk.plane.Circle(40, 500), "reaches over the outline"),
+        (gk.plane.Circle(40, 1e-9), "smaller than files can tell"),
+        (gk.plane.Segment(40, 40 + 1e-10j), "smaller than files can tell"),
     ],
 )
 @pytest.mark.parametrize("kerf", [0.0, 4.0])

@@ -14,7 +14,11 @@ def sheet_of(width, height, count):
         [
             cut(
                 gk.Part(
-                    "plate", gk.rounded_hull([0, width, width + 1j * height, 1j * height], 1), (), 3.0, count=count
+                    "plate",
+                    gk.plane.rounded_hull([0, width, width + 1j * height, 1j * height], 1),
+                    (),
+                    3.0,
+                    count=count,
                 ),
                 0.01,
             )
@@ -43,7 +47,7 @@ def test_a_sheet_of_many_is_about_as_wide_as_it_is_high_whatever_they_are(width,
 
 def test_small_parts_lie_beside_each_other_as_far_as_a_long_one_reaches():
     """Beside a high one they lie in a sheet that is about square."""
-    long, high, small = (gk.Part(name, gk.rounded_hull([0, w, w + 1j * h, 1j * h], 1), (), 3.0, count=count)
+    long, high, small = (gk.Part(name, gk.plane.rounded_hull([0, w, w + 1j * h, 1j * h], 1), (), 3.0, count=count)
                          for name, w, h, count in (("long", 500, 5, 1), ("high", 5, 500, 1), ("small", 30, 30, 10)))  # fmt: skip
     assert lay_out([cut(long, 0.01), cut(small, 0.01)]).height < 60
     assert lay_out([cut(high, 0.01), cut(small, 0.01)]).width < 250

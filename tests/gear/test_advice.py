@@ -11,11 +11,11 @@ GEAR = gk.SpurGear(24, 2)
 
 
 def ring(teeth=60, module=2, cutter=24, **sizes):
-    return gk.RingGear(teeth, module, cutter=gk.PinionCutter(cutter), **sizes)
+    return gk.RingGear(teeth, module, cutter=gk.gear.PinionCutter(cutter), **sizes)
 
 
 def flank_gear(m):
-    return gk.StraightSidedGear(40, m, 25, 0.8, 1.2).gear
+    return gk.gear.StraightSidedGear(40, m, 25, 0.8, 1.2).gear
 
 
 def mate(m, addendum, internal=False, clearance=0.0):
@@ -25,7 +25,9 @@ def mate(m, addendum, internal=False, clearance=0.0):
 
 def pinion_of_ring(m, addendum):
     gear = ring(module=m)
-    return gk.conjugate(gk.Reversed(gk.Reversed(gear.outline.piece)), 60, gear.pitch_radius, 24, addendum, True)
+    return gk.conjugate(
+        gk.plane.Reversed(gk.plane.Reversed(gear.outline.piece)), 60, gear.pitch_radius, 24, addendum, True
+    )
 
 
 # What is made of a module and a size, a size that is too much or too little, and in which unit: of 1 or of modules.
@@ -34,23 +36,23 @@ AT_MOST = {
     "spur rounding": (lambda m, x: gk.SpurGear(24, m, tip_rounding=x), 2.0, False, "tip_rounding"),
     "spur chamfer": (lambda m, x: gk.SpurGear(24, m, tip_chamfer=x), 2.0, False, "tip_chamfer"),
     "spur shift": (lambda m, x: gk.SpurGear(24, m, x), 2.5, False, "profile_shift"),
-    "rack rounding": (lambda m, x: gk.Rack(tip_radius=x), 0.5, False, "tip_radius"),
-    "rack rounding of a deep rack": (lambda m, x: gk.Rack(25, 1.0, 1.2, x), 1.0, False, "tip_radius"),
-    "rack dedendum": (lambda m, x: gk.Rack(dedendum=x, tip_radius=0), 3.0, False, "dedendum"),
-    "cutter addendum": (lambda m, x: gk.PinionCutter(12, addendum=x, tip_radius=0), 3.0, False, "addendum"),
-    "cutter rounding": (lambda m, x: gk.PinionCutter(12, tip_radius=x), 1.0, False, "tip_radius"),
+    "rack rounding": (lambda m, x: gk.gear.RackCutter(tip_radius=x), 0.5, False, "tip_radius"),
+    "rack rounding of a deep rack": (lambda m, x: gk.gear.RackCutter(25, 1.0, 1.2, x), 1.0, False, "tip_radius"),
+    "rack dedendum": (lambda m, x: gk.gear.RackCutter(dedendum=x, tip_radius=0), 3.0, False, "dedendum"),
+    "cutter addendum": (lambda m, x: gk.gear.PinionCutter(12, addendum=x, tip_radius=0), 3.0, False, "addendum"),
+    "cutter rounding": (lambda m, x: gk.gear.PinionCutter(12, tip_radius=x), 1.0, False, "tip_radius"),
     "ring thinning": (lambda m, x: ring(module=m, thinning=x), 3.0, True, "thinning"),
     "ring addendum": (lambda m, x: ring(36, m, 12, addendum=x), 2.0, False, "addendum"),
-    "gear rack thinning": (lambda m, x: gk.GearRack(5, m, thinning=x), 1.5, True, "thinning"),
-    "straight addendum": (lambda m, x: gk.StraightSidedGear(40, m, 25, x), 3.0, False, "addendum"),
-    "straight dedendum": (lambda m, x: gk.StraightSidedGear(40, m, 25, 1, x), 2.0, False, "dedendum"),
+    "gear rack thinning": (lambda m, x: gk.gear.GearRack(5, m, thinning=x), 1.5, True, "thinning"),
+    "straight addendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, x), 3.0, False, "addendum"),
+    "straight dedendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, 1, x), 2.0, False, "dedendum"),
     "flank backlash": (lambda m, x: flank_gear(m).cutter(0.1 * m, x), 2.0, True, "backlash"),
     "flank clearance": (lambda m, x: flank_gear(m).cutter(x), 3.0, True, "clearance"),
-    "lantern backlash": (lambda m, x: gk.LanternPinion(12, m, 1.4 * m).cutter(0, x), 3.0, True, "backlash"),
+    "lantern backlash": (lambda m, x: gk.gear.LanternPinion(12, m, 1.4 * m).cutter(0, x), 3.0, True, "backlash"),
     "mate's depth": (lambda m, x: mate(m, x, True), 2.0, True, "addendum"),
     "depth of a ring's mate": (pinion_of_ring, 2.0, True, "addendum"),
     "point tooth reach": (
-        lambda m, x: gk.PointToothGear(24, m, (m * (1 + 11j), m * 0.01 + 1j * x)),
+        lambda m, x: gk.gear.PointToothGear(24, m, (m * (1 + 11j), m * 0.01 + 1j * x)),
         60,
         True,
         "points",
@@ -58,8 +60,13 @@ AT_MOST = {
 }
 AT_LEAST = {
     "spur shift": (lambda m, x: gk.SpurGear(6, m, x), -1.0, False, "profile_shift"),
-    "gear rack height": (lambda m, x: gk.GearRack(5, m, height=x), 1.0, False, "height"),
-    "rack and pinion too near": (lambda m, x: gk.RackPair(gk.SpurGear(24, m), gk.GearRack(9, m), x), 11.9, True, ""),
+    "gear rack height": (lambda m, x: gk.gear.GearRack(5, m, height=x), 1.0, False, "height"),
+    "rack and pinion too near": (
+        lambda m, x: gk.gear.RackPair(gk.SpurGear(24, m), gk.gear.GearRack(9, m), x),
+        11.9,
+        True,
+        "",
+    ),
     "pair too near": (lambda m, x: gk.GearPair(gk.SpurGear(24, m), gk.SpurGear(30, m), x), 26.9, True, ""),
     "thinned pair too near": (
         lambda m, x: gk.GearPair(gk.SpurGear(24, m, thinning=0.1 * m), gk.SpurGear(30, m), x),
@@ -112,7 +119,7 @@ def test_the_least_that_is_named_works_and_a_little_less_is_refused(name, m):
 @pytest.mark.parametrize("m", MODULES)
 def test_the_farthest_distance_named_has_a_contact_ratio_of_one(m):
     for make, wrong in (
-        (lambda x: gk.RackPair(gk.SpurGear(24, m), gk.GearRack(9, m), x), 14.5 * m),
+        (lambda x: gk.gear.RackPair(gk.SpurGear(24, m), gk.gear.GearRack(9, m), x), 14.5 * m),
         (lambda x: gk.GearPair(gk.SpurGear(24, m), gk.SpurGear(30, m), x), 29.5 * m),
     ):
         with pytest.raises(gk.DesignError) as caught:
@@ -142,26 +149,26 @@ def test_measures_name_what_can_be_measured(gear, m):
     spanned = []
     for teeth in range(1, gear.teeth):
         try:
-            spanned.append(gk.span(gear, teeth).teeth)
+            spanned.append(gk.gear.span(gear, teeth).teeth)
         except gk.DesignError:
             continue
     for teeth in (1, gear.teeth - 1, gear.teeth + 50):
         if teeth in spanned:
             continue
         with pytest.raises(gk.DesignError) as caught:
-            gk.span(gear, teeth)
+            gk.gear.span(gear, teeth)
         named = int(caught.value.remedy.removeprefix("give "))
         assert named in spanned and abs(named - teeth) == min(abs(n - teeth) for n in spanned)
     with pytest.raises(gk.DesignError) as caught:
-        gk.chord(gear, 3 * gear.tip_radius)
+        gk.gear.chord(gear, 3 * gear.tip_radius)
     low, high = (float(n) for n in re.search(r"give ([\d.e+-]+) to ([\d.e+-]+)", caught.value.remedy).groups())
-    assert gk.chord(gear, low).arc > gk.chord(gear, high).arc > 0
+    assert gk.gear.chord(gear, low).arc > gk.gear.chord(gear, high).arc > 0
     for beyond in (low * (1 - 1e-5), high * (1 + 1e-5)):
         with pytest.raises(gk.DesignError):
-            gk.chord(gear, beyond)
+            gk.gear.chord(gear, beyond)
     with pytest.raises(gk.DesignError) as caught:
-        gk.over_pins(gear, 9 * m)
-    assert gk.over_pins(gear, float(re.search(r"about ([\d.e+-]+)", caught.value.remedy)[1])).radius > 0
+        gk.gear.over_pins(gear, 9 * m)
+    assert gk.gear.over_pins(gear, float(re.search(r"about ([\d.e+-]+)", caught.value.remedy)[1])).radius > 0
 
 
 def test_whole_numbers_named_in_refusals_work():
@@ -181,7 +188,7 @@ def test_whole_numbers_named_in_refusals_work():
 @pytest.mark.parametrize(("addendum", "found"), [(1.0, ()), (1.0002, ()), (1.0004, ("pinion root",))])
 def test_a_rack_and_pinion_get_the_same_verdict_at_every_module(module, addendum, found):
     """Straight flanks of the pinion end 0.99997 modules deep: tips that reach 0.6 and 1.2 thousandths of a module on."""
-    pair = gk.RackPair(gk.SpurGear(24, module), gk.GearRack(9, module, gk.Rack(addendum=addendum)))
+    pair = gk.gear.RackPair(gk.SpurGear(24, module), gk.gear.GearRack(9, module, gk.gear.RackCutter(addendum=addendum)))
     assert pair.interferences == found
 
 
@@ -216,7 +223,7 @@ def test_the_largest_cutter_that_does_is_found_however_many_do_not(monkeypatch):
     monkeypatch.setattr(gk.RingGear, "_cutting", property(lambda ring: looks.append(1) or gap(ring)))
 
     def cut_by(teeth):
-        return gk.RingGear(200, 2, cutter=gk.PinionCutter(teeth, 14.5, 1.0, 0.1), addendum=0.8)
+        return gk.RingGear(200, 2, cutter=gk.gear.PinionCutter(teeth, 14.5, 1.0, 0.1), addendum=0.8)
 
     with pytest.raises(gk.DesignError) as caught:
         cut_by(198)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.conjugate import conjugate
-from geomkin.gear.flank_gear import FlankGear
+from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.gear.conjugate.flank_gear import FlankGear
 from geomkin.plane import region
 
 from .sweeping import inner_points, least_clearance
@@ -16,18 +16,18 @@ TOLERANCE = 1e-5
 
 
 def straight(backlash, internal, clearance=0.2):
-    gear = gk.StraightSidedGear(40, 2, 25, 0.8, 1.2)
+    gear = gk.gear.StraightSidedGear(40, 2, 25, 0.8, 1.2)
     cutter = gear.gear.cutter(clearance, backlash)
     return gear, conjugate(cutter, 40, gear.pitch_radius, 64 if internal else 50, 1.6, internal)
 
 
 def points(backlash, internal, clearance=0.5):
-    gear = gk.PointToothGear(24, 3, POINTS)
+    gear = gk.gear.PointToothGear(24, 3, POINTS)
     return gear, conjugate(gear.gear.cutter(clearance, backlash), 24, gear.pitch_radius, 32, 2.6, internal)
 
 
 def lantern(backlash, internal, clearance=0.5):
-    pinion = gk.LanternPinion(12, 4, 5.5)
+    pinion = gk.gear.LanternPinion(12, 4, 5.5)
     cutter = pinion.cutter(clearance, backlash)
     return pinion, conjugate(cutter, 12, pinion.pitch_radius, 48, 8 if internal else 7, internal)
 
@@ -79,7 +79,7 @@ def test_the_play_of_the_finished_outlines_is_the_backlash_at_every_angle_and_sh
     gear, mate = made(backlash, internal)
     one, outline = bodies(gear), gk.flatten(mate.outline, TOLERANCE)
     assert region.is_simple(outline)
-    whole = sum(gk.area(gk.Polyline(polygon)) for polygon in one)
+    whole = sum(gk.area(gk.plane.Polyline(polygon)) for polygon in one)
     ratio = mate.gear_teeth / mate.teeth * (1 if internal else -1)
 
     def common(angle, extra):
@@ -117,9 +117,9 @@ def test_backlash_thins_the_mate_s_teeth_and_nothing_else(made, backlash, intern
 @pytest.mark.parametrize(
     "gear",
     [
-        gk.StraightSidedGear(40, 2, 25, 0.8, 1.2).gear,
-        gk.LanternPinion(12, 4, 5.5),
-        FlankGear(gk.Segment(1.4 + 18.7j, 0.6 + 21j), 20, 20.0),
+        gk.gear.StraightSidedGear(40, 2, 25, 0.8, 1.2).gear,
+        gk.gear.LanternPinion(12, 4, 5.5),
+        FlankGear(gk.plane.Segment(1.4 + 18.7j, 0.6 + 21j), 20, 20.0),
     ],
     ids=lambda gear: type(gear).__name__,
 )
@@ -128,4 +128,4 @@ def test_a_cutter_whose_teeth_meet_is_refused_and_the_number_named_works(gear):
         gear.cutter(0.2, 9.0)
     assert caught.value.field == "backlash"
     most = float(caught.value.remedy.split("at most ")[1])
-    assert gear.cutter(0.2, most).closed == isinstance(gear, gk.LanternPinion) and gear.cutter(0.0, most)
+    assert gear.cutter(0.2, most).closed == isinstance(gear, gk.gear.LanternPinion) and gear.cutter(0.0, most)

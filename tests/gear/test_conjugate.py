@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.conjugate import conjugate
-from geomkin.gear.flank_gear import FlankGear
-from geomkin.gear.point_tooth import PointToothGear
-from geomkin.gear.straight_sided import StraightSidedGear
-from geomkin.gear.untouched import BEYOND, MISSES
+from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.gear.conjugate.flank_gear import FlankGear
+from geomkin.gear.conjugate.point_tooth import PointToothGear
+from geomkin.gear.conjugate.straight_sided import StraightSidedGear
+from geomkin.gear.conjugate.untouched import BEYOND, MISSES
 from geomkin.plane import region
 from geomkin.plane.cycloid import Cycloid
 from geomkin.plane.spline import Spline
@@ -88,8 +88,8 @@ def cycloidal(teeth, radius, outer, inner, addendum, dedendum):
 
     below = Cycloid(radius, -inner, reached(-inner, dedendum, -1), 0.0)
     above = Cycloid(radius, outer, 0.0, reached(outer, addendum, 1))
-    pose = gk.Pose(0j, 1j * np.exp(-0.5j * np.pi / teeth))
-    return FlankGear(gk.Path((gk.Moved(below, pose), gk.Moved(above, pose))), teeth, radius)
+    pose = gk.plane.Pose(0j, 1j * np.exp(-0.5j * np.pi / teeth))
+    return FlankGear(gk.plane.Path((gk.plane.Moved(below, pose), gk.plane.Moved(above, pose))), teeth, radius)
 
 
 @pytest.mark.parametrize("internal", [False, True])
@@ -191,7 +191,7 @@ def test_the_outline_is_one_simple_loop_of_equal_teeth_with_one_on_the_y_axis(
 ):
     _, mate = straight(teeth, mate_teeth, angle, height, addendum, clearance, internal)
     polygon = gk.flatten(mate.outline, 0.002)
-    assert region.is_simple(polygon) and gk.signed_area(mate.outline) > 0
+    assert region.is_simple(polygon) and gk.plane.signed_area(mate.outline) > 0
     reach = np.abs(polygon)
     deepest, highest = (reach.max(), reach.min()) if internal else (reach.min(), reach.max())
     assert highest == pytest.approx(mate.tip_radius, rel=1e-5)
@@ -289,7 +289,7 @@ def test_exported_outlines_do_not_overlap_through_a_pitch_and_do_when_turned(int
             both = region.overlap([first], [second])
             return gk.area(gear.outline) - both if internal else both
 
-        flat = gk.area(gear.outline) - abs(gk.area(gk.Polyline(one))) if internal else 0.0
+        flat = gk.area(gear.outline) - abs(gk.area(gk.plane.Polyline(one))) if internal else 0.0
         assert common(0.0) - flat < 20 * tolerance
         assert common(0.01 * np.pi / mate.teeth) - flat > 2 * (common(0.0) - flat) and common(0.002) - flat > 0.01
 
@@ -361,14 +361,14 @@ def test_a_spline_through_points_of_an_involute_shapes_nearly_the_involute():
 def test_leaning_teeth_shape_a_mate_too():
     """Different flanks on the two sides of a tooth: no overlap through a pitch, and contact on both sides."""
     a, b = StraightSidedGear(40, 2, 20, 0.8, 1.2), StraightSidedGear(40, 2, 30, 0.8, 1.2)
-    right, left = a.flank, gk.Reversed(gk.Mirrored(b.flank))
+    right, left = a.flank, gk.plane.Reversed(gk.plane.Mirrored(b.flank))
     tip, top = complex(right.end), complex(left.point(-1.0))
-    tip_arc = gk.Segment(tip, top)
+    tip_arc = gk.plane.Segment(tip, top)
     last = complex(left.point(0.0))
-    land = gk.Segment(last, complex(right.start) * np.exp(2j * np.pi / 40))
-    tooth = gk.Path((right, tip_arc, left, land))
+    land = gk.plane.Segment(last, complex(right.start) * np.exp(2j * np.pi / 40))
+    tooth = gk.plane.Path((right, tip_arc, left, land))
     mate = conjugate(tooth, 40, 40.0, 30, 1.6)
-    one, two = gk.flatten(gk.Ring(tooth, 40), 1e-4), gk.flatten(mate.outline, 1e-4)
+    one, two = gk.flatten(gk.plane.Ring(tooth, 40), 1e-4), gk.flatten(mate.outline, 1e-4)
     assert region.is_simple(two)
     for angle in np.linspace(0, 2 * np.pi / 40, 5):
         second = mate.pose.origin + mate.pose.direction * two * np.exp(-1j * angle * 40 / 30)
@@ -393,9 +393,9 @@ def test_leaning_teeth_shape_a_mate_too():
         (lambda: StraightSidedGear(40, 2, 45, 1.0), "addendum"),
         (lambda: StraightSidedGear(40, 2, 25, 0.8, 3.0), "dedendum"),
         (lambda: StraightSidedGear(3, 2), "teeth"),
-        (lambda: FlankGear(gk.Segment(1 + 20j, 1 + 21j), 20, 30.0), "flank"),
-        (lambda: FlankGear(gk.Segment(1 + 28j, -1 + 32j), 20, 30.0), "flank"),
-        (lambda: FlankGear(gk.Segment(8 + 28j, 1 + 32j), 20, 30.0), "flank"),
+        (lambda: FlankGear(gk.plane.Segment(1 + 20j, 1 + 21j), 20, 30.0), "flank"),
+        (lambda: FlankGear(gk.plane.Segment(1 + 28j, -1 + 32j), 20, 30.0), "flank"),
+        (lambda: FlankGear(gk.plane.Segment(8 + 28j, 1 + 32j), 20, 30.0), "flank"),
         (lambda: PointToothGear(24, 3, (3 + 33j,)), "points"),
         (lambda: PointToothGear(24, 3, (1 + 37j, 0.5 + 38j)), "points"),
     ],

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from geomkin.gear.conjugate import conjugate
-from geomkin.gear.conjugate_curve import ConjugateCurve
-from geomkin.gear.envelope import GRID, Swept
-from geomkin.gear.lantern import LanternPinion
-from geomkin.gear.straight_sided import StraightSidedGear
+from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve
+from geomkin.gear.conjugate.envelope import GRID, Swept
+from geomkin.gear.conjugate.lantern import LanternPinion
+from geomkin.gear.conjugate.straight_sided import StraightSidedGear
 
 
 def straight():

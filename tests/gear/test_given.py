@@ -7,12 +7,12 @@ import pytest
 
 import geomkin as gk
 
-GEAR, RACK = gk.SpurGear(24, 2), gk.GearRack(12, 2)
+GEAR, RACK = gk.SpurGear(24, 2), gk.gear.GearRack(12, 2)
 POINTS = (3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 0.75 + 39j)
 
 
 def pointed():
-    return gk.PointToothGear(24, 3, POINTS)
+    return gk.gear.PointToothGear(24, 3, POINTS)
 
 
 def pair():
@@ -20,7 +20,7 @@ def pair():
 
 
 def planets():
-    return gk.PlanetarySet(GEAR, gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+    return gk.gear.PlanetarySet(GEAR, gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
 
 
 def mate():
@@ -35,7 +35,7 @@ CALLS = {
             "teeth": 24,
             "module": 2.0,
             "profile_shift": 0.0,
-            "rack": gk.Rack(),
+            "rack": gk.gear.RackCutter(),
             "addendum": 1.0,
             "thinning": 0.0,
             "tip_rounding": 0.0,
@@ -50,34 +50,43 @@ CALLS = {
             "teeth": 60,
             "module": 2.0,
             "profile_shift": 0.0,
-            "cutter": gk.PinionCutter(),
+            "cutter": gk.gear.PinionCutter(),
             "addendum": 1.0,
             "thinning": 0.0,
         },
     ),
-    "GearRack": (lambda: gk.GearRack, {"teeth": 12, "module": 2.0, "rack": gk.Rack(), "height": 5.0, "thinning": 0.0}),
-    "Rack": (lambda: gk.Rack, {"pressure_angle_deg": 20.0, "addendum": 1.0, "dedendum": 1.25, "tip_radius": 0.3}),
+    "GearRack": (
+        lambda: gk.gear.GearRack,
+        {"teeth": 12, "module": 2.0, "rack": gk.gear.RackCutter(), "height": 5.0, "thinning": 0.0},
+    ),
+    "Rack": (
+        lambda: gk.gear.RackCutter,
+        {"pressure_angle_deg": 20.0, "addendum": 1.0, "dedendum": 1.25, "tip_radius": 0.3},
+    ),
     "PinionCutter": (
-        lambda: gk.PinionCutter,
+        lambda: gk.gear.PinionCutter,
         {"teeth": 24, "pressure_angle_deg": 20.0, "addendum": 1.25, "tip_radius": 0.2, "profile_shift": 0.0},
     ),
     "GearPair": (lambda: gk.GearPair, {"first": GEAR, "second": gk.SpurGear(30, 2), "centre_distance": None}),
-    "RackPair": (lambda: gk.RackPair, {"pinion": GEAR, "rack": RACK, "distance": None}),
+    "RackPair": (lambda: gk.gear.RackPair, {"pinion": GEAR, "rack": RACK, "distance": None}),
     "PlanetarySet": (
-        lambda: gk.PlanetarySet,
+        lambda: gk.gear.PlanetarySet,
         {"sun": GEAR, "planet": gk.SpurGear(18, 2), "ring": gk.RingGear(60, 2, addendum=0.8), "planets": 3},
     ),
-    "LanternPinion": (lambda: gk.LanternPinion, {"pins": 12, "module": 4.0, "pin_diameter": 5.0}),
+    "LanternPinion": (lambda: gk.gear.LanternPinion, {"pins": 12, "module": 4.0, "pin_diameter": 5.0}),
     "StraightSidedGear": (
-        lambda: gk.StraightSidedGear,
+        lambda: gk.gear.StraightSidedGear,
         {"teeth": 40, "module": 2.0, "flank_angle_deg": 25.0, "addendum": 1.0, "dedendum": 1.2},
     ),
-    "PointToothGear": (lambda: gk.PointToothGear, {"teeth": 24, "module": 3.0, "points": POINTS}),
-    "FlankGear": (lambda: gk.FlankGear, {"flank": gk.Segment(3 + 33j, 1 + 38j), "teeth": 24, "pitch_radius": 36.0}),
+    "PointToothGear": (lambda: gk.gear.PointToothGear, {"teeth": 24, "module": 3.0, "points": POINTS}),
+    "FlankGear": (
+        lambda: gk.gear.FlankGear,
+        {"flank": gk.plane.Segment(3 + 33j, 1 + 38j), "teeth": 24, "pitch_radius": 36.0},
+    ),
     "conjugate": (
         lambda: gk.conjugate,
         {
-            "tooth": gk.FlankGear(gk.Segment(3 + 33j, 1 + 38j), 24, 36.0).outline.piece,
+            "tooth": gk.gear.FlankGear(gk.plane.Segment(3 + 33j, 1 + 38j), 24, 36.0).outline.piece,
             "teeth": 24,
             "pitch_radius": 36.0,
             "mate_teeth": 32,
@@ -85,29 +94,42 @@ CALLS = {
             "internal": False,
         },
     ),
-    "base_pitch": (lambda: gk.base_pitch, {"gear": GEAR}),
-    "chord": (lambda: gk.chord, {"gear": GEAR, "radius": None}),
-    "span": (lambda: gk.span, {"gear": GEAR, "teeth": None}),
-    "over_pins": (lambda: gk.over_pins, {"gear": GEAR, "pin": None}),
-    "balanced_shifts": (lambda: gk.balanced_shifts, {"first": 20, "second": 30, "rack": None, "total": 0.0}),
-    "undercut_free_shift": (lambda: gk.undercut_free_shift, {"teeth": 12, "rack": None}),
+    "base_pitch": (lambda: gk.gear.base_pitch, {"gear": GEAR}),
+    "chord": (lambda: gk.gear.chord, {"gear": GEAR, "radius": None}),
+    "span": (lambda: gk.gear.span, {"gear": GEAR, "teeth": None}),
+    "over_pins": (lambda: gk.gear.over_pins, {"gear": GEAR, "pin": None}),
+    "balanced_shifts": (lambda: gk.gear.balanced_shifts, {"first": 20, "second": 30, "rack": None, "total": 0.0}),
+    "undercut_free_shift": (lambda: gk.gear.undercut_free_shift, {"teeth": 12, "rack": None}),
     "GearPair.sliding": (lambda: pair().sliding, {"along": 1.0}),
     "GearPair.poses": (lambda: pair().poses, {"turn": 1.0}),
-    "RackPair.sliding": (lambda: gk.RackPair(GEAR, RACK).sliding, {"along": 1.0}),
-    "RackPair.poses": (lambda: gk.RackPair(GEAR, RACK).poses, {"turn": 1.0}),
+    "RackPair.sliding": (lambda: gk.gear.RackPair(GEAR, RACK).sliding, {"along": 1.0}),
+    "RackPair.poses": (lambda: gk.gear.RackPair(GEAR, RACK).poses, {"turn": 1.0}),
     "PlanetarySet.poses": (lambda: planets().poses, {"turn": 1.0}),
     "PlanetarySet.speeds": (lambda: planets().speeds, {"sun": 1.0, "ring": 0.0}),
     "SpurGear.thickness": (lambda: GEAR.thickness, {"radius": 24.0}),
     "RingGear.thickness": (lambda: gk.RingGear(60, 2).thickness, {"radius": 59.0}),
     "FlankGear.cutter": (lambda: pointed().gear.cutter, {"clearance": 0.1, "backlash": 0.1}),
-    "LanternPinion.cutter": (lambda: gk.LanternPinion(12, 4, 5).cutter, {"clearance": 0.1, "backlash": 0.1}),
+    "LanternPinion.cutter": (lambda: gk.gear.LanternPinion(12, 4, 5).cutter, {"clearance": 0.1, "backlash": 0.1}),
     "Conjugate.contact": (lambda: mate().contact, {"t": 0.5}),
     "Conjugate.contact_ratio": (lambda: mate().contact_ratio, {"start": 0.0, "end": 1.0}),
 }
 # Numbers that may or may not do: no more is asked than a plain answer. 1e-300 and below leave the range of numbers.
 NUMBERS = [math.nan, math.inf, -math.inf, 5e-324, 1e-300, -1e-300, 1e308, -1, 0, 1.5, 10**400]
 # What never does, but for the angles and places that may be arrays.
-OTHERS = [True, "24", "x", b"x", (1, 2), [1, 2], {}, 1 + 2j, object(), (1 + 2j, "a"), gk.Pose(0j, 1), [GEAR, GEAR]]
+OTHERS = [
+    True,
+    "24",
+    "x",
+    b"x",
+    (1, 2),
+    [1, 2],
+    {},
+    1 + 2j,
+    object(),
+    (1 + 2j, "a"),
+    gk.plane.Pose(0j, 1),
+    [GEAR, GEAR],
+]
 ARRAYS = [np.array([24.0, 2.0]), np.array([]), np.array([24]), np.array([GEAR, GEAR], dtype=object)]
 MANY = {"turn", "along", "t"}
 
@@ -137,7 +159,7 @@ def test_what_a_call_cannot_use_is_refused_by_name(name):
         (lambda: gk.GearPair(gk.RingGear(60, 2), GEAR), "first"),
         (lambda: gk.SpurGear(24, 5e-324), "module"),
         (lambda: gk.SpurGear(24, diametral_pitch=1e-9), "diametral_pitch"),
-        (lambda: gk.span(gk.RingGear(60, 2)), "gear"),
+        (lambda: gk.gear.span(gk.RingGear(60, 2)), "gear"),
     ],
 )
 def test_the_field_that_is_wrong_is_the_one_named(make, field):
@@ -156,12 +178,12 @@ def test_gears_of_any_size_that_can_be_are_alike(unit):
 @pytest.mark.parametrize("place", [1.75 + 2.5e8j, 2.5e8 + 36j, 1.75 - 2.5e8j, 145 + 0j])
 def test_points_far_off_the_pitch_circle_are_refused_with_a_reach_that_is_looked_at(place):
     with pytest.raises(gk.DesignError) as caught:
-        gk.PointToothGear(24, 3, (*POINTS[:3], place, POINTS[4]))
+        gk.gear.PointToothGear(24, 3, (*POINTS[:3], place, POINTS[4]))
     assert caught.value.field == "points"
     named = float(caught.value.remedy.split(" mm")[0].split()[-1])
 
     def tall(reach):
-        return gk.PointToothGear(24, 3, (3 + 33j, 2 + 60j, 0.1 + 1j * reach))
+        return gk.gear.PointToothGear(24, 3, (3 + 33j, 2 + 60j, 0.1 + 1j * reach))
 
     assert tall(named - 1e-3).gear.tip_radius == pytest.approx(named, rel=1e-4)
     with pytest.raises(gk.DesignError, match="lies"):
@@ -170,7 +192,7 @@ def test_points_far_off_the_pitch_circle_are_refused_with_a_reach_that_is_looked
 
 def test_a_flank_far_off_the_pitch_circle_is_refused_before_it_is_looked_at():
     with pytest.raises(gk.DesignError, match="reaches"):
-        gk.FlankGear(gk.Segment(3 + 33j, 1 + 2.5e8j), 24, 36.0)
+        gk.gear.FlankGear(gk.plane.Segment(3 + 33j, 1 + 2.5e8j), 24, 36.0)
 
 
 def test_more_points_than_a_flank_can_use_are_refused_with_the_most():
@@ -178,6 +200,6 @@ def test_more_points_than_a_flank_can_use_are_refused_with_the_most():
         return tuple(complex(3.5 - 2.7 * s, 32.6 + 6.4 * s) for s in np.linspace(0, 1, count).tolist())
 
     with pytest.raises(gk.DesignError) as caught:
-        gk.PointToothGear(24, 3, flank(101))
+        gk.gear.PointToothGear(24, 3, flank(101))
     most = int(caught.value.remedy.split()[-1])
-    assert most == 100 and len(gk.PointToothGear(24, 3, flank(most)).points) == most
+    assert most == 100 and len(gk.gear.PointToothGear(24, 3, flank(most)).points) == most

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.conjugate import conjugate
-from geomkin.gear.lantern import LanternPinion
+from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.gear.conjugate.lantern import LanternPinion
 from geomkin.plane import region
 from geomkin.plane.cycloid import Cycloid
 
@@ -34,7 +34,7 @@ def test_flanks_are_parallel_to_the_epicycloid_of_the_pin_centres(pins, teeth, d
     # The pin on +y faces the wheel from its own space: half a pitch from the tooth on the wheel's +y.
     space = -1j * np.conj(mate.pose.direction)
     path = Cycloid(mate.pitch_radius, pinion.pitch_radius, -1.0, 1.0)
-    off = gk.nearest(gk.Moved(path, gk.Pose(0j, space)), z)[1]
+    off = gk.nearest(gk.plane.Moved(path, gk.plane.Pose(0j, space)), z)[1]
     assert len(z) > 20 and np.abs(off - diameter / 2).max() < 1e-12 * mate.tip_radius
 
 
@@ -72,7 +72,7 @@ def test_all_pins_clear_the_finished_wheel_through_a_pitch(pins, teeth, diameter
         def common(extra, angle=angle):
             body = mate.pose.origin + mate.pose.direction * outline * np.exp(1j * (ratio * angle + extra))
             both = [region.overlap([c * np.exp(1j * angle)], [body]) for c in circles]
-            full = sum(abs(gk.area(gk.Polyline(c))) for c in circles)
+            full = sum(abs(gk.area(gk.plane.Polyline(c))) for c in circles)
             return full - sum(both) if internal else sum(both)
 
         assert common(0.0) < 20 * tolerance
@@ -107,6 +107,6 @@ def test_pins_in_a_ring_always_touch_it_on_their_outer_sides_too(teeth, addendum
     assert mate.contact_ratio(0.0, 2.0) > max(1.0, mate.contact_ratio(0.0, 1.0))
     for turn in np.linspace(0, 2 * np.pi / 12, 7):
         centres = np.array([circle.centre for circle in pinion.circles]) * np.exp(1j * turn)
-        turned = gk.Pose(mate.pose.origin, mate.pose.direction * np.exp(1j * turn * 12 / teeth))
+        turned = gk.plane.Pose(mate.pose.origin, mate.pose.direction * np.exp(1j * turn * 12 / teeth))
         away = gk.nearest(mate.outline, turned.locate(centres))[1] - 3.0
         assert away.min() > -1e-9 and np.sum(away < 1e-9) >= 2  # one on each side

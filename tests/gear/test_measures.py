@@ -15,13 +15,13 @@ def ids(gear):
 
 
 def test_published_span():
-    assert gk.span(gk.SpurGear(20, 2), 3).length == pytest.approx(tables.SPAN, abs=5.1e-4)
+    assert gk.gear.span(gk.SpurGear(20, 2), 3).length == pytest.approx(tables.SPAN, abs=5.1e-4)
 
 
 def test_published_chordal_thickness():
     t = tables.CHORDAL
     gear = gk.SpurGear(12, 10, 0.3)
-    chord = gk.chord(gear)
+    chord = gk.gear.chord(gear)
     assert gear.tip_radius - gear.pitch_radius == pytest.approx(13)
     assert (chord.arc, chord.chord, chord.height) == pytest.approx((t["arc"], t["chord"], t["height"]), abs=5.1e-5)
     assert np.degrees(chord.half_angle) == pytest.approx(t["half_angle_deg"], abs=5.1e-5)
@@ -31,18 +31,18 @@ def test_published_chordal_thickness():
 def test_the_span_is_the_width_of_the_teeth_between_parallel_jaws(gear):
     """The extent of the flanks of k teeth of the outline, roots left out, across their middle line."""
     outline = gk.flatten(gear.outline, 1e-5)
-    found = gk.span(gear)
+    found = gk.gear.span(gear)
     for teeth in (found.teeth - 1, found.teeth):
         z = outline * np.exp(-1j * np.pi * (teeth - 1) / gear.teeth)  # the teeth from +y on, their middle on +y
         flanks = z[np.abs(z) > gear.form_radius * (1 + 1e-9)]
         kept = flanks[np.abs(np.angle(flanks / 1j)) < np.pi * teeth / gear.teeth]
-        assert np.ptp(kept.real) == pytest.approx(gk.span(gear, teeth).length, abs=1e-4)
+        assert np.ptp(kept.real) == pytest.approx(gk.gear.span(gear, teeth).length, abs=1e-4)
 
 
 @pytest.mark.parametrize("gear", GEARS + RINGS, ids=ids)
 def test_pins_of_the_measure_just_touch_both_flanks_of_their_space(gear):
     for factor in (0.99, 1.0, 1.05):
-        over = gk.over_pins(gear, factor * gk.over_pins(gear).pin)
+        over = gk.gear.over_pins(gear, factor * gk.gear.over_pins(gear).pin)
         centre = over.radius * np.exp(1j * (np.pi / 2 + np.pi / gear.teeth))
         _, away = gk.nearest(gear.outline.piece, np.array([centre]))
         assert away[0] == pytest.approx(over.pin / 2, abs=1e-9)
@@ -54,23 +54,25 @@ def test_pins_of_the_measure_just_touch_both_flanks_of_their_space(gear):
 
 def test_pins_touch_at_the_reference_line_unless_another_is_asked_for():
     gear = gk.SpurGear(24, 2)
-    assert gk.over_pins(gear).contact == pytest.approx(gear.pitch_radius, rel=1e-12)
-    assert gk.over_pins(gk.RingGear(60, 2)).contact == pytest.approx(60, rel=1e-12)
+    assert gk.gear.over_pins(gear).contact == pytest.approx(gear.pitch_radius, rel=1e-12)
+    assert gk.gear.over_pins(gk.RingGear(60, 2)).contact == pytest.approx(60, rel=1e-12)
 
 
 def test_base_pitch_is_the_step_of_the_span():
     gear = gk.SpurGear(30, 2)
-    assert gk.span(gear, 5).length - gk.span(gear, 4).length == pytest.approx(gk.base_pitch(gear), rel=1e-12)
-    assert gk.base_pitch(gear) == pytest.approx(2 * np.pi * np.cos(np.radians(20)), rel=1e-12)
+    assert gk.gear.span(gear, 5).length - gk.gear.span(gear, 4).length == pytest.approx(
+        gk.gear.base_pitch(gear), rel=1e-12
+    )
+    assert gk.gear.base_pitch(gear) == pytest.approx(2 * np.pi * np.cos(np.radians(20)), rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("measure", "field"),
     [
-        (lambda: gk.span(gk.SpurGear(20, 2), 9), "teeth"),
-        (lambda: gk.over_pins(gk.SpurGear(20, 2), 0.5), "pin"),
-        (lambda: gk.over_pins(gk.SpurGear(20, 2), 50), "pin"),
-        (lambda: gk.chord(gk.SpurGear(20, 2), 30), "radius"),
+        (lambda: gk.gear.span(gk.SpurGear(20, 2), 9), "teeth"),
+        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 0.5), "pin"),
+        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 50), "pin"),
+        (lambda: gk.gear.chord(gk.SpurGear(20, 2), 30), "radius"),
     ],
 )
 def test_measures_beside_the_involute_are_refused_by_name(measure, field):

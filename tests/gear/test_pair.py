@@ -16,7 +16,7 @@ def common(pair, turn, extra=0.0):
     shapes = [gk.flatten(g.outline, TOLERANCE) for g in (pair.first, pair.second)]
     poses = pair.poses(turn)
     one = poses[0].place(shapes[0])
-    two = gk.Pose(poses[1].origin, poses[1].direction * np.exp(1j * extra)).place(shapes[1])
+    two = gk.plane.Pose(poses[1].origin, poses[1].direction * np.exp(1j * extra)).place(shapes[1])
     if not pair.is_internal:
         return region.overlap([one], [two])
     # What of the pinion lies outside the ring's hole.
@@ -37,7 +37,7 @@ PAIRS = Made({
     "ring, shifted": lambda: gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
     "ring, near": lambda: gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
     "ring, one apart": lambda: gk.GearPair(
-        gk.SpurGear(49, 1, addendum=0.7), gk.RingGear(50, 1, 1.0, gk.PinionCutter(24), addendum=0.7)
+        gk.SpurGear(49, 1, addendum=0.7), gk.RingGear(50, 1, 1.0, gk.gear.PinionCutter(24), addendum=0.7)
     ),
 })  # fmt: skip
 
@@ -143,10 +143,10 @@ def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
     rb1, rb2 = pair.first.base_radius, pair.second.base_radius
     h = 1e-5
     # A flank's point at a tangent length s moves along the flank by s ds / rb while its gear turns by ds / rb.
-    way1 = np.array([gk.length(gk.Involute(rb1, (s - h) / rb1, (s + h) / rb1)) for s in along])
+    way1 = np.array([gk.length(gk.plane.Involute(rb1, (s - h) / rb1, (s + h) / rb1)) for s in along])
     r1, r2 = pair.working_radii
     across = np.sqrt(r2**2 - rb2**2) + (along - np.sqrt(r1**2 - rb1**2)) * (1 if pair.is_internal else -1)
-    way2 = np.array([gk.length(gk.Involute(rb2, (s - h) / rb2, (s + h) / rb2)) for s in across])
+    way2 = np.array([gk.length(gk.plane.Involute(rb2, (s - h) / rb2, (s + h) / rb2)) for s in across])
     first, second = pair.sliding(along)
     assert first == pytest.approx((way1 - way2) / way1, rel=1e-6, abs=1e-6)
     assert second == pytest.approx((way2 - way1) / way2, rel=1e-6, abs=1e-6)
@@ -166,7 +166,7 @@ def test_standard_internal_pairs_need_ten_teeth_between_them():
     [
         (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 3)), "second.module"),
         (
-            lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2, rack=gk.Rack(25, tip_radius=0.2))),
+            lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2, rack=gk.gear.RackCutter(25, tip_radius=0.2))),
             "second.pressure_angle",
         ),
         (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 39), "centre_distance"),

@@ -13,13 +13,13 @@ from tests.made import Made
 def shifted():
     sun, planet = gk.SpurGear(13, 2, 0.4), gk.SpurGear(19, 2, 0.2)
     with pytest.raises(gk.DesignError) as caught:
-        gk.PlanetarySet(sun, planet, gk.RingGear(53, 2, addendum=0.7))
+        gk.gear.PlanetarySet(sun, planet, gk.RingGear(53, 2, addendum=0.7))
     shift = float(caught.value.remedy.removeprefix("give "))
-    return gk.PlanetarySet(sun, planet, gk.RingGear(53, 2, shift, addendum=0.7))
+    return gk.gear.PlanetarySet(sun, planet, gk.RingGear(53, 2, shift, addendum=0.7))
 
 
 def sets(sun=24, planet=18, ring=60, planets=3, **more):
-    return gk.PlanetarySet(
+    return gk.gear.PlanetarySet(
         gk.SpurGear(sun, 2), gk.SpurGear(planet, 2), gk.RingGear(ring, 2, addendum=0.8, **more), planets
     )
 
@@ -80,8 +80,11 @@ def test_ratios_follow_from_rolling_without_slip(gears):
         (lambda: sets(planets=5), "planets", "give 4"),
         (lambda: sets(planets=14), "planets", "give 6"),
         (
-            lambda: gk.PlanetarySet(
-                gk.SpurGear(12, 2), gk.SpurGear(12, 2), gk.RingGear(36, 2, cutter=gk.PinionCutter(12), addendum=0.5), 6
+            lambda: gk.gear.PlanetarySet(
+                gk.SpurGear(12, 2),
+                gk.SpurGear(12, 2),
+                gk.RingGear(36, 2, cutter=gk.gear.PinionCutter(12), addendum=0.5),
+                6,
             ),
             "planets",
             "give 4",
@@ -101,8 +104,8 @@ def test_the_number_of_planets_named_in_a_refusal_can_be_put_in_at_first_go():
     refused = 0
     for sun in (12, 13, 17, 24, 40, 61):
         for planet in (12, 14, 19, 33):
-            ring = gk.RingGear(sun + 2 * planet, 2, addendum=0.5, cutter=gk.PinionCutter(12))
-            gears = gk.PlanetarySet(gk.SpurGear(sun, 2), gk.SpurGear(planet, 2), ring, 1)
+            ring = gk.RingGear(sun + 2 * planet, 2, addendum=0.5, cutter=gk.gear.PinionCutter(12))
+            gears = gk.gear.PlanetarySet(gk.SpurGear(sun, 2), gk.SpurGear(planet, 2), ring, 1)
             for planets in range(2, 101, 7 if sun > 20 else 3):
                 try:
                     replace(gears, planets=planets)

@@ -8,10 +8,12 @@ from geomkin.plane import region
 from tests.made import Made
 
 
-@pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(25, 1, 1.2, 0.1)])
+@pytest.mark.parametrize(
+    "rack", [gk.gear.RackCutter(), gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(25, 1, 1.2, 0.1)]
+)
 def test_a_rack_is_the_limit_of_a_gear_of_many_teeth(rack):
     """Ten times the teeth, a tenth of the difference: the outline of one tooth against the bar's."""
-    bar = gk.GearRack(3, 2, rack)
+    bar = gk.gear.GearRack(3, 2, rack)
     off = []
     for teeth in (1000, 10_000):
         gear = gk.SpurGear(teeth, 2, rack=rack)
@@ -23,9 +25,9 @@ def test_a_rack_is_the_limit_of_a_gear_of_many_teeth(rack):
 
 def test_outline_is_one_simple_counterclockwise_loop_with_a_tooth_on_the_axis():
     for teeth in (1, 2, 7):
-        bar = gk.GearRack(teeth, 2, thinning=0.1)
+        bar = gk.gear.GearRack(teeth, 2, thinning=0.1)
         polygon = gk.flatten(bar.outline, 1e-4)
-        assert region.is_simple(polygon) and gk.signed_area(bar.outline) > 0
+        assert region.is_simple(polygon) and gk.plane.signed_area(bar.outline) > 0
         assert polygon.imag.max() == pytest.approx(2, abs=1e-12) and polygon.imag.min() == pytest.approx(-10, abs=1e-12)
         assert np.ptp(polygon.real) == pytest.approx(teeth * 2 * np.pi, rel=1e-12)
         line = polygon.imag[:-1] * polygon.imag[1:] < 0
@@ -36,15 +38,15 @@ def test_outline_is_one_simple_counterclockwise_loop_with_a_tooth_on_the_axis():
 
 
 def test_arcs_are_kept_as_arcs():
-    bar = gk.GearRack(5, 2)
+    bar = gk.gear.GearRack(5, 2)
     assert len(gk.to_arcs(bar.outline, 1e-6).vertices) == len(bar.outline.vertices) <= 5 * 6 + 6
 
 
 PAIRS = Made({
-    "even": lambda: gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 2)),
-    "odd": lambda: gk.RackPair(gk.SpurGear(19, 2), gk.GearRack(9, 2)),
-    "shifted": lambda: gk.RackPair(gk.SpurGear(10, 2, 0.45), gk.GearRack(9, 2)),
-    "far": lambda: gk.RackPair(gk.SpurGear(24, 2, thinning=0.05), gk.GearRack(9, 2, thinning=0.1), 24.2),
+    "even": lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2)),
+    "odd": lambda: gk.gear.RackPair(gk.SpurGear(19, 2), gk.gear.GearRack(9, 2)),
+    "shifted": lambda: gk.gear.RackPair(gk.SpurGear(10, 2, 0.45), gk.gear.GearRack(9, 2)),
+    "far": lambda: gk.gear.RackPair(gk.SpurGear(24, 2, thinning=0.05), gk.gear.GearRack(9, 2, thinning=0.1), 24.2),
 })  # fmt: skip
 
 
@@ -72,7 +74,7 @@ def test_pinion_and_rack_share_nothing_through_a_pitch_and_do_when_pushed_beyond
 def test_contact_with_a_rack_is_the_limit_of_contact_with_a_large_gear():
     pinion = gk.SpurGear(20, 2)
     large = gk.GearPair(pinion, gk.SpurGear(10_000, 2))
-    rack = gk.RackPair(pinion, gk.GearRack(9, 2))
+    rack = gk.gear.RackPair(pinion, gk.gear.GearRack(9, 2))
     assert rack.contact_ratio == pytest.approx(large.contact_ratio, abs=1e-2)
     assert rack.contact_ratio > large.contact_ratio
     along = np.linspace(*rack.contact_lengths, 5)
@@ -83,12 +85,12 @@ def test_contact_with_a_rack_is_the_limit_of_contact_with_a_large_gear():
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: gk.GearRack(0, 2), "teeth"),
-        (lambda: gk.GearRack(5, 2, height=1), "height"),
-        (lambda: gk.GearRack(5, 2, thinning=2), "thinning"),
-        (lambda: gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 3)), "rack.module"),
-        (lambda: gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 2), 23.9), "distance"),
-        (lambda: gk.RackPair(gk.SpurGear(24, 2), gk.GearRack(9, 2), 29), "distance"),
+        (lambda: gk.gear.GearRack(0, 2), "teeth"),
+        (lambda: gk.gear.GearRack(5, 2, height=1), "height"),
+        (lambda: gk.gear.GearRack(5, 2, thinning=2), "thinning"),
+        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 3)), "rack.module"),
+        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 23.9), "distance"),
+        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 29), "distance"),
     ],
 )
 def test_impossible_racks_are_refused_by_name(make, field):
@@ -99,16 +101,16 @@ def test_impossible_racks_are_refused_by_name(make, field):
 
 @pytest.mark.parametrize("wrong", [23.9, 29.0])
 def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
-    parts = gk.SpurGear(24, 2), gk.GearRack(9, 2)
+    parts = gk.SpurGear(24, 2), gk.gear.GearRack(9, 2)
     with pytest.raises(gk.DesignError) as caught:
-        gk.RackPair(*parts, wrong)
+        gk.gear.RackPair(*parts, wrong)
     named = float(caught.value.remedy.split(" mm")[0].split()[-1])
-    pair = gk.RackPair(*parts, named)
+    pair = gk.gear.RackPair(*parts, named)
     assert pair.contact_ratio >= 1 and pair.backlash > -1e-9
 
 
 @pytest.mark.parametrize("teeth", [1, 2, 3, 4, 7, 8])
 def test_as_many_teeth_stand_left_of_the_axis_as_right_of_it_or_one_fewer(teeth):
-    z = gk.flatten(gk.GearRack(teeth, 2).outline, 1e-4)
+    z = gk.flatten(gk.gear.GearRack(teeth, 2).outline, 1e-4)
     left, right = -z.real.min() / (2 * np.pi) - 0.5, z.real.max() / (2 * np.pi) - 0.5
     assert (left, right) == pytest.approx(((teeth - 1) // 2, teeth // 2), abs=1e-9)

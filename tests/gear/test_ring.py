@@ -12,17 +12,17 @@ RINGS = Made(
         "40,0.0,24": lambda: gk.RingGear(40, 2),
         "60,0.0,24": lambda: gk.RingGear(60, 2),
         "41,0.5,24": lambda: gk.RingGear(41, 2, 0.5),
-        "60,-0.3,30": lambda: gk.RingGear(60, 2, -0.3, gk.PinionCutter(30, profile_shift=0.1), 0.8),
+        "60,-0.3,30": lambda: gk.RingGear(60, 2, -0.3, gk.gear.PinionCutter(30, profile_shift=0.1), 0.8),
         "25,1.0,24": lambda: gk.RingGear(25, 2, 1.0, addendum=0.3),
-        "50,0.0,26": lambda: gk.RingGear(50, 2, 0.0, gk.PinionCutter(26, tip_radius=0)),
-        "50,0.2,20": lambda: gk.RingGear(50, 2, 0.2, gk.PinionCutter(20, 25, 1.2, 0.1), 0.9),
-        "48,0.0,18": lambda: gk.RingGear(48, 2, 0.0, gk.PinionCutter(18, 20, 1.25, 0.2), 0.7),
-        "200,0.0,30": lambda: gk.RingGear(200, 2, 0.0, gk.PinionCutter(30)),
-        "1000,0.0,30": lambda: gk.RingGear(1000, 2, 0.0, gk.PinionCutter(30)),
-        "12,0.6,6": lambda: gk.RingGear(12, 2, 0.6, gk.PinionCutter(6, 30, 0.8, 0.05), 0.4),
-        "30,1.5,27": lambda: gk.RingGear(30, 2, 1.5, gk.PinionCutter(27, 20, 1.25, 0.1), 0.6),
+        "50,0.0,26": lambda: gk.RingGear(50, 2, 0.0, gk.gear.PinionCutter(26, tip_radius=0)),
+        "50,0.2,20": lambda: gk.RingGear(50, 2, 0.2, gk.gear.PinionCutter(20, 25, 1.2, 0.1), 0.9),
+        "48,0.0,18": lambda: gk.RingGear(48, 2, 0.0, gk.gear.PinionCutter(18, 20, 1.25, 0.2), 0.7),
+        "200,0.0,30": lambda: gk.RingGear(200, 2, 0.0, gk.gear.PinionCutter(30)),
+        "1000,0.0,30": lambda: gk.RingGear(1000, 2, 0.0, gk.gear.PinionCutter(30)),
+        "12,0.6,6": lambda: gk.RingGear(12, 2, 0.6, gk.gear.PinionCutter(6, 30, 0.8, 0.05), 0.4),
+        "30,1.5,27": lambda: gk.RingGear(30, 2, 1.5, gk.gear.PinionCutter(27, 20, 1.25, 0.1), 0.6),
         "60, thinned by 0.1": lambda: gk.RingGear(60, 2, thinning=0.1),
-        "50, thinned by 0.3": lambda: gk.RingGear(50, 2, 0.2, gk.PinionCutter(26, tip_radius=0), thinning=0.3),
+        "50, thinned by 0.3": lambda: gk.RingGear(50, 2, 0.2, gk.gear.PinionCutter(26, tip_radius=0), thinning=0.3),
         # Thinned by more than the cutter's tips are wide.
         "40, thinned by 0.6": lambda: gk.RingGear(40, 2, thinning=0.6),
     }
@@ -172,12 +172,12 @@ def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
         (lambda: gk.RingGear(24, 2), "teeth"),
         (lambda: gk.RingGear(60.5, 2), "teeth"),
         (lambda: gk.RingGear(60, 2, -3), "profile_shift"),
-        (lambda: gk.RingGear(60, 2, cutter=gk.PinionCutter(20)), "addendum"),
+        (lambda: gk.RingGear(60, 2, cutter=gk.gear.PinionCutter(20)), "addendum"),
         (lambda: gk.RingGear(34, 2), "addendum"),
-        (lambda: gk.RingGear(60, 2, cutter=gk.PinionCutter(55)), "cutter.teeth"),
-        (lambda: gk.PinionCutter(tip_radius=1), "tip_radius"),
-        (lambda: gk.PinionCutter(addendum=4), "addendum"),
-        (lambda: gk.PinionCutter(teeth=3), "teeth"),
+        (lambda: gk.RingGear(60, 2, cutter=gk.gear.PinionCutter(55)), "cutter.teeth"),
+        (lambda: gk.gear.PinionCutter(tip_radius=1), "tip_radius"),
+        (lambda: gk.gear.PinionCutter(addendum=4), "addendum"),
+        (lambda: gk.gear.PinionCutter(teeth=3), "teeth"),
     ],
 )
 def test_impossible_rings_are_refused_by_name(make, field):
@@ -194,22 +194,22 @@ def test_the_nearest_values_named_in_refusals_work():
 
     most = named(lambda: gk.RingGear(60, 2, thinning=2), "at most ")
     assert 0 <= gk.RingGear(60, 2, thinning=most).tip_thickness < 1e-4
-    cutter = gk.PinionCutter(20)
+    cutter = gk.gear.PinionCutter(20)
     assert gk.RingGear(60, 2, 0, cutter, named(lambda: gk.RingGear(60, 2, 0, cutter), "at most "))
-    wide = gk.PinionCutter(55)
+    wide = gk.gear.PinionCutter(55)
     teeth = named(lambda: gk.RingGear(60, 2, 0, wide), "give ")
-    assert gk.RingGear(60, 2, 0, gk.PinionCutter(int(teeth)))
+    assert gk.RingGear(60, 2, 0, gk.gear.PinionCutter(int(teeth)))
     least = named(lambda: gk.RingGear(60, 2, -3), "at least ")
     assert gk.RingGear(60, 2, least).profile_shift == least
-    assert gk.PinionCutter(tip_radius=named(lambda: gk.PinionCutter(tip_radius=1), "at most "))
-    assert gk.PinionCutter(tip_radius=0, addendum=named(lambda: gk.PinionCutter(addendum=4), "at most "))
+    assert gk.gear.PinionCutter(tip_radius=named(lambda: gk.gear.PinionCutter(tip_radius=1), "at most "))
+    assert gk.gear.PinionCutter(tip_radius=0, addendum=named(lambda: gk.gear.PinionCutter(addendum=4), "at most "))
 
 
 def test_a_cutter_is_refused_just_when_its_tips_would_hit_the_teeth_on_their_way_out(monkeypatch):
     monkeypatch.setattr("geomkin.gear.internal.InternalMesh.trochoid_gap", 1.0)
     hit = {}
     for teeth in (50, 51, 52, 53):
-        ring = gk.RingGear(60, 2, 0, gk.PinionCutter(teeth))
+        ring = gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))
         tip = ring.flank.point(ring.flank.breaks[-1])
         orbit = np.linspace(-9, 9, 20001)
         space = np.pi / 2 - np.pi / ring.teeth
@@ -220,6 +220,6 @@ def test_a_cutter_is_refused_just_when_its_tips_would_hit_the_teeth_on_their_way
     for teeth, hits in hit.items():
         if hits:
             with pytest.raises(gk.DesignError, match="give 51"):
-                gk.RingGear(60, 2, 0, gk.PinionCutter(teeth))
+                gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))
         else:
-            assert gk.RingGear(60, 2, 0, gk.PinionCutter(teeth))
+            assert gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))

@@ -6,10 +6,12 @@ import pytest
 import geomkin as gk
 
 
-@pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(25, tip_radius=0.2)])
+@pytest.mark.parametrize(
+    "rack", [gk.gear.RackCutter(), gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(25, tip_radius=0.2)]
+)
 @pytest.mark.parametrize("teeth", [5, 8, 12, 16, 24])
 def test_the_shift_just_avoids_undercut(teeth, rack):
-    shift = gk.undercut_free_shift(teeth, rack)
+    shift = gk.gear.undercut_free_shift(teeth, rack)
     assert not gk.SpurGear(teeth, 2, shift, rack, pointed="cut").is_undercut
     if shift:
         assert gk.SpurGear(teeth, 2, shift - 1e-6, rack, pointed="cut").is_undercut
@@ -19,7 +21,7 @@ def test_the_shift_just_avoids_undercut(teeth, rack):
 
 @pytest.mark.parametrize(("first", "second", "total"), [(15, 40, 0.0), (20, 20, 0.0), (12, 24, 0.96), (18, 90, 0.3)])
 def test_balanced_gears_slide_equally_at_both_ends_of_contact(first, second, total):
-    one, two = gk.balanced_shifts(first, second, total=total)
+    one, two = gk.gear.balanced_shifts(first, second, total=total)
     assert one + two == pytest.approx(total)
     pair = gk.GearPair(gk.SpurGear(first, 2, one), gk.SpurGear(second, 2, two))
     start, end = pair.contact_lengths
@@ -32,4 +34,4 @@ def test_balanced_gears_slide_equally_at_both_ends_of_contact(first, second, tot
 
 def test_what_cannot_be_balanced_is_refused():
     with pytest.raises(gk.DesignError):
-        gk.balanced_shifts(4, 5)
+        gk.gear.balanced_shifts(4, 5)

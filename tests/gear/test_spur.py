@@ -79,9 +79,9 @@ FEATURES = Made({
     "cut at the point": lambda: gk.SpurGear(10, 2, 0.9, pointed="cut"),
     "short": lambda: gk.SpurGear(20, 2, addendum=0.6),
     "inches": lambda: gk.SpurGear(20, diametral_pitch=12),
-    "14.5 deg": lambda: gk.SpurGear(14, 2, rack=gk.Rack(14.5, 1, 1.157, 0.209)),
-    "10 deg": lambda: gk.SpurGear(30, 2, -0.4, gk.Rack(10)),
-    "35 deg": lambda: gk.SpurGear(7, 2, -0.2, gk.Rack(35, 0.7, 0.9, 0.1)),
+    "14.5 deg": lambda: gk.SpurGear(14, 2, rack=gk.gear.RackCutter(14.5, 1, 1.157, 0.209)),
+    "10 deg": lambda: gk.SpurGear(30, 2, -0.4, gk.gear.RackCutter(10)),
+    "35 deg": lambda: gk.SpurGear(7, 2, -0.2, gk.gear.RackCutter(35, 0.7, 0.9, 0.1)),
 })  # fmt: skip
 
 
@@ -137,7 +137,7 @@ def test_diametral_pitch_is_teeth_per_inch():
 
 def test_the_share_of_the_involute_lost_is_that_of_its_length():
     gear = gk.SpurGear(8, 2)
-    whole = gk.length(gk.Involute(gear.base_radius, 0, gear.flank.breaks[-1]))
+    whole = gk.length(gk.plane.Involute(gear.base_radius, 0, gear.flank.breaks[-1]))
     assert gear.involute_lost == pytest.approx(1 - gk.length(gear.flank) / whole, rel=1e-9)
     assert gear.involute_lost > 0.01 and gk.SpurGear(24, 2).involute_lost == 0
 
@@ -207,12 +207,12 @@ def test_two_gears_mesh_without_overlap_and_overlap_when_turned(a, b):
 
 def test_sharp_and_full_round_racks_work():
     round_tip = (np.pi / 4 - 1.25 * np.tan(np.radians(20))) * np.cos(np.radians(20)) / (1 - np.sin(np.radians(20)))
-    for rack in (gk.Rack(tip_radius=0), gk.Rack(tip_radius=round_tip * (1 - 1e-12))):
+    for rack in (gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(tip_radius=round_tip * (1 - 1e-12))):
         for teeth in (6, 24):
             gear = gk.SpurGear(teeth, 2, rack=rack)
             assert region.is_simple(gk.flatten(gear.outline, 0.002))
     # With a sharp corner the undercut limit moves from 17.10 to 21.37 teeth.
-    sharp = gk.Rack(tip_radius=0)
+    sharp = gk.gear.RackCutter(tip_radius=0)
     assert gk.SpurGear(21, 2, rack=sharp).is_undercut and not gk.SpurGear(22, 2, rack=sharp).is_undercut
 
 
@@ -227,15 +227,15 @@ def test_sharp_and_full_round_racks_work():
         (lambda: gk.SpurGear(24, np.inf), "module"),
         (lambda: gk.SpurGear(8, 2, 1.2), "profile_shift"),
         (lambda: gk.SpurGear(8, 2, -3), "profile_shift"),
-        (lambda: gk.SpurGear(5, 2, -0.6, gk.Rack(20, 1, 1.2, 0.2)), "profile_shift"),
+        (lambda: gk.SpurGear(5, 2, -0.6, gk.gear.RackCutter(20, 1, 1.2, 0.2)), "profile_shift"),
         (lambda: gk.SpurGear(24), "module"),
         (lambda: gk.SpurGear(24, 2, diametral_pitch=10), "module"),
         (lambda: gk.SpurGear(24, 2, tip_rounding=0.8), "tip_rounding"),
         (lambda: gk.SpurGear(24, 2, tip_chamfer=0.8), "tip_chamfer"),
         (lambda: gk.SpurGear(24, 2, tip_chamfer=0.1, tip_rounding=0.1), "tip_chamfer"),
         (lambda: gk.SpurGear(24, 2, thinning=9), "thinning"),
-        (lambda: gk.Rack(tip_radius=1), "tip_radius"),
-        (lambda: gk.Rack(dedendum=3), "dedendum"),
+        (lambda: gk.gear.RackCutter(tip_radius=1), "tip_radius"),
+        (lambda: gk.gear.RackCutter(dedendum=3), "dedendum"),
     ],
 )
 def test_impossible_gears_are_refused_by_name(make, field):
@@ -262,7 +262,7 @@ def test_the_most_thinning_named_in_a_refusal_leaves_pointed_teeth(thinning):
 
 @pytest.mark.parametrize(("teeth", "angle", "shift"), [(4, 20, -0.6), (5, 10, -0.6), (6, 25, -1.0)])
 def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leaves_a_neck(teeth, angle, shift):
-    rack = gk.Rack(angle, 1, 1.2, 0.2)
+    rack = gk.gear.RackCutter(angle, 1, 1.2, 0.2)
     with pytest.raises(gk.DesignError, match="cut the teeth off") as caught:
         gk.SpurGear(teeth, 2, shift, rack)
     least = float(caught.value.remedy.split("at least ")[1].split(",")[0])
@@ -273,7 +273,9 @@ def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leav
 
 
 @pytest.mark.parametrize("pointed", ["refuse", "cut"])
-@pytest.mark.parametrize("rack", [gk.Rack(), gk.Rack(tip_radius=0), gk.Rack(35, 0.8, 0.9, 0.1)])
+@pytest.mark.parametrize(
+    "rack", [gk.gear.RackCutter(), gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(35, 0.8, 0.9, 0.1)]
+)
 def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
     refused = 0
     for teeth in (4, 8, 24, 200):
@@ -293,7 +295,7 @@ def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
 
 @pytest.mark.parametrize("name", ["tip_rounding", "tip_chamfer"])
 def test_a_tip_edge_that_reaches_an_undercut_is_refused_with_one_that_does_not(name):
-    rack = gk.Rack(20, 0.7)
+    rack = gk.gear.RackCutter(20, 0.7)
     with pytest.raises(gk.DesignError) as caught:
         gk.SpurGear(5, 2, -0.4, rack, **{name: 0.44})
     assert caught.value.field == name

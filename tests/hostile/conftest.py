@@ -14,8 +14,8 @@ import pytest
 from click.testing import CliRunner
 
 from geomkin.commands import cli
-from geomkin.recipe.kinds import KINDS
-from geomkin.recipe.template import template
+from geomkin.kinds import KINDS
+from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 90}'
 RISE = '{kind = "rise", law = "cycloidal", rise = 20, end_deg = 180}'
@@ -113,7 +113,7 @@ def known_keys():
     keys = {"(whole file)", "kind"}
     for kind in KINDS:
         table = ""
-        for line in template(kind).splitlines():
+        for line in template_of(kind).splitlines():
             if line.startswith("["):
                 table = line.strip("[]")
                 keys |= {table, table.split(".")[0]}

@@ -112,7 +112,7 @@ def every_case(kinds):
 
 def numbers_at_their_ends(count, seed):
     """(name, text) of so many recipes drawn from all kinds' alike, half of them with a second number at its end."""
-    from geomkin.recipe.kinds import KINDS
+    from geomkin.kinds import KINDS
 
     rng, found = random.Random(seed), []
     by_kind = {kind: list(every_case([kind])) for kind in KINDS}
@@ -127,7 +127,7 @@ def numbers_at_their_ends(count, seed):
 
 
 def main(arguments):
-    from geomkin.recipe.kinds import KINDS
+    from geomkin.kinds import KINDS
     from geomkin.recipe.template import template
 
     failures = tried = 0

@@ -6,10 +6,8 @@ import re
 import tomllib
 from pathlib import Path
 
-from geomkin.recipe.kinds import KINDS, kind
-from geomkin.recipe.schema import schema
-from geomkin.recipe.template import template
-from geomkin.recipe.variants import choices
+from geomkin.kinds import KINDS
+from tests.texts import choices_of, schema_of_all, template_of
 
 GALLERY = Path(__file__).parent.parent.parent / "recipes"
 # Texts that would be a path, a formula, an order to a terminal, markup, a device or too much.
@@ -60,13 +58,13 @@ def good_recipes():
     texts = {f"gallery {file.stem}": file.read_text("utf-8") for file in sorted(GALLERY.glob("*.toml"))}
     for name in KINDS:
         for wish in wishes(name):
-            texts[f"template {' '.join([name, *wish])}"] = written_out(template(name, wish))
+            texts[f"template {' '.join([name, *wish])}"] = written_out(template_of(name, wish))
     return [(name, tomllib.loads(text)) for name, text in texts.items()]
 
 
 def wishes(name):
     """Every --with of a kind's template, one at a time, and none."""
-    offered = choices(kind(name).recipe)
+    offered = choices_of(name)
     return [[], *([f"{key}={which}" if which else key] for key in offered for which in offered[key])]
 
 
@@ -92,7 +90,7 @@ def declared():
             for inner in held.values():
                 walk(inner)
 
-    walk(schema())
+    walk(schema_of_all())
     return {key: values for key, values in found.items() if values and key != "kind"}
 
 

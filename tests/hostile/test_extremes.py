@@ -9,7 +9,7 @@ from shapely.geometry import Polygon
 
 from geomkin.gear import pair
 from geomkin.gear.limit import last_fit
-from geomkin.recipe.template import template
+from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'
 HARDLY = (
@@ -26,7 +26,7 @@ WAVES = [
 
 @pytest.mark.parametrize("kind", ["four-bar-atlas", "slider-crank-atlas", "centrodes", "inflection-circle"])
 def test_a_drawing_too_far_away_for_its_digits_is_refused_and_nearer_ones_are_sound(run, refused, sound, kind):
-    text = template(kind).replace("# origin = [0, 0]", "origin = [1e9, -1e9]")
+    text = template_of(kind).replace("# origin = [0, 0]", "origin = [1e9, -1e9]")
     refused(run(text), "linkage", "stay within 100000 mm")
     assert run(text.replace("1e9, -1e9", "6e4, -7e4")).exit_code == 0 and sound("out")
 
@@ -36,7 +36,7 @@ def test_axes_too_far_apart_are_advised_after_one_search(run, refused, monkeypat
     """A search whose every refused step searched for advice in its turn took minutes."""
     searches = []
     monkeypatch.setattr(pair, "last_fit", lambda *given: searches.append(given) or last_fit(*given))
-    text = template("gear-pair")
+    text = template_of("gear-pair")
     refused(
         run(text.replace("# centre_distance =", f"centre_distance = {distance}")), "centre_distance", "at most 57.9"
     )

@@ -167,6 +167,6 @@ def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here, old):
 
 def test_a_script_may_name_a_table_anywhere(tmp_path):
     (tmp_path / "lift.csv").write_text(ROWS)
-    assert gk.Program([gk.LiftTable(3, file=str(tmp_path / "lift.csv"))]).motion(np.pi).lift == pytest.approx(
+    assert gk.Program([gk.cam.LiftTable(3, file=str(tmp_path / "lift.csv"))]).motion(np.pi).lift == pytest.approx(
         10, abs=1e-3
     )

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.plan import plan
-from geomkin.linkage.steps import Pass
+from geomkin.linkage.solve.plan import plan
+from geomkin.linkage.solve.steps import Pass
 from tests.linkage.examples import ALL, between, boom, lift_table, pushed
 from tests.linkage.exact import actuator
 
@@ -270,20 +270,20 @@ def test_force_and_torque_are_in_balance():
     push = (pin - base) / np.abs(pin - base)
     slide = motion.cylinder.direction * linkage.sliders[0].direction
     torque = np.imag(np.conj(pin - pivot) * push) / np.real(np.conj(push) * slide)
-    assert gk.mechanical_advantage(motion, "boom") == pytest.approx(torque, rel=1e-12)
+    assert gk.linkage.mechanical_advantage(motion, "boom") == pytest.approx(torque, rel=1e-12)
     # Where the line of push passes by the boom's pivot the linkage is at its limit, the least angle tells it.
     lean = np.arcsin(np.abs(np.imag(np.conj(pin - pivot) * push)) / np.abs(pin - pivot))
     assert motion.transmission_angle == pytest.approx(lean, rel=1e-12)
 
 
 def test_a_slide_past_its_pin_stands_still_at_its_nearest():
-    found = gk.dead_centres(bar_on_actuator(100, 60, 55), "bar", span=(-130, 100))
+    found = gk.linkage.dead_centres(bar_on_actuator(100, 60, 55), "bar", span=(-130, 100))
     assert found == pytest.approx([0.0], abs=1e-12)
 
 
 def test_a_table_that_only_rises_stands_still_nowhere():
     """That rounding turns it by next to nothing does not make its angle what is looked at."""
-    assert gk.dead_centres(lift_table(), "table", span=(100, 180)).size == 0
+    assert gk.linkage.dead_centres(lift_table(), "table", span=(100, 180)).size == 0
     motion = gk.move(lift_table(), np.linspace(100, 180, 50))
     assert np.all(motion.table.origin.first.imag > 0)
 

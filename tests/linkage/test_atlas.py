@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.atlas import coupler_curves, coupler_grid, dashes
-from geomkin.linkage.slider_crank import SliderCrank
+from geomkin.linkage.coupler.atlas import coupler_curves, coupler_grid, dashes
+from geomkin.linkage.named.slider_crank import SliderCrank
 
 CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)
 STEPS = np.radians(np.arange(0, 361, 5))

@@ -137,7 +137,7 @@ def test_circuits_are_what_small_steps_can_reach(linkage, count):
         if (side, (k - 1) % len(drive)) not in label and (-side, k) in label:
             label[root((side, k))] = root((-side, k))
     sets = {root(pose) for pose in label}
-    told = {pose: gk.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
+    told = {pose: gk.linkage.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
     assert len(sets) == count
     assert len({(root(p), t) for p, t in told.items()}) == count and 0 not in told.values()
 
@@ -155,4 +155,4 @@ def test_one_frame_at_a_change_point_stands_as_the_first_of_many(there):
 def test_at_a_change_point_the_two_circuits_are_one():
     kite = gk.FourBar(100, 30, 100, 30)
     for branch in (1, -1):
-        assert (gk.circuits(kite, gk.move(kite, np.linspace(0.1, 3, 20), branch)) == 1).all()
+        assert (gk.linkage.circuits(kite, gk.move(kite, np.linspace(0.1, 3, 20), branch)) == 1).all()

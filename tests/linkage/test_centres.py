@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.linkage.centres import instant_centre, instant_centres
+from geomkin.linkage.instant.centres import instant_centre, instant_centres
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.centrodes import Centrodes
+from geomkin.linkage.instant.centrodes import Centrodes
 
 TURN = np.linspace(0.003, 0.003 + 2 * np.pi, 721)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}

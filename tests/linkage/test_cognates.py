@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.cognates import cognates, roberts_linkage, third_pivot
+from geomkin.linkage.coupler.cognates import cognates, roberts_linkage, third_pivot
 
 TURN = np.linspace(0.03, 0.03 + 2 * np.pi, 181)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}
@@ -54,7 +54,9 @@ def test_links_keep_their_angle_to_the_link_they_are_said_to_turn_with(name):
 
 def test_types_are_those_of_the_textbooks():
     """A crank-rocker has one crank-rocker and one double-rocker cognate; all three of a double-crank are one."""
-    types = [[gk.grashof_type(c.linkage) for c in cognates(LINKAGES[n])] for n in ("crank-rocker", "double-crank")]
+    types = [
+        [gk.linkage.grashof_type(c.linkage) for c in cognates(LINKAGES[n])] for n in ("crank-rocker", "double-crank")
+    ]
     assert types == [["crank-rocker", "double-rocker", "crank-rocker"], ["double-crank"] * 3]
 
 

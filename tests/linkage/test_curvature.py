@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.linkage.curvature import PathCurvature, crank_path, euler_savary, path_curvature
+from geomkin.linkage.instant.curvature import PathCurvature, crank_path, euler_savary, path_curvature
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.equivalent import Contact
-from geomkin.linkage.slider_crank import SliderCrank
+from geomkin.linkage.instant.equivalent import DirectContact
+from geomkin.linkage.named.slider_crank import SliderCrank
 
 PROGRAM = gk.Program(
     (gk.Dwell(end_deg=60), gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("3-4-5", end_deg=360))
@@ -26,7 +26,7 @@ def test_a_roller_on_a_cam_moves_as_its_programme_says(direction, offset, rolled
     normal = 1j * sense * along / np.abs(along)
     radius = -sense / cam.pitch_curve.curvature(ANGLES)
     centre = cam.pitch_curve.point(ANGLES) * seen
-    contact = Contact(centre - rolled * normal, normal, radius - rolled, rolled, follower_direction=1j)
+    contact = DirectContact(centre - rolled * normal, normal, radius - rolled, rolled, follower_direction=1j)
     lift = PROGRAM.motion(ANGLES)
     assert np.abs(sense * contact.first - lift.velocity).max() < 1e-9
     assert np.abs(contact.second - lift.acceleration).max() < 1e-9
@@ -39,14 +39,14 @@ def test_an_eccentric_disc_is_a_slider_crank_or_a_four_bar():
     sliding = gk.move(SliderCrank(15, 50, 8), ANGLES)
     at = sliding.point("slider_pin")
     normal = (at.position - centre) / 50
-    contact = Contact(centre + 40 * normal, normal, 40, 10, follower_direction=3)
+    contact = DirectContact(centre + 40 * normal, normal, 40, 10, follower_direction=3)
     assert np.abs(contact.first - at.first.real).max() < 1e-12 * 50
     assert np.abs(contact.second - at.second.real).max() < 1e-12 * 50
 
     turning = gk.move(gk.FourBar(90, 15, 50, 70), ANGLES)
     at = turning.point("rocker_pin")
     normal = (at.position - centre) / 50
-    contact = Contact(centre + 40 * normal, normal, 40, 10, follower_pivot=90)
+    contact = DirectContact(centre + 40 * normal, normal, 40, 10, follower_pivot=90)
     assert np.abs(contact.first - turning.rocker.first).max() < 1e-13
     assert np.abs(contact.second - turning.rocker.second).max() < 1e-13
 
@@ -61,7 +61,7 @@ def ellipse(angle, a=50.0, b=30.0):
 def test_a_flat_face_rises_by_the_support_function():
     """A sliding flat face on an ellipse that turns about its middle stands at the support function's height."""
     h, slope, bend = ellipse(np.pi / 2 - ANGLES)
-    contact = Contact(1j * (h + 1j * slope), 1j, h + bend, np.inf, follower_direction=1j)
+    contact = DirectContact(1j * (h + 1j * slope), 1j, h + bend, np.inf, follower_direction=1j)
     assert np.abs(contact.first + slope).max() < 1e-12 * 50
     assert np.abs(contact.second - bend).max() < 1e-11 * 50
     assert not np.isfinite(contact.follower_centre).any() and np.isfinite(contact.driver_centre).all()
@@ -95,7 +95,7 @@ def test_a_turning_flat_face_found_by_bisection(off):
     psi = face_angle(ANGLES, pivot, off)
     normal = 1j * np.exp(1j * psi)  # from the ellipse into the face
     h, slope, bend = ellipse(np.angle(normal) - ANGLES)
-    contact = Contact(normal * (h + 1j * slope), normal, h + bend, np.inf, follower_pivot=pivot)
+    contact = DirectContact(normal * (h + 1j * slope), normal, h + bend, np.inf, follower_pivot=pivot)
     first, second = derivatives(lambda q: face_angle(q, pivot, off), ANGLES, 0.01)
     assert np.abs(np.real(np.conj(normal) * (contact.point - pivot)) - off).max() < 1e-9
     assert np.abs(contact.first - first).max() < 1e-9
@@ -107,7 +107,7 @@ def test_a_straight_flank_lifts_a_roller():
     q = np.linspace(-0.6, 0.9, 31)
     height = 70 * np.tan(q) + 12 / np.cos(q)
     normal = 1j * np.exp(1j * q)
-    contact = Contact(70 + 1j * height - 12 * normal, normal, np.inf, 12, follower_direction=1j)
+    contact = DirectContact(70 + 1j * height - 12 * normal, normal, np.inf, 12, follower_direction=1j)
     sec, tan = 1 / np.cos(q), np.tan(q)
     assert contact.first == pytest.approx(70 * sec**2 + 12 * sec * tan)
     assert contact.second == pytest.approx(140 * sec**2 * tan + 12 * sec * tan**2 + 12 * sec**3)
@@ -118,7 +118,7 @@ def test_a_straight_flank_lifts_a_roller():
 
     q = np.linspace(-0.5, 0.2, 31)
     roller, normal = 80 + 50 * np.exp(1j * arm(q)), 1j * np.exp(1j * q)
-    contact = Contact(roller - 12 * normal, normal, np.inf, 12, follower_pivot=80)
+    contact = DirectContact(roller - 12 * normal, normal, np.inf, 12, follower_pivot=80)
     first, second = derivatives(arm, q, 0.01)
     assert contact.first == pytest.approx(first, abs=1e-9) and contact.second == pytest.approx(second, abs=1e-7)
     # The roller's middle moves along the line, and its surface turns about that; left of the normal is backwards.
@@ -130,7 +130,7 @@ def test_a_hollow_driver_has_a_negative_radius():
     """A roller of 10 inside a ring of 60 whose middle turns 15 off the axis: crank 15, coupler 50."""
     slider = gk.move(SliderCrank(15, 50), ANGLES, branch=-1).point("slider_pin")
     outward = (slider.position - 15 * np.exp(1j * ANGLES)) / 50
-    contact = Contact(slider.position + 10 * outward, -outward, -60, 10, follower_direction=1)
+    contact = DirectContact(slider.position + 10 * outward, -outward, -60, 10, follower_direction=1)
     assert contact.first == pytest.approx(slider.first.real) and contact.second == pytest.approx(slider.second.real)
 
 
@@ -149,7 +149,7 @@ CASES = {
 @pytest.mark.parametrize("point", [30 + 45j, 20 - 50j, -35 + 8j])
 @pytest.mark.parametrize("normal", [1 + 2j, -3 + 0.4j])
 def test_the_linkage_stands_and_moves_as_the_contact_does(case, point, normal):
-    contact = Contact(point, normal, driver_pivot=3 + 1j, **CASES[case])
+    contact = DirectContact(point, normal, driver_pivot=3 + 1j, **CASES[case])
     motion = gk.move(contact.linkage, [0.0], contact.branch)
     follower = motion.follower
     if contact.follower_direction is None:
@@ -166,7 +166,7 @@ def test_the_linkage_stands_and_moves_as_the_contact_does(case, point, normal):
 
 
 def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
-    contact = Contact(10j, 1, 20.0, 5.0, follower_direction=1j)
+    contact = DirectContact(10j, 1, 20.0, 5.0, follower_direction=1j)
     with np.errstate(all="raise"):
         assert not np.isfinite(contact.first) and not np.isfinite(contact.second)
 
@@ -182,7 +182,7 @@ def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
 def test_what_is_no_contact_is_refused_by_name(field, change):
     asked = {"point": 10j, "normal": 1j, "driver_radius": 5, "follower_radius": 5, "follower_pivot": 50} | change
     with pytest.raises(gk.DesignError) as caught:
-        Contact(**asked)
+        DirectContact(**asked)
     assert caught.value.field == field
     with pytest.raises(gk.DesignError, match="one position"):
-        Contact(ANGLES, 1j, 5, 5, follower_pivot=50).linkage  # noqa: B018
+        DirectContact(ANGLES, 1j, 5, 5, follower_pivot=50).linkage  # noqa: B018

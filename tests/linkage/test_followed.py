@@ -168,10 +168,10 @@ def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_sp
     bodies = dict(linkage.bodies)
     bodies["ground"] = {**bodies["ground"], "F": 105}
     bodies |= {"link": {"Q0": 0, "S": 40}, "rocker two": {"F": 0, "S": 35}}
-    found = gk.dead_centres(gk.Linkage(bodies, "crank"), "rocker two", gk.Follow(pins), (0.4, 0.4 + 2 * np.pi))
+    found = gk.linkage.dead_centres(gk.Linkage(bodies, "crank"), "rocker two", gk.Follow(pins), (0.4, 0.4 + 2 * np.pi))
     lean = np.angle(15 + 5j)
     alone = gk.FourBar(45, abs(15 + 5j), 40, 35)
-    wanted = gk.dead_centres(alone, "rocker", 1, (0.4 + lean, 0.4 + lean + 2 * np.pi)) - lean
+    wanted = gk.linkage.dead_centres(alone, "rocker", 1, (0.4 + lean, 0.4 + lean + 2 * np.pi)) - lean
     assert len(wanted) == 2 and found == pytest.approx(wanted, abs=1e-9)
 
 
@@ -195,7 +195,7 @@ def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
 
 def test_branches_that_touch_at_a_dead_centre_do_not_cross():
     """The second dyad is in line just where the rocker that drives it turns back: the pin turns back too."""
-    centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
+    centre = gk.linkage.dead_centres(FOUR_BAR, "rocker")[0]
     back = gk.move(FOUR_BAR, [centre]).rocker.direction[0]
     watt = gk.WattSixBar(FOUR_BAR, 50, 80, 100 + 50 - 20 + 0.0, 100 - 160 * back)
     drive = centre + np.linspace(-0.5, 0.5, 40)
@@ -264,15 +264,22 @@ def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start(
     signs = {"rocker_pin": -1, "output_pin": -1}
     near = {p: gk.move(six_bar, [0.0], signs).point(p).position[0] for p in signs}
     assert gk.driver_limits(six_bar, near) == gk.driver_limits(six_bar, signs)
-    assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
+    assert np.array_equal(
+        gk.linkage.dead_centres(six_bar, "output", near), gk.linkage.dead_centres(six_bar, "output", signs)
+    )
     # Hardly nearer to the one branch at the start, and often to the other later.
     pins = [gk.move(six_bar, [0.0], signs | {"output_pin": s}).point("output_pin").position[0] for s in (1, -1)]
     near["output_pin"] = 0.49 * pins[0] + 0.51 * pins[1]
-    assert np.array_equal(gk.dead_centres(six_bar, "output", near), gk.dead_centres(six_bar, "output", signs))
+    assert np.array_equal(
+        gk.linkage.dead_centres(six_bar, "output", near), gk.linkage.dead_centres(six_bar, "output", signs)
+    )
     t = np.array([3.0, 1.0, 2.0])
     curves = [gk.CouplerCurve(six_bar, "output_pin", branch, (0.0, 6.0)).point(t) for branch in (near, signs)]
     assert np.array_equal(*curves)
-    drawn = [gk.dashes(six_bar, [10j], np.radians([0, 20, 40, 60]), 0.1, branch, "output") for branch in (near, signs)]
+    drawn = [
+        gk.linkage.dashes(six_bar, [10j], np.radians([0, 20, 40, 60]), 0.1, branch, "output")
+        for branch in (near, signs)
+    ]
     assert all(np.array_equal(a, b) for a, b in zip(drawn[0][0], drawn[1][0], strict=True))
 
 

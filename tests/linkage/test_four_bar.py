@@ -140,7 +140,7 @@ def test_coincident_circles_have_no_single_answer():
 )
 def test_grashof_type_agrees_with_what_turns(lengths, kind):
     linkage = gk.FourBar(*lengths)
-    assert gk.grashof_type(linkage) == kind
+    assert gk.linkage.grashof_type(linkage) == kind
     turns_fully = bool(gk.move(linkage, TURN + 1e-3).closed.all())
     assert turns_fully == (kind in ("crank-rocker", "double-crank", "change-point"))
 

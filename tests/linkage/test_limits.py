@@ -60,7 +60,7 @@ def test_a_driving_slide_is_followed_over_its_whole_reach(size):
     found = np.array(gk.driver_limits(linkage)) / size
     assert found == pytest.approx(np.array([[-far, -near], [near, far]]), rel=1e-14)
     # The coupler turns back where the crank stands across the slide.
-    centres = gk.dead_centres(linkage, "coupler") / size
+    centres = gk.linkage.dead_centres(linkage, "coupler") / size
     assert centres == pytest.approx([-np.sqrt(90**2 - 42**2), np.sqrt(90**2 - 18**2)], rel=1e-14)
 
 
@@ -114,7 +114,7 @@ def test_a_slide_whose_reach_has_no_end_or_no_start_is_refused():
     )
     for call in (
         lambda *span: gk.driver_limits(lever, 1, *span),
-        lambda *span: gk.dead_centres(lever, "lever", 1, *span),
+        lambda *span: gk.linkage.dead_centres(lever, "lever", 1, *span),
     ):
         with pytest.raises(gk.DesignError, match="without end") as caught:
             call()
@@ -131,11 +131,11 @@ def test_a_slide_that_closes_nowhere_has_neither_limits_nor_dead_centres():
     """Its line passes the cylinder's pin farther off than arm and base are long together."""
     lift = boom()
     never = gk.Linkage(lift.bodies, "lift", (replace(lift.sliders[0], through=700j),))
-    assert gk.driver_limits(never) == () and gk.dead_centres(never, "boom").size == 0
+    assert gk.driver_limits(never) == () and gk.linkage.dead_centres(never, "boom").size == 0
 
 
 def test_dead_centres_of_a_crank_rocker_have_crank_and_coupler_in_line():
-    found = gk.dead_centres(FOUR_BAR, "rocker")
+    found = gk.linkage.dead_centres(FOUR_BAR, "rocker")
     motion = gk.move(FOUR_BAR, found)
     assert len(found) == 2
     assert np.abs(np.imag(motion.crank.direction * np.conj(motion.coupler.direction))).max() < 1e-14
@@ -144,7 +144,7 @@ def test_dead_centres_of_a_crank_rocker_have_crank_and_coupler_in_line():
 
 
 def test_dead_centres_of_a_slider_crank_are_its_extreme_strokes():
-    found = gk.dead_centres(gk.SliderCrank(30, 90, 12), "slider")
+    found = gk.linkage.dead_centres(gk.SliderCrank(30, 90, 12), "slider")
     places = gk.move(gk.SliderCrank(30, 90, 12), found).slider.origin.position.real
     assert sorted(places) == pytest.approx([np.sqrt(60**2 - 12**2), np.sqrt(120**2 - 12**2)], rel=1e-14)
 
@@ -152,9 +152,9 @@ def test_dead_centres_of_a_slider_crank_are_its_extreme_strokes():
 @pytest.mark.parametrize("output", ["ground", "ram"])
 def test_a_body_that_is_no_output_is_refused(output):
     with pytest.raises(gk.DesignError, match="output"):
-        gk.dead_centres(FOUR_BAR, output)
+        gk.linkage.dead_centres(FOUR_BAR, output)
     with pytest.raises(gk.DesignError, match="output"):
-        gk.mechanical_advantage(gk.move(FOUR_BAR, [0.0]), output)
+        gk.linkage.mechanical_advantage(gk.move(FOUR_BAR, [0.0]), output)
 
 
 @pytest.mark.parametrize("name", ["four-bar", "slider-crank", "shaper", "watt", "scotch yoke"])
@@ -171,14 +171,14 @@ def test_mechanical_advantage_conserves_power(name):
     ahead = here.bodies["ground"].direction * (1j if name == "shaper" else 1)
     slid = np.real(np.conj(ahead) * (bodies[1].origin.position - bodies[0].origin.position)) / (2 * step)
     way = slid if output in ("slider", "ram", "yoke") else turned
-    advantage = gk.mechanical_advantage(here, output)
+    advantage = gk.linkage.mechanical_advantage(here, output)
     clear = np.abs(way) > 1e-3 * np.abs(way).max()
     assert advantage[clear] * way[clear] == pytest.approx(np.ones(clear.sum()), rel=1e-5)
 
 
 def test_the_advantage_is_without_bound_at_a_dead_centre():
-    centre = gk.dead_centres(FOUR_BAR, "rocker")[0]
-    assert np.abs(gk.mechanical_advantage(gk.move(FOUR_BAR, [centre]), "rocker")[0]) > 1e12
+    centre = gk.linkage.dead_centres(FOUR_BAR, "rocker")[0]
+    assert np.abs(gk.linkage.mechanical_advantage(gk.move(FOUR_BAR, [centre]), "rocker")[0]) > 1e12
 
 
 @pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
@@ -187,7 +187,7 @@ def test_a_platform_on_two_cranks_gives_a_force_along_its_path(size, coupler, ro
     """Virtual work by differences; the rounding of a platform that does not turn is no turning."""
     linkage = gk.FourBar(80 * size, 30 * size, coupler * size, rocker * size)
     drive, step = np.linspace(0.3, 2.6, 20), 1e-6
-    advantage = gk.mechanical_advantage(gk.move(linkage, drive, "follow"), "coupler")
+    advantage = gk.linkage.mechanical_advantage(gk.move(linkage, drive, "follow"), "coupler")
     ends = [gk.move(linkage, np.append(0.3, drive + d), "follow").coupler for d in (-step, step)]
     gone = np.abs(ends[1].origin.position - ends[0].origin.position)[1:] / (2 * step)
     turned = np.angle(ends[1].direction / ends[0].direction)[1:] / (2 * step)
@@ -198,7 +198,7 @@ def test_a_platform_on_two_cranks_gives_a_force_along_its_path(size, coupler, ro
 def test_a_lifted_table_gives_the_force_that_lifts_it():
     q = np.linspace(100, 180, 9)
     heights = [gk.move(lift_table(), q + d).table.origin.position.imag for d in (-1e-5, 1e-5)]
-    advantage = gk.mechanical_advantage(gk.move(lift_table(), q), "table")
+    advantage = gk.linkage.mechanical_advantage(gk.move(lift_table(), q), "table")
     assert advantage == pytest.approx(2e-5 / (heights[1] - heights[0]), rel=1e-7)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.plan import _Planner
-from geomkin.linkage.trace import polished
+from geomkin.linkage.solve.plan import _Planner
+from geomkin.linkage.solve.trace import polished
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 
@@ -268,8 +268,8 @@ def test_loops_end_where_a_dyad_before_them_does():
 
 def test_dead_centres_of_loops_are_those_of_the_dyads():
     six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
-    found = gk.dead_centres(posed(six_bar, gk.move(six_bar, [0.0])), "output")
-    assert len(found) > 1 and found == pytest.approx(gk.dead_centres(six_bar, "output"), abs=1e-12)
+    found = gk.linkage.dead_centres(posed(six_bar, gk.move(six_bar, [0.0])), "output")
+    assert len(found) > 1 and found == pytest.approx(gk.linkage.dead_centres(six_bar, "output"), abs=1e-12)
 
 
 def test_drives_too_far_to_follow_are_refused_with_a_number_that_works():

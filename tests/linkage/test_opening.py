@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.opening import never_closed
+from geomkin.linkage.openings import never_closed
 from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
 
 
 def test_a_closed_motion_has_no_opening():
-    assert gk.opening(gk.move(FOUR_BAR, TURN)) is None
+    assert gk.linkage.opening(gk.move(FOUR_BAR, TURN)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
 def test_the_opening_is_the_first_open_frame_with_what_its_circles_lack(scale):
     drive = np.linspace(0, np.pi, 37)
     motion = gk.move(gk.FourBar(*(scale * np.array([4, 3, 2, 2.5]))), drive)
-    found = gk.opening(motion)
+    found = gk.linkage.opening(motion)
     apart = abs(4 - 3 * np.exp(1j * drive))
     assert found.frame == np.flatnonzero(apart > 4.5)[0] and found.drive == drive[found.frame]
     assert found.joint == "rocker_pin" and found.lacking == pytest.approx(scale * (apart[found.frame] - 4.5), rel=1e-9)
@@ -42,7 +42,7 @@ OPEN = {
 @pytest.mark.parametrize("name", OPEN)
 def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
     build, drive, branch = OPEN[name]
-    found = gk.opening(gk.move(build(0.0), drive, branch))
+    found = gk.linkage.opening(gk.move(build(0.0), drive, branch))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
     assert gk.move(build(advised), drive, branch).closed.all()
     assert not gk.move(build(0.998 * advised), drive, branch).closed.any()
@@ -51,7 +51,7 @@ def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
 
 @pytest.mark.parametrize(("build", "stroke"), [(boom, 1.0), (boom, 500.0), (pushed, 1.0)])
 def test_the_stroke_advised_closes_what_an_actuator_drives_and_a_little_less_does_not(build, stroke):
-    found = gk.opening(gk.move(build(), [stroke]))
+    found = gk.linkage.opening(gk.move(build(), [stroke]))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
     way = -1 if "shorter" in found.remedy else 1
     # What is told is a length of the actuator, which its stroke changes by less where it is bent.
@@ -83,7 +83,7 @@ def test_the_branch_that_closes_it_is_told_and_does():
     assert gk.move(six_bar, drive).closed.all()
     motion = gk.move(six_bar, drive, {"rocker_pin": -1})
     assert not motion.closed.any()
-    found = gk.opening(motion)
+    found = gk.linkage.opening(motion)
     assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
     assert "it closes there with rocker_pin = 1" in str(found)
     assert gk.move(six_bar, drive, found.branch).closed.all()
@@ -97,11 +97,11 @@ def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
         "crank",
         sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
     )
-    found = gk.opening(gk.move(tangent, [1.0, 0.5, 0.0]))
+    found = gk.linkage.opening(gk.move(tangent, [1.0, 0.5, 0.0]))
     assert found.frame == 2 and found.joint == "block" and np.isnan(found.lacking) and "parallel" in found.remedy
     linkage, drive = locked()
     motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 200))
-    found = gk.opening(motion)
+    found = gk.linkage.opening(motion)
     assert np.isnan(found.lacking) and "crank" in found.joint and found.branch is None
     assert found.frame == np.argmin(motion.closed) > 0
 
@@ -109,7 +109,7 @@ def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
 def test_openings_of_many_linkages_are_refused():
     many = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 10.0])), TURN)
     with pytest.raises(gk.DesignError, match="one at a time"):
-        gk.opening(many)
+        gk.linkage.opening(many)
 
 
 def test_the_least_transmission_angle_is_that_of_the_frames_reached():

@@ -7,6 +7,8 @@ from pathlib import Path as File
 
 import numpy as np
 
+import geomkin as gk
+
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import AbstractCurve
 from geomkin.plane.cycloid import Cycloid
@@ -15,7 +17,6 @@ from geomkin.plane.joined import Path, Ring
 from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.roulettes import Involute, Trochoid
-from geomkin.recipe.load import load
 
 RECIPES = File(__file__).parents[2] / "recipes"
 
@@ -120,7 +121,7 @@ def flank() -> AbstractCurve:
 
 
 def cam_profile() -> AbstractCurve:
-    return load(RECIPES / "roller-cam.toml").cam.profile
+    return gk.load(RECIPES / "roller-cam.toml").cam.profile
 
 
 def size(curve: AbstractCurve) -> float:

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from geomkin.errors import DesignError
-from geomkin.gear.rack import Rack
+from geomkin.gear.rack import RackCutter
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.derived import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
@@ -252,7 +252,7 @@ def test_straight_edges_stay_and_arcs_take_no_more_points_than_a_greedy_walker(t
 
 def test_no_count_of_chords_is_special():
     """Not even as many as the cells of the first look, here 64 for the root and bottom land of an undercut tooth."""
-    side = SpurGear(6, 7.3, -0.21, Rack(16, 0.9, 1.25, 0.06)).outline.piece.pieces[0]
+    side = SpurGear(6, 7.3, -0.21, RackCutter(16, 0.9, 1.25, 0.06)).outline.piece.pieces[0]
     root = Path(side.pieces[:2])
     counts = []
     for tolerance in np.geomspace(8e-4, 1e-3, 25):

@@ -203,10 +203,10 @@ def test_area_is_positive_and_curvature_left_positive_either_way_round():
 def test_a_cam_has_a_positive_area_and_is_convex_where_it_bulges_whichever_way_it_turns(direction):
     program = gk.Program((gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("cycloidal", end_deg=360)))
     profile = gk.Cam(gk.TranslatingRoller(10), program, 40, direction).profile
-    polygon = shapely.Polygon(gk.xy(gk.flatten(profile, 1e-3)))
+    polygon = shapely.Polygon(gk.plane.xy(gk.flatten(profile, 1e-3)))
     assert gk.area(profile) == pytest.approx(polygon.area, rel=1e-4)
     # At the least and the largest lift the profile is nearest to a circle about the axis.
-    assert gk.convexity(profile, [0.0, np.pi]) == pytest.approx([1 / 40, 1 / 60], rel=1e-9)
+    assert gk.plane.convexity(profile, [0.0, np.pi]) == pytest.approx([1 / 40, 1 / 60], rel=1e-9)
 
 
 def test_curvature_of_an_open_curve_is_positive_where_it_turns_left():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import kind
 
 RECIPE = Path(__file__).parent.parent.parent / "recipes" / "lift-table.toml"
 
@@ -29,7 +28,7 @@ def changed(tmp_path, **tables):
 
 
 def test_the_table_tells_the_stroke_and_what_it_lifts(lift):
-    columns = {column.header: column.values for column in kind("linkage").table(lift).columns}
+    columns = {column.header: column.values for column in lift.table.columns}
     place = columns["lift_place_mm"]
     assert next(iter(columns)) == "lift_place_mm" and place[[0, -1]] == pytest.approx([45, 120])
     assert columns["lift_displacement_mm"] == pytest.approx(place)
@@ -48,20 +47,20 @@ def test_the_table_tells_the_stroke_and_what_it_lifts(lift):
 
 
 def test_its_checks_and_notes_are_about_a_stroke(lift, tmp_path):
-    checks = kind("linkage").checks(lift)
+    checks = lift.judged
     assert checks[0].name == "share of the lift's stroke reached" and all(check.passed for check in checks)
-    assert kind("linkage").notes(lift)["driver_reaches_mm"] == [[45, 120]]
+    assert lift.notes["driver_reaches_mm"] == [[45, 120]]
     # As far as arm and cylinder reach in one line, and no farther.
     reach = abs(180 - 80j) + abs(140 - 15j) - 60
     longer = gk.load(
         changed(tmp_path, end=("end = 120", "end = 300"), files=("[stroke]", "[branches]\nF = -1\n[stroke]"))
     )
-    assert kind("linkage").notes(longer)["driver_reaches_mm"][-1][-1] <= reach + 1e-6
-    assert not kind("linkage").checks(longer)[0].passed
+    assert longer.notes["driver_reaches_mm"][-1][-1] <= reach + 1e-6
+    assert not longer.judged[0].passed
 
 
 def test_rod_and_cylinder_are_plates_and_the_slot_is_as_long_as_the_stroke(lift):
-    parts = {part.name: part for part in kind("linkage").parts(lift)}
+    parts = {part.name: part for part in lift.parts}
     assert {"cylinder", "rod"} <= set(parts)
     pins = {pin.name: pin for pin in lift.stack.pins}
     assert all(pins[f"lift_guide_{k}"].slots == ("cylinder",) for k in (1, 2))

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.load import parse
-from geomkin.recipe.schema import schema
-from geomkin.recipe.template import template
+from tests.texts import parse, schema_of_all, template_of
 
 FOUR_BAR = "[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n"
 BODIES = """[linkage]
@@ -84,9 +82,9 @@ def test_what_the_linkage_has_not_is_refused_with_what_it_has(branches, known):
 
 def test_template_and_schema_tell_of_it():
     for kind in ("four-bar", "shaper", "linkage", "polygons", "centrodes"):
-        assert "# branches = {}" in template(kind)
-        parse(template(kind))
-    table = schema()["$defs"]["FourBarRecipe"]["properties"]["branches"]["additionalProperties"]
+        assert "# branches = {}" in template_of(kind)
+        parse(template_of(kind))
+    table = schema_of_all()["$defs"]["FourBarRecipe"]["properties"]["branches"]["additionalProperties"]
     sign, place = table["anyOf"]
     assert sign["enum"] == [1, -1] and place["type"] == "array" and place["maxItems"] == 2
 
@@ -113,9 +111,7 @@ def test_an_open_part_of_the_way_is_told_and_the_rest_is_judged():
     recipe = parse(
         'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n[drive]\nend_deg = 180\n'
     )
-    from geomkin.recipe.kinds import kind
-
-    checks = {check.name: check for check in kind("four-bar").checks(recipe)}
+    checks = {check.name: check for check in recipe.judged}
     reached, least = checks["share of the crank's turn reached"], checks["least transmission angle"]
     assert not reached.passed and "rocker_pin opens first, at crank 79 deg" in str(reached)
     # At 78 deg, the last frame reached: cosine rule at the rocker pin.

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.texts import parse
 
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
 
 FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = {}\ncrank = 30\ncoupler = 90\nrocker = 70\n'
 # Where crank and ground line up, the pins of coupler and rocker are this far apart at 40 deg and at 5 deg.
@@ -43,7 +42,7 @@ LIMITS = [
 
 def checks(text):
     recipe = parse(text)
-    return {check.name: check for check in kind(recipe.kind).checks(recipe)}
+    return {check.name: check for check in recipe.judged}
 
 
 @pytest.mark.parametrize(("text", "name", "edge", "limit", "worse", "unit"), LIMITS)
@@ -68,7 +67,7 @@ STRAIGHT, ARM = "translating-roller", "oscillating-roller"
 
 def table(text):
     recipe = parse(text)
-    return {column.name: np.asarray(column.values) for column in kind(recipe.kind).table(recipe).columns}
+    return {column.name: np.asarray(column.values) for column in recipe.table.columns}
 
 
 @pytest.mark.parametrize(

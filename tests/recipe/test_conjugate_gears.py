@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
+from tests.texts import parse
 
 STRAIGHT = 'kind = "straight-sided-gears"\ngear = { teeth = 40, module = 2, addendum = 0.8 }\n'
 POINTS = (
@@ -29,7 +28,7 @@ def read(name, backlash):
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_table_s_angles_bring_its_points_of_both_gears_to_its_contact(name, backlash):
     recipe = read(name, backlash)
-    table, mate = kind(recipe.kind).table(recipe), recipe.shaped
+    table, mate = recipe.table, recipe.design
     columns = {column.name: np.asarray(column.values) for column in table.columns}
 
     def place(what):
@@ -54,19 +53,19 @@ def test_the_table_s_angles_bring_its_points_of_both_gears_to_its_contact(name, 
 @pytest.mark.parametrize("name", TEXTS)
 def test_backlash_that_leaves_no_tooth_is_refused_with_a_number_that_works(name):
     with pytest.raises(gk.DesignError) as caught:
-        _ = read(name, 20).shaped
+        _ = read(name, 20).design
     assert caught.value.field == "mate.backlash"
     most = float(caught.value.remedy.split("at most ")[1])
-    mate = read(name, most).shaped
+    mate = read(name, most).design
     assert mate.tip_thickness > 0
     with pytest.raises(gk.DesignError, match="backlash"):
-        _ = read(name, most * 1.001).shaped
+        _ = read(name, most * 1.001).design
 
 
 def test_what_is_wrong_without_backlash_is_not_put_down_to_it():
     text = LANTERN + "mate = { teeth = 48, addendum = 12, backlash = 0.1 }\n"
     with pytest.raises(gk.DesignError) as caught:
-        _ = parse(text).shaped
+        _ = parse(text).design
     assert caught.value.field == "mate.addendum"
 
 
@@ -76,6 +75,6 @@ def test_pins_drawn_out_do_not_touch_a_ring_with_their_outer_sides(clearance, pa
         'kind = "lantern-gears"\n[pinion]\npins = 12\nmodule = 4\npin_diameter = 6\n[mate]\nteeth = 20\naddendum = 3\n'
     )
     recipe = parse(text + f"internal = true\nclearance = {clearance}\n")
-    check = kind("lantern-gears").checks(recipe)[0]
+    check = recipe.judged[0]
     assert check.name == "contact ratio" and check.passed == passes
     assert passes or "clearance = 0" in check.advice

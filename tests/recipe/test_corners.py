@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.recipe.dyad_list import Corner, DyadList
+from geomkin.kinds.dyad_list import Corner, DyadList
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

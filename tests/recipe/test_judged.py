@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
-from geomkin.recipe.template import template
+from tests.texts import parse, template_of
 
 
 def checks(recipe):
-    return {check.name: check for check in kind(recipe.kind).checks(recipe)}
+    return {check.name: check for check in recipe.judged}
 
 
 @pytest.mark.parametrize(("teeth", "undercut"), [(8, True), (14, True), (18, False), (40, False)])
@@ -20,8 +17,8 @@ def test_any_involute_lost_to_undercut_fails(teeth, undercut):
 
 
 def test_the_largest_forces_of_the_table_are_compared():
-    recipe = parse(template("shaking-force"))
-    table = {column.name: np.asarray(column.values) for column in kind("shaking-force").table(recipe).columns}
+    recipe = parse(template_of("shaking-force"))
+    table = {column.name: np.asarray(column.values) for column in recipe.table.columns}
     most = {name: np.abs(table[f"force_{name}"]).max() for name in ("given", "best")}
     found = checks(recipe)["largest force, given to best counterbalance"]
     assert found.value == pytest.approx(most["given"] / most["best"], rel=1e-3)
@@ -48,8 +45,8 @@ program = [{{kind = "rise", law = "cycloidal", rise = 10, end_deg = 180}}, {{kin
 
 
 def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
-    recipe = parse(template("planetary"))
-    table = {column.name: np.asarray(column.values) for column in kind("planetary").table(recipe).columns}
+    recipe = parse(template_of("planetary"))
+    table = {column.name: np.asarray(column.values) for column in recipe.table.columns}
     sun, planet, ring = (gear.teeth for gear in (recipe.gears.sun, recipe.gears.planet, recipe.gears.ring))
     carrier = table["carrier_angle"]
     assert (carrier[0], carrier[-1]) == (0, pytest.approx(360)) and (np.diff(carrier) > 0).all()

@@ -1,15 +1,15 @@
 """Recipes as text: what is read, what is refused, what templates and the schema promise."""
 
+import dataclasses
 import json
 import re
 
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS, kind
-from geomkin.recipe.load import LARGEST, load, parse
-from geomkin.recipe.schema import schema
-from geomkin.recipe.template import template
+from geomkin.kinds import KINDS
+from geomkin.recipe.load import LARGEST
+from tests.texts import parse, schema_of_all, template_of
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
 
@@ -88,7 +88,7 @@ def test_a_design_error_names_the_field_of_the_recipe():
 
 @pytest.mark.parametrize("name", KINDS)
 def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_value(name, tmp_path):
-    text = template(name)
+    text = template_of(name)
     assert parse(text).kind == name
     lines = [
         line
@@ -108,17 +108,17 @@ def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_v
 
 def test_every_key_has_a_meaning_in_the_template():
     for name in KINDS:
-        for line in template(name).splitlines():
+        for line in template_of(name).splitlines():
             if "=" in line and "kind" not in line and "= { " not in line:  # bodies have names of their own
                 assert "#" in line[2:], line
 
 
 def test_schema_covers_every_kind_and_key():
-    whole = json.dumps(schema())
+    whole = json.dumps(schema_of_all())
     for name in KINDS:
         assert f'"const": "{name}"' in whole
-        for key in kind(name).recipe.__dataclass_fields__:
-            assert f'"{key}"' in whole
+        for field in dataclasses.fields(KINDS[name]):
+            assert f'"{field.name}"' in whole
     assert '"exclusiveMinimum": 0' in whole and "additionalProperties" in whole
 
 
@@ -130,14 +130,14 @@ def test_a_recipe_is_read_to_its_last_byte_or_refused(tmp_path, size, fits):
         # In the very last byte something that cannot be.
         file.write_text(text + "." * (size - len(text) - 2) + "\n=")
     with pytest.raises(gk.RecipeError, match="not TOML|line" if fits else f"{LARGEST:,} bytes"):
-        load(file)
+        gk.load(file)
 
 
 @pytest.mark.parametrize(("key", "value"), [("body", '"a b\\n"'), ("point", '"a\\nb"'), ("base", '["A", "\\n"]')])
 def test_a_corner_s_wrong_name_is_told_by_the_corner_s_number(key, value):
     corner = {"body": '"coupler"', "point": '"pen"', "base": '["A", "B"]', "lengths": "[50, 60]"}
     good, bad = ("\n".join(f"{k} = {v}" for k, v in (corner | more).items()) for more in ({}, {key: value}))
-    text = "".join(line for line in template("linkage").splitlines(keepends=True) if not line.startswith("#"))
+    text = "".join(line for line in template_of("linkage").splitlines(keepends=True) if not line.startswith("#"))
     text = text.split("[[linkage.corners]]")[0] + f"[[linkage.corners]]\n{good}\n[[linkage.corners]]\n{bad}\n"
     with pytest.raises(gk.RecipeError, match=rf"linkage\.corners\.2\.{key}"):
         parse(text)

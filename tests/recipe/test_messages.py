@@ -3,8 +3,8 @@
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS
-from geomkin.recipe.load import parse
+from geomkin.kinds import KINDS
+from tests.texts import parse
 
 BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
 CAM = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\n'

@@ -8,8 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.csv import csv as written
-from geomkin.recipe.load import load
-from geomkin.recipe.motion_table import motion_table
+from geomkin.linkage.tables import motion_table
 from geomkin.table import Column, Table, xy_columns
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -21,14 +20,14 @@ def cells(table):
 
 
 def test_a_constant_stroke_and_a_level_table_have_no_rates_but_those_they_have():
-    found = cells(motion_table(load(RECIPES / "lift-table.toml").motion))
+    found = cells(motion_table(gk.load(RECIPES / "lift-table.toml").motion))
     assert set(found["lift_acceleration_mm_per_s2"]) == {"0.0"} == set(found["load_velocity_x_mm_per_s"])
     assert len(set(found["lift_velocity_mm_per_s"])) == 1
     assert "table_omega_rad_per_s" not in found and np.ptp([float(v) for v in found["arm_omega_rad_per_s"]]) > 0
 
 
 def test_the_coupler_of_a_parallelogram_does_not_turn():
-    found = cells(motion_table(load(RECIPES / "parallelogram.toml").motion))
+    found = cells(motion_table(gk.load(RECIPES / "parallelogram.toml").motion))
     assert not [name for name in found if name.startswith("coupler_angle")] and "rocker_angle_deg" in found
 
 

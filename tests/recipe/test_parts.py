@@ -4,20 +4,18 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
-from geomkin.recipe.template import template
+from tests.texts import parse, template_of
 
 
 def parts(text):
     recipe = parse(text)
-    return {part.name: part for part in kind(recipe.kind).parts(recipe)}
+    return {part.name: part for part in recipe.parts}
 
 
 @pytest.mark.parametrize("frame", [60, 0, 180])
 def test_no_line_of_a_polygon_is_drawn_twice(frame):
     """Of two bodies that meet in a point one vector is the other's way back."""
-    text = template("polygons").replace("# position = 60 ", f"position = {frame} ")
+    text = template_of("polygons").replace("# position = 60 ", f"position = {frame} ")
     for name in ("velocity-polygon", "acceleration-polygon"):
         ends = [mark.point(mark.breaks[[0, -1]]) for mark in parts(text)[name].marks]
         lines = {frozenset(np.round(pair, 6).tolist()) for pair in ends if abs(pair[1] - pair[0]) > 1e-9}
@@ -26,7 +24,7 @@ def test_no_line_of_a_polygon_is_drawn_twice(frame):
 
 @pytest.mark.parametrize(("share", "made"), [(0.98, False), (1.02, True)])
 def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(share, made):
-    text = template("shaking-force").replace("# bar_width = 14 ", "bar_width = 20 ")
+    text = template_of("shaking-force").replace("# bar_width = 14 ", "bar_width = 20 ")
     for heavy, light in (("crank = 0.5 ", "crank = 0.02 "), ("coupler = 0.6 ", "coupler = 0.01 "), ("0.8 ", "0.01 ")):
         text = text.replace(heavy, light)
     radius = np.ptp(gk.flatten(parts(text)["counterweight"].outline, 1e-4).real) / 2
@@ -36,10 +34,10 @@ def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(shar
 
 
 def test_the_summary_of_cognates_builds_the_linkages_that_draw_the_same_curve():
-    recipe = parse(template("cognates"))
+    recipe = parse(template_of("cognates"))
     point = recipe.linkage.coupler_point
     traced = gk.move(recipe.linkage, np.linspace(0, 2 * np.pi, 721)).point("coupler_point").position
-    for told in kind("cognates").notes(recipe)["cognates"].values():
+    for told in recipe.notes["cognates"].values():
         places = {key: complex(*told.pop(key)) for key in ("coupler_point", "origin")}
         other = gk.FourBar(**told, **places)
         ways = [gk.move(other, np.linspace(0, 2 * np.pi, 91), sign).point("coupler_point").position for sign in (1, -1)]

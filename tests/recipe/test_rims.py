@@ -3,10 +3,9 @@
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.ring_gear import ring_checks
-from geomkin.recipe.spur_gear import gear_checks
-from geomkin.shop.gears import GearStock, RingStock
-from geomkin.shop.spokes import Web
+from geomkin.judge.gear import gear_checks, ring_checks
+from geomkin.shop.gear.gears import GearStock
+from geomkin.shop.gear.spokes import Web
 
 
 def value(checks, name):
@@ -19,12 +18,12 @@ def value(checks, name):
 def test_rim_under_the_teeth_is_told_in_modules(module):
     """24 teeth and a dedendum of 1.25 modules: the roots lie at 10.75 modules, a bore of 18 leaves 1.75."""
     gear = gk.SpurGear(24, module)
-    plain = value(gear_checks(gear, GearStock(bore=18 * module)), "rim under the teeth")
+    plain = value(gear_checks(gear, GearStock(bore=18 * module).rim_under(gear)), "rim under the teeth")
     assert plain.value == pytest.approx(1.75, rel=1e-12) and plain.passed
-    thin = value(gear_checks(gear, GearStock(bore=20 * module)), "rim under the teeth")
+    thin = value(gear_checks(gear, GearStock(bore=20 * module).rim_under(gear)), "rim under the teeth")
     assert thin.value == pytest.approx(0.75, rel=1e-12) and not thin.passed
     web = Web(hub=8 * module, rim=1.5 * module, spoke_width=module)
-    spoked = value(gear_checks(gear, GearStock(bore=4 * module, web=web)), "rim under the teeth")
+    spoked = value(gear_checks(gear, GearStock(bore=4 * module, web=web).rim_under(gear)), "rim under the teeth")
     assert spoked.value == pytest.approx(1.5, rel=1e-12)
 
 
@@ -32,5 +31,5 @@ def test_rim_under_the_teeth_is_told_in_modules(module):
 def test_rim_outside_a_ring_s_teeth_is_told_in_modules(module):
     ring = gk.RingGear(60, module)
     for rim in (0.9, 1.1, 4.0):
-        check = value(ring_checks(ring, RingStock(rim=rim * module)), "rim outside the teeth")
+        check = value(ring_checks(ring, rim * module), "rim outside the teeth")
         assert check.value == pytest.approx(rim, rel=1e-12) and check.passed == (rim >= 1)

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from geomkin.recipe.kinds import KINDS
-from geomkin.recipe.schema import schema
-from geomkin.recipe.template import template
+from geomkin.kinds import KINDS
+from tests.texts import schema_of_all, template_of
 
 GALLERY = sorted((Path(__file__).parents[2] / "recipes").glob("*.toml"))
 
@@ -18,7 +17,7 @@ GALLERY = sorted((Path(__file__).parents[2] / "recipes").glob("*.toml"))
 @pytest.fixture(scope="module")
 def marks():
     """marks(recipe): place and message of everything an editor would mark."""
-    whole = schema()
+    whole = schema_of_all()
     Draft202012Validator.check_schema(whole)
     validator = Draft202012Validator(whole)
     return lambda recipe: [(tuple(e.absolute_path), e.message) for e in validator.iter_errors(recipe)]
@@ -26,7 +25,7 @@ def marks():
 
 def opened(name):
     """The template with every key that has a value, also those that stand commented out."""
-    lines = [re.sub(r"^# (?=\w+ += *[^# ])", "", line) for line in template(name).splitlines()]
+    lines = [re.sub(r"^# (?=\w+ += *[^# ])", "", line) for line in template_of(name).splitlines()]
     return tomllib.loads("\n".join(lines))
 
 
@@ -101,6 +100,6 @@ def test_an_editor_is_offered_nothing_that_toml_does_not_have(marks):
         for part in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
             yield from walk(part)
 
-    nodes = list(walk(schema()))
+    nodes = list(walk(schema_of_all()))
     assert None not in nodes and not any(isinstance(node, str) and node.endswith("0j") for node in nodes)
     assert not any(isinstance(node, dict) and "oneOf" in node for node in nodes)

@@ -6,15 +6,13 @@ import tomllib
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS, kind
-from geomkin.recipe.load import parse
-from geomkin.recipe.template import template
-from geomkin.recipe.variants import choices
+from geomkin.kinds import KINDS
+from tests.texts import choices_of, parse, template_of
 
 OFFERED = [
     (name, key, which)
     for name in KINDS
-    for key, kinds in choices(kind(name).recipe).items()
+    for key, kinds in choices_of(name).items()
     for which in kinds
 ]  # fmt: skip
 
@@ -35,7 +33,7 @@ def test_every_choice_between_tables_is_offered():
 
 @pytest.mark.parametrize(("name", "key", "which"), OFFERED)
 def test_what_is_asked_for_is_shown_and_passes_its_checks(tmp_path, name, key, which):
-    text = template(name, [f"{key}={which}" if which else key])
+    text = template_of(name, [f"{key}={which}" if which else key])
     found = at(tomllib.loads(text), key)
     assert which in [row["kind"] for row in (found if isinstance(found, list) else [found])] if which else found
     (tmp_path / "new.toml").write_text(text)
@@ -46,30 +44,30 @@ def test_what_is_asked_for_is_shown_and_passes_its_checks(tmp_path, name, key, w
 @pytest.mark.parametrize("which", ["polynomial", "spline", "table", "optimised-spline"])
 @pytest.mark.parametrize("follower", ["oscillating-roller", "oscillating-flat", "translating-flat"])
 def test_followers_and_segments_go_together(follower, which):
-    text = template("disk-cam", [f"follower={follower}", f"program={which}"])
+    text = template_of("disk-cam", [f"follower={follower}", f"program={which}"])
     recipe = parse(text)
     assert recipe.cam.follower.kind == follower and which in [s.kind for s in recipe.cam.program.segments]
 
 
 def test_a_short_name_stands_for_all_tables_of_that_name():
-    recipe = tomllib.loads(template("planetary", ["web"]))
+    recipe = tomllib.loads(template_of("planetary", ["web"]))
     assert "web" in recipe["sun_stock"] and "web" in recipe["planet_stock"]
-    only = tomllib.loads(template("planetary", ["sun_stock.web"]))
+    only = tomllib.loads(template_of("planetary", ["sun_stock.web"]))
     assert "web" in only["sun_stock"] and "web" not in only.get("planet_stock", {})
 
 
 @pytest.mark.parametrize("name", ["disk-cam", "spur-gear", "linkage"])
 def test_the_template_says_how_to_see_the_others(name):
-    text = template(name)
+    text = template_of(name)
     offers = [line.split(f"geomkin new {name} ")[1] for line in text.splitlines() if "geomkin new" in line]
-    assert len(offers) == len(choices(kind(name).recipe))
+    assert len(offers) == len(choices_of(name))
     for offer, other in itertools.product(offers, offers):
-        assert parse(template(name, {part for part in [*offer.split(), *other.split()] if part != "--with"}))
+        assert parse(template_of(name, {part for part in [*offer.split(), *other.split()] if part != "--with"}))
 
 
 def test_the_first_line_is_the_schema_s():
     for name in KINDS:
-        first, *rest = template(name).splitlines()
+        first, *rest = template_of(name).splitlines()
         assert first == "#:schema ./geomkin.schema.json"
         assert any("geomkin schema > geomkin.schema.json" in line for line in rest[:4])
 

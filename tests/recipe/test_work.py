@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage import atlas
+from geomkin.linkage.coupler import atlas
 from geomkin.recipe import settings
-from geomkin.recipe.kinds import KINDS
-from geomkin.recipe.load import parse
-from geomkin.recipe.motion_table import motion_table
-from geomkin.recipe.template import template
+from geomkin.kinds import KINDS
+from geomkin.kinds.linkages import AbstractLinkageRecipe
+from geomkin.linkage.tables import motion_table
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
+from tests.texts import parse, template_of
 
 
 def changed(text, **values):
@@ -35,7 +35,7 @@ def advised(words):
     return float(re.search(r"at least ([\d.e+-]+)", words)[1])
 
 
-DRIVEN = [name for name in KINDS if "step_deg" in template(name)]
+DRIVEN = [name for name in KINDS if "step_deg" in template_of(name)]
 
 
 def test_kinds_with_a_motion_are_looked_at():
@@ -44,7 +44,7 @@ def test_kinds_with_a_motion_are_looked_at():
 
 @pytest.mark.parametrize("name", DRIVEN)
 def test_rows_of_a_table_are_counted_before_any_is_worked_out(name):
-    text = re.sub("^# dash_deg = 5 ", "dash_deg = 90 ", template(name), flags=re.MULTILINE)
+    text = re.sub("^# dash_deg = 5 ", "dash_deg = 90 ", template_of(name), flags=re.MULTILINE)
     if "start_deg = 0 " in text.split("[drive]")[1].split("\n[")[0]:
         drive, rest = text.split("[drive]")
         text = drive + "[drive]" + changed(rest, start_deg=-3600, end_deg=3600)
@@ -57,21 +57,21 @@ def test_rows_of_a_table_are_counted_before_any_is_worked_out(name):
 
 @pytest.mark.parametrize("name", ["slider-crank", "elliptic-trammel", "linkage"])
 def test_rows_of_a_stroke_too(name):
-    text = template(name, ["stroke"])
+    text = template_of(name, ["stroke"])
     key, words = refusal(changed(text, step=1e-9))
     assert key == "stroke.step"
     parse(changed(text, step=advised(words)))
     assert refusal(changed(text, step=0.998 * advised(words)))[0] == key
 
 
-@pytest.mark.parametrize("name", [name for name in DRIVEN if KINDS[name] == "linkages"])
+@pytest.mark.parametrize("name", [name for name in DRIVEN if issubclass(KINDS[name], AbstractLinkageRecipe)])
 def test_columns_are_never_more_than_were_counted(monkeypatch, name):
     counted = []
     real = settings.Turn.check_rows
     monkeypatch.setattr(
         settings.Turn, "check_rows", lambda way, columns=1: (counted.append(columns), real(way, columns))
     )
-    recipe = parse(template(name))
+    recipe = parse(template_of(name))
     assert len(motion_table(recipe.motion).columns) <= counted[0] < 60
 
 
@@ -83,7 +83,7 @@ def test_a_wide_table_takes_fewer_rows():
     assert parse(f"{text}crank = {{ O = [0, 0], {points} }}\n[drive]\nstep_deg = {advised(words)}\n")
 
 
-ATLAS = template("four-bar-atlas")
+ATLAS = template_of("four-bar-atlas")
 
 
 @pytest.mark.parametrize(("rows", "columns", "end"), [(50, 50, 360), (50, 50, 100), (20, 20, 360), (7, 50, 3600)])
@@ -130,12 +130,12 @@ def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatc
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
-    from geomkin.cam import lift_rows
+    from geomkin.cam.program import lift_rows
 
     (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
     monkeypatch.setattr(lift_rows.csv, "reader", lambda *a: pytest.fail("taken apart"))
     (tmp_path / "r.toml").write_text(
-        template("disk-cam", ["program=table"])
+        template_of("disk-cam", ["program=table"])
         .replace("rows = [", "# rows = [")
         .replace("# file = ", 'file = "lift.csv" #')
     )
@@ -164,7 +164,9 @@ LENGTHS = [("four-bar", "crank", False), ("four-bar", "clearance", True), ("spur
 @pytest.mark.parametrize(("name", "key", "may_be_0"), LENGTHS)
 @pytest.mark.parametrize("value", ["5e-324", "1e-300", "9.9e-13"])
 def test_a_size_near_nothing_is_refused_with_the_least_there_is(name, key, may_be_0, value):
-    found, words = refusal(changed(template(name), **{key: value}).replace(f"{key} = {value}", f"{key} = {value}", 1))
+    found, words = refusal(
+        changed(template_of(name), **{key: value}).replace(f"{key} = {value}", f"{key} = {value}", 1)
+    )
     assert found.endswith(key) and f"found {float(value)!r}" in words
     assert f"give {'0 or ' if may_be_0 else ''}at least 1e-12" in words
 
@@ -180,7 +182,7 @@ def test_the_least_size_works_and_a_tenth_of_a_micrometre_does_all_it_should():
 
 
 def test_a_point_s_rounded_zero_is_zero_and_a_signed_size_may_be_one():
-    recipe = parse(template("four-bar").replace("# coupler_point = [0, 0]", "coupler_point = [6e-17, 5e-324]"))
+    recipe = parse(template_of("four-bar").replace("# coupler_point = [0, 0]", "coupler_point = [6e-17, 5e-324]"))
     assert recipe.linkage.coupler_point == 0
-    assert parse(changed(template("slider-crank"), offset="6e-17")).linkage.offset == 6e-17
+    assert parse(changed(template_of("slider-crank"), offset="6e-17")).linkage.offset == 6e-17
     assert tomllib.loads("x = 5e-324")["x"] > 0

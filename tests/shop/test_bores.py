@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
-from geomkin.recipe.template import template
 from geomkin.shop.bore import bore
-from geomkin.shop.cams import CamStock
-from geomkin.shop.gears import GearStock, gear_parts
+from geomkin.shop.cam.cams import CamStock
+from geomkin.shop.gear.gears import GearStock, gear_parts
 from geomkin.shop.keyway import keyed_bore
+from tests.texts import parse, template_of
 
 PLAY = 0.4
 KINDS = [
@@ -41,14 +39,14 @@ def round_holes(recipe, clearance):
     assert tables
     recipe = dataclasses.replace(recipe, **tables)
     return {
-        part.name: [2 * hole.radius for hole in part.holes if isinstance(hole, gk.Circle)]
-        for part in kind(recipe.kind).parts(recipe)
+        part.name: [2 * hole.radius for hole in part.holes if isinstance(hole, gk.plane.Circle)]
+        for part in recipe.parts
     }
 
 
 @pytest.mark.parametrize("name", KINDS + GALLERY)
 def test_every_hole_for_a_shaft_or_pin_takes_the_clearance(name):
-    recipe = parse(template(name)) if name in KINDS else gk.load(f"recipes/{name}.toml")
+    recipe = parse(template_of(name)) if name in KINDS else gk.load(f"recipes/{name}.toml")
     tight, wide = (round_holes(recipe, clearance) for clearance in (0.0, PLAY))
     assert any(tight.values()) and set(tight) == set(wide)
     for part in tight:
@@ -87,8 +85,8 @@ def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
 
 
 def test_all_stock_tables_mean_the_same_by_clearance():
-    from geomkin.shop.conjugates import LanternStock, PairStock
-    from geomkin.shop.stock import LinkStock
+    from geomkin.shop.gear.conjugates import LanternStock, PairStock
+    from geomkin.shop.linkage.stock import LinkStock
 
     words = {
         field.metadata["description"]

@@ -7,12 +7,12 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.cam.flat import OscillatingFlat, TranslatingFlat
+from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.limits import contact_travel
-from geomkin.cam.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
 from geomkin.cam.undercut import undercut
 from geomkin.export.cut import cut
-from geomkin.shop.cams import CamStock, cam_parts
+from geomkin.shop.cam.cams import CamStock, cam_parts
 from tests.cam.cams import CAMS, LIFTS, SWINGS, UNDERCUT
 
 EVERYTHING = CamStock(bore=12, keyway_width=4, keyway_depth=1.8, timing_mark=True, bar_width=10, pivot_bore=5)
@@ -31,12 +31,12 @@ def parts_of(cam, stock=EVERYTHING):
 
 
 def polygon(curve):
-    return shapely.Polygon(gk.xy(gk.flatten(curve, 1e-4)))
+    return shapely.Polygon(gk.plane.xy(gk.flatten(curve, 1e-4)))
 
 
 def moved(shape, pose):
     z = pose.place(shapely.get_coordinates(shape.exterior).view(complex)[:, 0])
-    return shapely.Polygon(gk.xy(z))
+    return shapely.Polygon(gk.plane.xy(z))
 
 
 @each_cam
@@ -76,11 +76,11 @@ def test_the_plates_in_the_cams_plane_touch_it_and_no_more(cam):
         # The boss round the pivot stays clear of it too.
         assert np.abs(shapely.get_coordinates(plate.exterior).view(complex)).max() < cam.follower.pivot_distance - 5
     for angle in np.radians(np.arange(3, 360, 13)):
-        turned = moved(plate, gk.Pose(0, np.exp(1j * cam.sense * angle)))
+        turned = moved(plate, gk.plane.Pose(0, np.exp(1j * cam.sense * angle)))
         lift = cam.program.motion(angle).lift - lost(angle)
         pose = cam.follower.place(lift, cam.base_radius)
         if rider.name == "roller" and isinstance(cam.follower, OscillatingRoller):
-            pose = gk.Pose(pose.place(cam.follower.arm_length))
+            pose = gk.plane.Pose(pose.place(cam.follower.arm_length))
         there = moved(shape, pose)
         assert turned.intersection(there).area < 1e-3
         assert turned.distance(there) < 1e-3
@@ -108,7 +108,7 @@ def test_the_keyed_bore_is_a_circle_and_a_slot(cam):
     towards = cam.profile.point(0.0) / abs(cam.profile.point(0.0))
     slot = shapely.box(0, -2, 6 + 1.8, 2)
     expected = shapely.union(shapely.Point(0, 0).buffer(6, quad_segs=4000), slot)
-    expected = moved(expected, gk.Pose(0, complex(towards)))
+    expected = moved(expected, gk.plane.Pose(0, complex(towards)))
     assert polygon(hole).symmetric_difference(expected).area < 0.01
     assert polygon(part.outline).contains(polygon(hole))
 
@@ -202,7 +202,7 @@ def test_a_stem_stands_on_a_face_that_the_cam_hardly_uses():
         plate = polygon(parts_of(cam, replace(EVERYTHING, overhang=0))["follower"].outline)
         assert plate.is_valid and plate.area > 10 * 10
         stem = 1j * np.exp(-1j * np.radians(tilt)) * np.array([10 / np.cos(np.radians(tilt)), 44])
-        assert plate.contains(shapely.LineString(gk.xy(stem)))
+        assert plate.contains(shapely.LineString(gk.plane.xy(stem)))
         assert shapely.box(*plate.bounds).area > plate.area
 
 

@@ -6,22 +6,20 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import kind
-from geomkin.recipe.load import parse
-from geomkin.recipe.template import template
 from geomkin.shop.drawing import HEAD, PlateStock, arrow, skeleton
+from tests.texts import parse, template_of
 
 
 def test_circles_are_drawn_where_pins_are_and_nowhere_else():
     motion = gk.move(gk.FourBar(100, 30, 90, 70, 40 + 25j), [0.7])
     marks = skeleton(motion, 0, PlateStock(pin_diameter=4))
-    circles = [mark for mark in marks if isinstance(mark, gk.Circle)]
+    circles = [mark for mark in marks if isinstance(mark, gk.plane.Circle)]
     pins = [0, 30 * np.exp(0.7j), motion.point("rocker_pin").position[0], 100]
     assert {circle.radius for circle in circles} == {2}
     away = np.abs(np.array([circle.centre for circle in circles])[:, None] - pins)
     assert len(circles) == 4 and away.min(axis=0) == pytest.approx(np.zeros(4), abs=1e-12)
     # Lines end at the circles of the pins, and run to the coupler point.
-    lines = [mark for mark in marks if isinstance(mark, gk.Segment)]
+    lines = [mark for mark in marks if isinstance(mark, gk.plane.Segment)]
     ends = np.concatenate([line.point(np.array([0.0, 1.0])) for line in lines])
     away = np.abs(ends[:, None] - np.array([*pins, motion.point("coupler_point").position[0]])).min(axis=1)
     assert len(lines) == 5 and away == pytest.approx(np.full(10, 2))
@@ -29,17 +27,21 @@ def test_circles_are_drawn_where_pins_are_and_nowhere_else():
 
 def test_the_centre_of_curvature_is_a_dot_with_a_line_to_the_point():
     """Found by the circle through three neighbouring points of the path."""
-    recipe = parse(template("inflection-circle"))
+    recipe = parse(template_of("inflection-circle"))
     recipe = replace(recipe, linkage=replace(recipe.linkage, coupler_point=40 + 25j))
-    (part,) = kind("inflection-circle").parts(recipe)
+    (part,) = recipe.parts
     here = recipe.position.drive[0]
     a, b, c = gk.move(recipe.linkage, here + np.array([-1e-3, 0, 1e-3]), recipe.branch).point("coupler_point").position
     one, two = a - b, c - b
     away = one * two * np.conj(one - two) / (np.conj(one) * two - one * np.conj(two))
     centre, dot = b + away, recipe.stock.pin_diameter / 4
-    near = [mark for mark in part.marks if isinstance(mark, gk.Circle) and abs(mark.centre - centre) < 1e-3 * abs(away)]
+    near = [
+        mark
+        for mark in part.marks
+        if isinstance(mark, gk.plane.Circle) and abs(mark.centre - centre) < 1e-3 * abs(away)
+    ]
     assert [mark.radius for mark in near] == [dot]
-    ends = [mark.point(np.array([0.0, 1.0])) for mark in part.marks if isinstance(mark, gk.Segment)]
+    ends = [mark.point(np.array([0.0, 1.0])) for mark in part.marks if isinstance(mark, gk.plane.Segment)]
     assert any(abs(e[0] - centre) < 1e-3 * abs(away) and abs(e[1] - b) < 1e-9 for e in ends)
 
 

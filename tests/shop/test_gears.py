@@ -8,8 +8,8 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.plane import region
-from geomkin.shop.gears import GearStock, RingStock, base_plate, carrier, gear_parts, ring_part
-from geomkin.shop.spokes import Web, openings
+from geomkin.shop.gear.gears import GearStock, RingStock, base_plate, carrier, gear_parts, ring_part
+from geomkin.shop.gear.spokes import Web, openings
 
 
 def polygon(curve):
@@ -67,7 +67,7 @@ def test_a_ring_is_its_rim_about_its_teeth():
 def test_shafts_stand_at_the_centre_distance():
     part = base_plate("base", [0j, 56.5 + 0j], [8, 10], 10, 6)
     assert abs(part.holes[1].centre - part.holes[0].centre) == 56.5
-    gears = gk.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8), 4)
+    gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8), 4)
     plate = carrier(gears, (8, 6), 6, 5)
     centres = np.array([h.centre for h in plate.holes])
     assert np.abs(centres[1:]) == pytest.approx(42) and centres[0] == 0

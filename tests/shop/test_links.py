@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.shop.assembly import assemble
-from geomkin.shop.links import link_parts
-from geomkin.shop.stock import LinkStock
+from geomkin.shop.linkage.assembly import assemble
+from geomkin.shop.linkage.links import link_parts
+from geomkin.shop.linkage.stock import LinkStock
 
 from .mechanisms import (
     BUILDABLE,
@@ -29,7 +29,7 @@ def parts_of(linkage, branch=1, drive=TURN, stock=STOCK):
 
 
 def polygon(curve):
-    return shapely.Polygon(gk.xy(gk.flatten(curve, 1e-4)))
+    return shapely.Polygon(gk.plane.xy(gk.flatten(curve, 1e-4)))
 
 
 def extents(hole):
@@ -79,8 +79,8 @@ def test_blocks_are_pins_and_other_sliding_bodies_are_plates_with_guide_pins(lin
     parts = link_parts(gk.move(linkage, TURN + 0.01, branch), LinkStock(bar_width=6))
     found = {
         part.name: (
-            sum(isinstance(hole, gk.Circle) for hole in part.holes),
-            sum(not isinstance(hole, gk.Circle) for hole in part.holes),
+            sum(isinstance(hole, gk.plane.Circle) for hole in part.holes),
+            sum(not isinstance(hole, gk.plane.Circle) for hole in part.holes),
         )
         for part in parts
     }
@@ -116,7 +116,7 @@ def test_a_crosshead_slot_is_as_long_as_the_stroke(offset):
     a, b = 30.0, 90.0
     out, back = np.sqrt((b + a) ** 2 - offset**2), np.sqrt((b - a) ** 2 - offset**2)
     ground = parts_of(gk.SliderCrank(a, b, offset=offset))["ground"]
-    (hole,) = [hole for hole in ground.holes if not isinstance(hole, gk.Circle)]
+    (hole,) = [hole for hole in ground.holes if not isinstance(hole, gk.plane.Circle)]
     x0, y0, x1, y1 = polygon(hole).bounds
     assert -1e-9 < x1 - (out + 2.1) < 0.01 and -1e-9 < (back - 2.1) - x0 < 0.01
     assert (y0 + y1) / 2 == pytest.approx(offset) and y1 - y0 == pytest.approx(4.2, abs=1e-3)
@@ -138,8 +138,8 @@ def test_every_pin_stays_in_its_slot_between_the_frames_too(name, step_deg):
             seen = fine.bodies[found.plates[plate].body]
             here = (world - seen.origin.position) * np.conj(seen.direction)
             ends = found.plates[plate].openings[pin.name]
-            middle = shapely.LineString(gk.xy(np.array(ends * (3 - len(ends)))))
-            off = shapely.distance(middle, shapely.points(gk.xy(here)))
+            middle = shapely.LineString(gk.plane.xy(np.array(ends * (3 - len(ends)))))
+            off = shapely.distance(middle, shapely.points(gk.plane.xy(here)))
             assert off.max() < 1e-3, (pin.name, plate)
             runs.setdefault((plate, ends), []).append(here)
     for (_, ends), paths in runs.items():

@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.shop.assembly import assemble
-from geomkin.shop.bridge import pile_places
-from geomkin.shop.contact import Contacts
-from geomkin.shop.links import link_parts
-from geomkin.shop.order import Passing, order
-from geomkin.shop.stack import stack_links
-from geomkin.shop.stock import LinkStock
-from geomkin.shop.sweep import Sweep, separation
+from geomkin.shop.linkage.assembly import assemble
+from geomkin.shop.linkage.bridge import pile_places
+from geomkin.shop.linkage.contact import Contacts
+from geomkin.shop.linkage.links import link_parts
+from geomkin.shop.linkage.order import Passing, order
+from geomkin.shop.linkage.stack import stack_links
+from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.linkage.sweep import Sweep, separation
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 
@@ -37,14 +37,14 @@ class Model:
 
     @staticmethod
     def solid(part):
-        loops = [gk.xy(gk.flatten(curve, 0.01)) for curve in (part.outline, *part.holes)]
+        loops = [gk.plane.xy(gk.flatten(curve, 0.01)) for curve in (part.outline, *part.holes)]
         return shapely.Polygon(loops[0], loops[1:])
 
     def placed(self, body, shape):
         body = self.motion.bodies[body]
 
         def at(origin, direction):
-            return shapely.transform(shape, lambda p: gk.xy(origin + direction * (p[:, 0] + 1j * p[:, 1])))
+            return shapely.transform(shape, lambda p: gk.plane.xy(origin + direction * (p[:, 0] + 1j * p[:, 1])))
 
         return np.array([at(*pose) for pose in zip(body.origin.position, body.direction)])
 
@@ -56,7 +56,7 @@ class Model:
             ground = self.motion.linkage.ground
             place = self.stack.plates[ground].openings[name][0]
             z = self.motion.bodies[ground].point(place).position + np.zeros(len(self.motion.drive))
-        return shapely.buffer(shapely.points(gk.xy(z)), radius, quad_segs=32)
+        return shapely.buffer(shapely.points(gk.plane.xy(z)), radius, quad_segs=32)
 
     def troubles(self, layers=None):
         """Every pair that overlaps, with the frames at which it does."""
@@ -212,7 +212,9 @@ def test_nothing_slips_through_between_frames(step_deg):
     drive = np.radians(np.arange(step_deg / 2, 360 + step_deg, step_deg))
     linkage = gk.FourBar(100, 130, 150, 140)
     motion = gk.move(linkage, drive)
-    crank = shapely.linestrings(np.stack([gk.xy(0 * motion.drive + 0j), gk.xy(130 * np.exp(1j * drive))], axis=1))
+    crank = shapely.linestrings(
+        np.stack([gk.plane.xy(0 * motion.drive + 0j), gk.plane.xy(130 * np.exp(1j * drive))], axis=1)
+    )
     assert shapely.distance(crank, shapely.Point(100, 0)).min() > 0.45
     runs = Contacts(motion, thin, assemble(motion, thin)).pin_and_plate["rocker_pivot", "crank"]
     assert any(np.isclose(np.degrees(b), 360 + step_deg / 2) for _, b in runs)
@@ -234,8 +236,8 @@ def test_the_gap_between_frames_is_never_told_larger_than_it_is(step_deg):
             return (world - here[0].origin.position[:, None]) * np.conj(here[0].direction[:, None])
 
         told = Sweep(coarse.drive, seen(coarse)).gap(a.centres)[:-1]
-        hull = shapely.MultiPoint(gk.xy(a.centres)).convex_hull
-        hulls = [shapely.MultiPoint(gk.xy(z)).convex_hull for z in seen(fine)]
+        hull = shapely.MultiPoint(gk.plane.xy(a.centres)).convex_hull
+        hulls = [shapely.MultiPoint(gk.plane.xy(z)).convex_hull for z in seen(fine)]
         true = shapely.distance(hull, hulls).reshape(len(told), -1).min(axis=1)
         assert np.all(np.maximum(told, 0) <= true + 1e-9)
         # Nor much smaller, or plates would be kept apart that need not be: a bar that turns about its middle

@@ -8,12 +8,12 @@ from geomkin.build import check_recipe
 from geomkin.plane import region
 from geomkin.plane.pose import Pose
 from geomkin.shop.keyway import keyed_bore
-from geomkin.shop.spokes import Web, openings
-from geomkin.shop.walls import least_wall, thinnest_wall, wall_checks
+from geomkin.shop.gear.spokes import Web, openings
+from geomkin.walls import least_wall, thinnest_wall, wall_checks
 
 LIMIT = 1.5
-PLATE = gk.Polyline(np.array([0, 100, 100 + 60j, 60j]))
-HULL = gk.rounded_hull([0, 90, 40 + 45j], 12)
+PLATE = gk.plane.Polyline(np.array([0, 100, 100 + 60j, 60j]))
+HULL = gk.plane.rounded_hull([0, 90, 40 + 45j], 12)
 
 
 def part(outline, *holes, thickness=3.0):
@@ -30,24 +30,27 @@ def sampled(curves):
 
 # Made when asked for: a fault in one of them is that case's.
 CASES = {
-    "hole near the middle of a long edge": lambda: (PLATE, gk.Circle(50 + 3.2j, 3)),
-    "hole in a corner arc": lambda: (HULL, gk.Circle(95 - 4j, 4)),
-    "two holes": lambda: (PLATE, gk.Circle(30 + 30j, 8), gk.Circle(45 + 31j, 6)),
-    "three holes of which the far two are nearest": lambda: (PLATE, *(gk.Circle(z + 30j, 4) for z in (20, 60, 69))),
-    "round plate": lambda: (gk.Circle(1j, 30), gk.Circle(11 + 3j, 15)),
-    "slot to edge": lambda: (HULL, gk.slot(10, 70 - 5j, 3)),
-    "slot to slot": lambda: (PLATE, gk.slot(20 + 20j, 60 + 25j, 4), gk.slot(30 + 40j, 80 + 33j, 3)),
-    "slot in a circle": lambda: (gk.Circle(0, 20), gk.slot(-12, 12 + 3j, 4)),
-    "gear and bore": lambda: (gk.SpurGear(17, 2).outline, gk.Circle(0, 12)),
+    "hole near the middle of a long edge": lambda: (PLATE, gk.plane.Circle(50 + 3.2j, 3)),
+    "hole in a corner arc": lambda: (HULL, gk.plane.Circle(95 - 4j, 4)),
+    "two holes": lambda: (PLATE, gk.plane.Circle(30 + 30j, 8), gk.plane.Circle(45 + 31j, 6)),
+    "three holes of which the far two are nearest": lambda: (
+        PLATE,
+        *(gk.plane.Circle(z + 30j, 4) for z in (20, 60, 69)),
+    ),
+    "round plate": lambda: (gk.plane.Circle(1j, 30), gk.plane.Circle(11 + 3j, 15)),
+    "slot to edge": lambda: (HULL, gk.plane.slot(10, 70 - 5j, 3)),
+    "slot to slot": lambda: (PLATE, gk.plane.slot(20 + 20j, 60 + 25j, 4), gk.plane.slot(30 + 40j, 80 + 33j, 3)),
+    "slot in a circle": lambda: (gk.plane.Circle(0, 20), gk.plane.slot(-12, 12 + 3j, 4)),
+    "gear and bore": lambda: (gk.SpurGear(17, 2).outline, gk.plane.Circle(0, 12)),
     "gear and keyed bore": lambda: (gk.SpurGear(17, 2).outline, *keyed_bore(20, 0, 6, 2, 1j, 60, "stock")),
     "gear with spokes": lambda: (
         gk.SpurGear(20, 4).outline,
-        gk.Circle(0, 6),
+        gk.plane.Circle(0, 6),
         *openings(Web(20, 3, count=3), 6, 35, "web"),
     ),
     "gear with holes": lambda: (gk.SpurGear(20, 4).outline, *openings(Web(40, 3, "holes", 4), 6, 35, "web")),
-    "ring": lambda: (gk.Circle(0, 45), gk.Reversed(gk.SpurGear(20, 4).outline)),
-    "cam": lambda: (gk.load("recipes/roller-cam.toml").cam.profile, gk.Circle(20, 15)),
+    "ring": lambda: (gk.plane.Circle(0, 45), gk.plane.Reversed(gk.SpurGear(20, 4).outline)),
+    "cam": lambda: (gk.load("recipes/roller-cam.toml").cam.profile, gk.plane.Circle(20, 15)),
 }
 
 
@@ -64,8 +67,8 @@ def test_thinnest_wall_is_the_least_distance_of_the_exact_curves(name):
 @pytest.mark.parametrize("turn", [0.0, 1.0])
 def test_walls_grow_with_the_part_and_turn_with_it(scale, turn):
     pose = Pose(scale * (300 - 20j), np.exp(1j * turn))
-    outline = gk.Moved(gk.rounded_hull(scale * np.array([0, 90, 40 + 45j]), 12 * scale), pose)
-    hole = gk.Moved(gk.slot(10 * scale, (70 - 8j) * scale, 3 * scale), pose)
+    outline = gk.plane.Moved(gk.plane.rounded_hull(scale * np.array([0, 90, 40 + 45j]), 12 * scale), pose)
+    hole = gk.plane.Moved(gk.plane.slot(10 * scale, (70 - 8j) * scale, 3 * scale), pose)
     # Sides of the slot's far end to the lower edge.
     assert thinnest_wall(part(outline, hole), LIMIT * scale) == pytest.approx(scale, rel=1e-3)
 
@@ -74,13 +77,13 @@ def hourglass(neck, radius=10.0):
     """Two blocks joined by a waist between two arcs of a radius that bulge inwards."""
     side, high = 20.0, neck / 2 + radius
     z = np.array([-radius - side - 1j * high, -radius - 1j * high, radius - 1j * high, radius + side - 1j * high])
-    return gk.Polyline(np.concatenate([z, -z]), np.array([0, -1, 0, 0, 0, -1, 0, 0.0]))
+    return gk.plane.Polyline(np.concatenate([z, -z]), np.array([0, -1, 0, 0, 0, -1, 0, 0.0]))
 
 
 @pytest.mark.parametrize("neck", [0.4, 1.0, 2.9])
 @pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
 def test_neck_of_an_outline(neck, turn):
-    turned = gk.Moved(hourglass(neck), Pose(5 - 3j, np.exp(1j * turn)))
+    turned = gk.plane.Moved(hourglass(neck), Pose(5 - 3j, np.exp(1j * turn)))
     assert thinnest_wall(part(turned), LIMIT) == pytest.approx(neck, abs=5e-4)
 
 
@@ -90,17 +93,17 @@ def test_a_neck_wider_than_two_limits_is_not_told():
 
 def test_a_bar_with_parallel_sides_is_a_wall_and_a_tapered_one_is_none():
     bar = np.array([0, 50, 50 + 1j, 1j])
-    assert thinnest_wall(part(gk.Polyline(bar)), LIMIT) == 1.0
-    assert thinnest_wall(part(gk.Polyline(np.array([0, 50, 50 + 1j, 8j]))), LIMIT) == np.inf
-    tine = gk.Polyline(np.array([0, 40, 40 + 20j, 20 + 20j, 20 + 60j, 19.2 + 60j, 19.2 + 20j, 20j]))
+    assert thinnest_wall(part(gk.plane.Polyline(bar)), LIMIT) == 1.0
+    assert thinnest_wall(part(gk.plane.Polyline(np.array([0, 50, 50 + 1j, 8j]))), LIMIT) == np.inf
+    tine = gk.plane.Polyline(np.array([0, 40, 40 + 20j, 20 + 20j, 20 + 60j, 19.2 + 60j, 19.2 + 20j, 20j]))
     assert thinnest_wall(part(tine), LIMIT) == pytest.approx(0.8, abs=5e-4)
 
 
 def test_the_way_between_two_prongs_is_air():
     """0.5 mm across the gap of a fork, and 0.5 mm through a slot, are no material."""
-    fork = gk.Polyline(np.array([0, 40, 40 + 40j, 20.5 + 40j, 20.5 + 10j, 20 + 10j, 20 + 40j, 40j]))
+    fork = gk.plane.Polyline(np.array([0, 40, 40 + 40j, 20.5 + 40j, 20.5 + 10j, 20 + 10j, 20 + 40j, 40j]))
     assert thinnest_wall(part(fork), LIMIT) == np.inf
-    assert thinnest_wall(part(PLATE, gk.slot(30 + 30j, 60 + 30j, 0.25)), LIMIT) == pytest.approx(29.75, abs=1e-3)
+    assert thinnest_wall(part(PLATE, gk.plane.slot(30 + 30j, 60 + 30j, 0.25)), LIMIT) == pytest.approx(29.75, abs=1e-3)
 
 
 def test_a_tongue_within_one_opening_is_a_neck():
@@ -108,12 +111,12 @@ def test_a_tongue_within_one_opening_is_a_neck():
     outer, inner, gap = 20.0, 14.0, 0.35
     a, b = (np.sqrt(r**2 - gap**2) + 1j * gap for r in (outer, inner))
     turn = [2 * np.pi - 2 * np.angle(a), 2 * np.pi - 2 * np.angle(b)]
-    opening = gk.Polyline(
+    opening = gk.plane.Polyline(
         np.array([a, -a.conjugate(), -a, a.conjugate(), b.conjugate(), -b, -b.conjugate(), b]),
         np.tan(np.array([np.pi - 2 * np.angle(a), 2 * np.angle(a), np.pi - 2 * np.angle(a), 0] * 2) / 4)
         * np.array([1, 1, 1, 0, -1, -1, -1, 0]),
     )
-    assert turn[0] > 6 and thinnest_wall(part(gk.Circle(0, 30), opening), LIMIT) == pytest.approx(0.7, abs=5e-4)
+    assert turn[0] > 6 and thinnest_wall(part(gk.plane.Circle(0, 30), opening), LIMIT) == pytest.approx(0.7, abs=5e-4)
 
 
 def test_waist_of_an_undercut_tooth():
@@ -128,7 +131,7 @@ def test_waist_of_an_undercut_tooth():
 
 def test_limit_is_half_the_thickness_or_two_kerfs():
     assert (least_wall(3.0, 0.0), least_wall(3.0, 0.2), least_wall(3.0, 1.0)) == (1.5, 1.5, 2.0)
-    plate = part(PLATE, gk.Circle(50 + 4.5j, 3))
+    plate = part(PLATE, gk.plane.Circle(50 + 4.5j, 3))
     (check,) = wall_checks([plate], 0.0)
     assert check.passed and check.value == check.limit == 1.5 and "plate" in check.name
     (check,) = wall_checks([plate], 0.8)
@@ -136,7 +139,7 @@ def test_limit_is_half_the_thickness_or_two_kerfs():
 
 
 def test_a_part_without_walls_has_no_check():
-    assert wall_checks([part(PLATE), part(gk.Circle(0, 5))], 0.0) == ()
+    assert wall_checks([part(PLATE), part(gk.plane.Circle(0, 5))], 0.0) == ()
 
 
 YOKE = """
@@ -189,8 +192,8 @@ def test_a_hundred_thousand_points_are_thinned_to_what_their_form_asks_for(monke
     seen = []
     monkeypatch.setattr(region, "neck", lambda loops, *rest: seen.append(sum(map(len, loops))) or np.inf)
     t = np.linspace(0, 2 * np.pi, 100_000, endpoint=False)
-    wavy = gk.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
-    assert thinnest_wall(part(wavy, gk.Circle(0, 48)), LIMIT) == pytest.approx(1.0, abs=2e-3)
+    wavy = gk.plane.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
+    assert thinnest_wall(part(wavy, gk.plane.Circle(0, 48)), LIMIT) == pytest.approx(1.0, abs=2e-3)
     assert seen[0] < 20_000
 
 
@@ -198,5 +201,5 @@ def test_a_wheel_of_thousands_of_teeth_is_searched_one_tooth_long(monkeypatch):
     seen = []
     monkeypatch.setattr(region, "neck", lambda loops, tried, within: seen.append(list(tried)) or np.inf)
     gear = gk.SpurGear(3000, 2)
-    assert thinnest_wall(part(gear.outline, gk.Circle(0, 2990)), LIMIT) == pytest.approx(7.5, abs=0.01)
+    assert thinnest_wall(part(gear.outline, gk.plane.Circle(0, 2990)), LIMIT) == pytest.approx(7.5, abs=0.01)
     assert seen[0][0] < 200 and seen[0][1] == 0

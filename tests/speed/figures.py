@@ -94,7 +94,7 @@ def files():
 
     n = 100_000
     t = np.linspace(0, 2 * np.pi, n, endpoint=False)
-    part = gk.Part("wavy", gk.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t)), (gk.Circle(0, 5),), 3.0)
+    part = gk.Part("wavy", gk.plane.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t)), (gk.plane.Circle(0, 5),), 3.0)
     made = cut(part, 0.005)
     sheet = lay_out([made])
     cost = best_ms(lambda: dxf(sheet), 3)
@@ -138,11 +138,11 @@ def gears():
     print("mates by the law of gearing, warm, ms")
     for name in ("straight-sided-external", "straight-sided-ring", "point-tooth", "lantern"):
         if (path := ROOT / "recipes" / f"{name}.toml").exists():
-            print(f"  {name:<26}{best_ms(lambda path=path: gk.load(path).shaped, 3):6.0f}")
+            print(f"  {name:<26}{best_ms(lambda path=path: gk.load(path).design, 3):6.0f}")
 
 
 def cams():
-    from geomkin.cam.optimise import optimal_polynomial, optimal_spline
+    from geomkin.cam.program.optimise import optimal_polynomial, optimal_spline
 
     angles = np.linspace(0, 2 * np.pi, 720)
     print("cams, warm, us: profile, pressure angle and curvature at 720 angles")
@@ -150,7 +150,7 @@ def cams():
         cam = gk.load(ROOT / "recipes" / f"{name}.toml").cam
 
         def everything(cam=cam):
-            return cam.profile.point(angles), gk.pressure_angle(cam, angles), gk.convexity(cam.profile, angles)
+            return cam.profile.point(angles), gk.pressure_angle(cam, angles), gk.plane.convexity(cam.profile, angles)
 
         print(f"  {name:<18}{1000 * best_ms(everything, 30):6.0f}")
     print("least peak acceleration of a rise of 2 in 90 deg: ms, peak per rad2, gap to the proven bound")

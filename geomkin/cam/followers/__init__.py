@@ -1,0 +1,1 @@
+"""What rides on a cam, one file each."""

@@ -1,0 +1,1 @@
+"""What a follower is to do: laws, segments, and the programme that joins them."""

@@ -1,0 +1,196 @@
+"""Laws of motion from 0 to 1 over 0 <= x <= 1, each with its derivatives to the third.
+
+Every law returns (4, ...): f, f', f'', f''' by x. Scaled to a rise h over an angle beta, the k-th
+derivative by angle is h f^(k) / beta^k. A law whose derivatives jump inside carries an attribute
+`breaks`: x from 0 to 1, the jumps between; at a jump it answers for the piece that starts there.
+The peaks in the docstrings are those of f', f'' and f'''.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from ...errors import DesignError, shown
+from ...plane.vec import Array
+
+Law = Callable[[Array], Array]
+LawName = Literal[
+    "uniform",
+    "parabolic",
+    "harmonic",
+    "cycloidal",
+    "modified-trapezoid",
+    "modified-sine",
+    "3-4-5",
+    "4-5-6-7",
+]
+
+
+def uniform(x: Array) -> Array:
+    """f = x: constant velocity. Beside a dwell the acceleration is infinite. Peaks 1, 0, 0."""
+    return np.stack([x, np.ones_like(x), np.zeros_like(x), np.zeros_like(x)])
+
+
+def cycloidal(x: Array) -> Array:
+    """f = x - sin(2 pi x) / 2 pi: no acceleration at either end. Peaks 2, 2 pi, 4 pi^2."""
+    turn = 2 * np.pi * x
+    return np.stack(
+        [x - np.sin(turn) / (2 * np.pi), 1 - np.cos(turn), 2 * np.pi * np.sin(turn), 4 * np.pi**2 * np.cos(turn)]
+    )
+
+
+def harmonic(x: Array) -> Array:
+    """f = (1 - cos(pi x)) / 2: acceleration jumps against a dwell. Peaks pi / 2, pi^2 / 2, pi^3 / 2."""
+    turn = np.pi * x
+    return 0.5 * np.stack([1 - np.cos(turn), np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
+
+
+def _polynomial(coefficients: list[float]) -> Law:
+    f = Polynomial(coefficients)
+    # Rows: the polynomial and its derivatives; columns: powers from the highest, as Horner takes them.
+    rows = [np.pad(f.deriv(k).coef if k else f.coef, (0, k))[::-1] for k in range(4)]
+
+    def law(x: Array) -> Array:
+        value = np.zeros((4, *np.shape(x)))
+        for column in np.array(rows).T:
+            value = value * x + column.reshape(4, *[1] * np.ndim(x))
+        return value
+
+    return law
+
+
+# Peaks 15/8, 10/sqrt(3), 60: continuous acceleration.
+polynomial_345 = _polynomial([0, 0, 0, 10, -15, 6])
+# Peaks 35/16, 84 sqrt(5)/25, 52.5: continuous jerk.
+polynomial_4567 = _polynomial([0, 0, 0, 0, 35, -84, 70, -20])
+
+
+@dataclass(frozen=True, eq=False)
+class Waves:
+    """A law in pieces, each f = c0 + c1 u + c2 u^2 / 2 + p sin(w u + q) with u = x - start of the piece.
+
+    breaks (n + 1,); coefficients (6, n): c0, c1, c2, p, w, q.
+    """
+
+    breaks: Array
+    coefficients: Array
+
+    def __call__(self, x: Array) -> Array:
+        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
+        u = x - self.breaks[piece]
+        c0, c1, c2, p, w, q = self.coefficients[:, piece]
+        sine, cosine = p * np.sin(w * u + q), p * np.cos(w * u + q)
+        return np.stack(
+            [c0 + u * (c1 + u * c2 / 2) + sine, c1 + u * c2 + w * cosine, c2 - w**2 * sine, -(w**3) * cosine]
+        )
+
+
+def sine_constant_cosine(ramp: float, constant: float, swing: float) -> Waves:
+    """Law whose acceleration is a quarter sine, a constant, half a cosine, a constant and a quarter sine.
+
+    ramp, constant and swing are the shares of the whole that the two sines, the two constants and
+    the cosine take; they add up to 1. Shares (1/4, 1/2, 1/4) are the modified trapezoid,
+    (1/4, 0, 3/4) the modified sine, (0, 1, 0) the parabolic law.
+    """
+    # Width, constant part, amplitude, frequency and phase of the acceleration in each piece.
+    quarter, half = np.pi / (ramp or 1), np.pi / (swing or 1)
+    pieces = [
+        (ramp / 2, 0, 1, quarter, 0),
+        (constant / 2, 1, 0, 1, 0),
+        (swing, 0, 1, half, np.pi / 2),
+        (constant / 2, -1, 0, 1, 0),
+        (ramp / 2, 0, 1, quarter, -np.pi / 2),
+    ]
+    breaks, rows, f, slope = [0.0], [], 0.0, 0.0
+    for width, c2, amplitude, w, q in pieces:
+        if width == 0:
+            continue
+        p = -amplitude / w**2
+        rows.append([f - p * np.sin(q), slope - p * w * np.cos(q), c2, p, w, q])
+        c0, c1 = rows[-1][:2]
+        f = c0 + width * (c1 + width * c2 / 2) + p * np.sin(w * width + q)
+        slope = c1 + width * c2 + p * w * np.cos(w * width + q)
+        breaks.append(breaks[-1] + width)
+    coefficients = np.array(rows).T
+    coefficients[:4] /= f  # the acceleration was taken of height 1; the lift must end at 1
+    return Waves(np.array([*breaks[:-1], 1.0]), coefficients)
+
+
+# Peaks 2, 4, infinite.
+parabolic = sine_constant_cosine(0, 1, 0)
+# Peaks 2, 8 pi / (2 + pi), 32 pi^2 / (2 + pi).
+modified_trapezoid = sine_constant_cosine(1 / 4, 1 / 2, 1 / 4)
+# Peaks 4 pi / (4 + pi), 4 pi^2 / (4 + pi), 16 pi^3 / (4 + pi).
+modified_sine = sine_constant_cosine(1 / 4, 0, 3 / 4)
+
+# Names as recipes spell them.
+LAWS: dict[str, Law] = {
+    "uniform": uniform,
+    "parabolic": parabolic,
+    "harmonic": harmonic,
+    "cycloidal": cycloidal,
+    "modified-trapezoid": modified_trapezoid,
+    "modified-sine": modified_sine,
+    "3-4-5": polynomial_345,
+    "4-5-6-7": polynomial_4567,
+}
+
+
+class NamedLaw:
+    """Marks a law that a recipe can only name; the library also takes a callable."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler.generate_schema(LawName)
+
+
+def breaks_of(law: Law) -> Array:
+    """Where the derivatives of a law may jump, x from 0 to 1, both included."""
+    return np.asarray(getattr(law, "breaks", (0.0, 1.0)), dtype=float)
+
+
+# How far a law of the caller's own may miss 0, 1 and its own integrals, relative to its size: more hides a
+# wrong derivative, less refuses laws that are themselves computed by differences.
+TRUST = 1e-6
+
+
+def checked(law: Any) -> Law:
+    """A law by name, or a callable that has been tried: shape, ends, finite, each row the derivative of the last."""
+    if isinstance(law, str):
+        if law not in LAWS:
+            raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable")
+        return LAWS[law]
+    if not callable(law):
+        raise DesignError("law", f"found {shown(law)}", f"give {', '.join(LAWS)} or a callable")
+    breaks = breaks_of(law)
+    if breaks.ndim != 1 or breaks.size < 2 or breaks[0] != 0 or breaks[-1] != 1 or np.any(np.diff(breaks) <= 0):
+        raise DesignError("law.breaks", f"found {breaks}", "give rising numbers from 0 to 1")
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    # Sixteen steps in each piece, eight nodes in each step: polynomials to degree 15 pass exactly.
+    edges = np.concatenate([np.linspace(a, b, 17)[:-1] for a, b in zip(breaks[:-1], breaks[1:])] + [[1.0]])
+    step = np.diff(edges)
+    x = edges[:-1, None] + step[:, None] * (nodes + 1) / 2
+    inside, ends = np.asarray(law(x), dtype=float), np.asarray(law(edges), dtype=float)
+    if inside.shape != (4, *x.shape) or ends.shape != (4, *edges.shape):
+        raise DesignError(
+            "law", f"it returns the shape {inside.shape} for {x.shape}", "return f, f', f'', f''' stacked"
+        )
+    if not (np.isfinite(inside).all() and np.isfinite(ends).all()):
+        raise DesignError("law", "it is not finite everywhere in 0 to 1", "give finite derivatives")
+    if abs(ends[0, 0]) > TRUST or abs(ends[0, -1] - 1) > TRUST:
+        raise DesignError("law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1")
+    for k in range(3):
+        # Jumps at the piece's own end belong to the next piece, so steps that end there only count for f.
+        last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)
+        missed = np.abs(np.diff(ends[k]) - inside[k + 1] @ weights * step / 2)[~last].max(initial=0)
+        if missed > TRUST * max(1, np.abs(inside[k]).max()):
+            raise DesignError(
+                "law",
+                f"its row {k + 1} is not the derivative of its row {k}",
+                "correct it, or name the places of its jumps in its attribute `breaks`",
+            )
+    return law

@@ -1,0 +1,206 @@
+"""Segments of least peak acceleration among polynomials of a degree, or among acceleration splines.
+
+With every acceleration at most A, and A as small as can be, all conditions are linear: a linear
+programme. What its solver says is not taken on trust: multipliers give a bound that no motion of the
+family can be below, and the peak is that of the finished curve, between the points looked at too.
+Without a limit of the jerk, ever richer families run to the bang-bang motion, 4 rise / angle^2 at
+infinite jerk. Where an end's own acceleration is the peak, many motions have it; of them the one of
+least peak jerk is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ...errors import DesignError
+from ...plane.vec import Array
+from .boundary import chebyshev_law, condition_row, derive
+from .laws import Law
+from .least_peak import bound, least_peak
+from .level_peaks import extremes, level_peaks, peak
+from .spline import PiecewisePolynomial
+
+# How far the peak may lie above the bound, and the jerk above its limit, relative. Less is lost in
+# rounding at degree 15, more shows in the files.
+GAP = 1e-9
+# Peaks this near the highest, relative, count in the first round: as near as a solution comes that saw
+# them at a few points only.
+NEAR = 0.01
+# Rounds before giving up. One or two do as a rule; where peaks merge, each brings the points twice as near.
+ROUNDS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A motion of least peak acceleration within its family, over an angle.
+
+    law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
+    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below.
+    """
+
+    law: Law
+    peak_acceleration: float
+    peak_jerk: float
+    bound: float
+    rise: float
+    angle: float = 1.0
+
+    @property
+    def gap(self) -> float:
+        """How far the peak lies above the bound, relative to it: 0 proves the optimum."""
+        return float(max(self.peak_acceleration / self.bound - 1, 0.0)) if self.bound > 0 else 0.0
+
+    @property
+    def acceleration_coefficient(self) -> float:
+        """Peak acceleration as a multiple of rise / angle^2, to hold against 2 pi of cycloidal; nan for no rise."""
+        return self.peak_acceleration * self.angle**2 / abs(self.rise) if self.rise else np.nan
+
+    @property
+    def jerk_coefficient(self) -> float:
+        """Peak jerk as a multiple of rise / angle^3, to hold against 4 pi^2 of cycloidal; nan for no rise."""
+        return self.peak_jerk * self.angle**3 / abs(self.rise) if self.rise else np.nan
+
+    def scaled(self, size: float, angle: float) -> Optimum:
+        """The same for lifts `size` times as large, over that angle instead of 1; the law stays as it is."""
+        by = abs(size) / angle**2
+        peaks = self.peak_acceleration * by, self.peak_jerk * by / angle, self.bound * by
+        return Optimum(self.law, *peaks, self.rise * size, angle)
+
+
+# Optima are kept, so that a recipe solves once for checks, files and plots, and equal segments once for all.
+@lru_cache(maxsize=256)
+def optimal_polynomial(
+    degree: int, rise: float, start: tuple[float, ...], end: tuple[float, ...], jerk_limit: float | None
+) -> Optimum:
+    """Polynomial motion from 0 to `rise` with given slope, curvature (and jerk) by x at x = 0 and at x = 1.
+
+    Degree 5 at least, 7 where jerks are given. Between two rests the best motion of an even degree is
+    that of the odd one below it.
+    """
+    # The unknown is the acceleration: its Chebyshev coefficients are all of one size.
+    n = degree - 1
+    once, twice = (chebyshev.chebval(1, chebyshev.chebint(np.eye(n), k, lbnd=-1, scl=0.5)) for k in (1, 2))
+    ends = [condition_row(x, k, n - 1) for x in (0.0, 1.0) for k in range(len(start) - 1)]
+    equal = np.stack([once, twice, *ends])
+    values = np.array([end[0] - start[0], rise - start[0], *start[1:], *end[1:]])
+    limit = jerk_limit or np.inf
+    grid, jerks = _rows(_grid(n), 0, n), _rows(_grid(n), 1, n)
+    _check_jerk(jerk_limit, equal, values, jerks)
+    best, proven = None, max(abs(start[1]), abs(end[1]))
+    if proven > 0:
+        solved = least_peak(equal, values, grid, jerks / limit)
+        if solved and np.abs(grid @ solved[0]).max() <= proven * (1 + GAP):
+            best, _ = _of_least_peak(1, equal, values, 0, proven * (1 + GAP / 2))
+    if best is None or peak(derive(best, 1)) > limit * (1 + GAP):
+        best, proven = _of_least_peak(0, equal, values, 1, limit)
+    if best is None:
+        raise DesignError("degree", f"found {degree}, for which no optimum settles", "give another degree")
+    velocity = chebyshev.chebint(best, 1, k=start[0], lbnd=-1, scl=0.5)
+    lift = chebyshev.chebint(velocity, 1, lbnd=-1, scl=0.5)
+    jerk = derive(best, 1)
+    return Optimum(chebyshev_law([lift, velocity, best, jerk]), peak(best), peak(jerk), proven, rise)
+
+
+def _of_least_peak(peaked: int, equal: Array, values: Array, limited: int, limit: float) -> tuple[Array | None, float]:
+    """Chebyshev series whose derivative of order `peaked` has the least peak, and the bound that proves it.
+
+    Its derivative of order `limited` is at most `limit`. The linear programme looks at places, to which
+    those of the peaks found are added in each round. None where there is no such series, or none settles.
+    """
+    n = equal.shape[1]
+    places = _grid(n)
+    limited_places = places if np.isfinite(limit) else places[:0]
+    best, least, proven = None, np.inf, 0.0
+
+    def prove(places: Array, weights: Array, limited_places: Array, shares: Array, c: Array) -> float:
+        return bound(
+            equal, values, _rows(places, peaked, n), weights, _rows(limited_places, limited, n) / limit, shares, c
+        )
+
+    for turn in range(ROUNDS):
+        solved = least_peak(equal, values, _rows(places, peaked, n), _rows(limited_places, limited, n) / limit)
+        if solved is None:
+            return None, proven
+        c, weights, shares = solved
+        level = level_peaks(c, equal, values, peaked, limited, limit, NEAR / 4**turn)
+        proven = max(
+            proven,
+            prove(places, weights, limited_places, shares, c),
+            prove(level.places, level.weights, level.limited_places, level.shares, level.coefficients),
+        )
+        for found in (c, level.coefficients):
+            found = found + np.linalg.pinv(equal) @ (values - equal @ found)
+            height = peak(derive(found, peaked))
+            if height < least and peak(derive(found, limited)) <= limit * (1 + GAP):
+                best, least = found, height
+            places = np.union1d(places, extremes(derive(found, peaked)))
+            if np.isfinite(limit):
+                limited_places = np.union1d(limited_places, extremes(derive(found, limited)))
+        if least <= proven * (1 + GAP):
+            return best, proven
+    return None, proven
+
+
+def _grid(n: int) -> Array:
+    """Eight places for each coefficient, close together at the ends: they see every wave of the series."""
+    return 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 8 * n + 1))
+
+
+def _rows(places: Array, order: int, n: int) -> Array:
+    return condition_row(places, order, n - 1).T
+
+
+@lru_cache(maxsize=256)
+def optimal_spline(
+    intervals: int, rise: float, start: tuple[float, ...], end: tuple[float, ...], jerk_limit: float | None
+) -> Optimum:
+    """Motion from 0 to `rise` whose acceleration is straight over each of equal intervals; its ends as above.
+
+    Peaks lie at knots, so that the linear programme is exact.
+    """
+    x, step = np.linspace(0, 1, intervals + 1), 1 / intervals
+    knots = np.eye(intervals + 1)
+    slopes = np.diff(knots, axis=0) * intervals
+    # What each knot's acceleration adds to slope and lift at the end: integrals of its hat function.
+    once, twice = np.full(intervals + 1, step), step * (1 - x)
+    once[[0, -1]] /= 2
+    twice[[0, -1]] = step / 2 - step**2 / 6, step**2 / 6
+    equal = np.stack([once, twice, knots[0], knots[-1]])
+    values = np.array([end[0] - start[0], rise - start[0], start[1], end[1]])
+    _check_jerk(jerk_limit, equal, values, slopes)
+    limited = slopes / jerk_limit if jerk_limit else slopes[:0]
+    solved = least_peak(equal, values, knots, limited)
+    if solved is None:
+        raise DesignError("intervals", f"found {intervals}, for which no optimum settles", "give another number")
+    c, weights, shares = solved
+    proven = bound(equal, values, knots, weights, limited, shares, c)
+    highest = max(abs(start[1]), abs(end[1]))
+    if 0 < np.abs(c).max() <= highest * (1 + GAP):
+        c = (least_peak(equal, values, slopes, knots / highest / (1 + GAP / 2)) or solved)[0]
+    a = c + np.linalg.pinv(equal) @ (values - equal @ c)
+    jerk = slopes @ a
+    v = start[0] + np.append(0, np.cumsum(step * (a[:-1] + a[1:]) / 2))
+    s = np.append(0, np.cumsum(step * v[:-1] + step**2 * (2 * a[:-1] + a[1:]) / 6))
+    # Where the acceleration goes straight on there is no break to tell others of.
+    bends = np.abs(np.diff(jerk)) > 1e-9 * np.abs(jerk).max()
+    breaks = np.concatenate([[0.0], x[1:-1][bends], [1.0]])
+    law = PiecewisePolynomial(x, np.stack([s[:-1], v[:-1], a[:-1] / 2, jerk / 6]), breaks)
+    return Optimum(law, float(np.abs(a).max()), float(np.abs(jerk).max()), proven, rise)
+
+
+def _check_jerk(limit: float | None, equal: Array, values: Array, jerks: Array) -> None:
+    """Refuse a limit no motion can keep, and say the least that would do: it is a peak as well."""
+    if limit is None:
+        return
+    solved = least_peak(equal, values, jerks, jerks[:0])
+    least = bound(equal, values, jerks, solved[1], jerks[:0], np.zeros(0), solved[0]) if solved else np.inf
+    if limit < least:
+        raise DesignError(
+            "jerk_limit",
+            f"found {limit:g}, but every motion of this family that meets its ends reaches {least:.6g}",
+            f"give at least {1.001 * least:.4g}, or leave it out",
+        )

@@ -1,0 +1,103 @@
+"""summary.json: sizes, checks, areas and volumes of what was made, and which files it is."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from ..check import Check
+from ..names import file_name_flaw
+from ..part import Part
+from ..plane.measure import area
+from ..version import VERSION
+from .job import Job
+from .writers import WRITERS
+
+NAME = "summary.json"
+# Bytes of a summary that is read back: those of ours stay far below it.
+LARGEST = 10_000_000
+
+
+def summary(
+    job: Job,
+    recipe: object,
+    checks: Collection[Check],
+    notes: Mapping[str, object],
+    written: Mapping[str, Collection[str]],
+) -> bytes:
+    """The summary. recipe: as a recipe file gives it; notes: further entries; written: names of files by format."""
+    files = sorted(name for names in written.values() for name in names)
+    sizes = _as_written(job, written)
+    told = {
+        "name": job.name,
+        "recipe": recipe,
+        "checks": [
+            {
+                "name": c.name,
+                "value": float(f"{c.value:.10g}") if c.value == c.value else None,
+                "side": c.side,
+                "limit": c.limit,
+                "unit": c.unit,
+                "passed": bool(c.passed),
+            }
+            for c in checks
+        ],
+        "parts": [_part(part) | sizes.get(part, {}) for part in job.source.parts],
+        **notes,
+        "files": files,
+        "versions": _versions(written),
+    }
+    return (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
+
+
+def _part(part: Part) -> dict[str, object]:
+    exact = area(part.outline) - sum(area(hole) for hole in part.holes)
+    return {
+        "name": part.name,
+        "count": part.count,
+        "layer": part.layer,
+        "thickness_mm": part.thickness,
+        "area_mm2": float(f"{exact:.10g}"),
+        "volume_mm3": float(f"{exact * part.thickness:.10g}"),
+    }
+
+
+def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, dict[str, float]]:
+    """Sizes of the parts as files have them, which differ from the exact ones by the tolerance.
+
+    The area is that within the beam's path, half a kerf off the part, as DXF and SVG have it; the volume the STL's.
+    """
+    sizes: dict[Part, dict[str, float]] = {}
+    if any(WRITERS[ending].flat for ending in written):
+        sizes = {cut.part: {"written_area_mm2": float(f"{cut.area:.10g}")} for cut in job.flats}
+    if any(WRITERS[ending].needs == "parts" and not WRITERS[ending].flat for ending in written):
+        for cut in job.solids:
+            volume = cut.chord_area * cut.part.thickness
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume:.10g}")}
+    return sizes
+
+
+def _versions(written: Collection[str]) -> dict[str, str]:
+    """Versions of what had a hand in the files; other libraries may be loaded for another recipe."""
+    hands = dict.fromkeys(library for ending in WRITERS if ending in written for library in WRITERS[ending].libraries)
+    libraries = ["numpy", *sorted(hands, key=["shapely", "ezdxf", "trimesh"].index)] if written else []
+    return {"geomkin": VERSION} | {name: sys.modules[name].__version__ for name in libraries}
+
+
+def files_told(folder: Path) -> set[str]:
+    """Names of the files that the summary in a folder tells of; none where there is no sound one."""
+    try:
+        path = folder / NAME
+        # What stands there may be anything: a pipe would be waited on, a device or a huge file fill the memory.
+        if not path.is_file():
+            return set()
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            return set()
+        names = json.loads(content)["files"]
+        return {name for name in names if not file_name_flaw(name) and Path(name).suffix[1:] in WRITERS}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return set()

@@ -1,0 +1,47 @@
+"""The one table of formats. A new format is one file here, and one row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from .job import Job
+
+# File name -> content.
+Contents = Mapping[str, bytes]
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A format.
+
+    needs: what it is made of. write: from a job to files by name. libraries: those that have a hand in it, besides
+    NumPy, by their names. flat: it shows parts as a beam goes, half a kerf off them.
+    """
+
+    needs: Literal["parts", "table", "scene"]
+    write: Callable[[Job], Contents]
+    libraries: tuple[str, ...] = ()
+    flat: bool = False
+
+
+def _in(module: str) -> Callable[[Job], Contents]:
+    """The function `write` of a module beside this one, loaded when first used: a DXF loads no meshes."""
+
+    def write(job: Job) -> Contents:
+        written: Contents = import_module(f".{module}", __package__).write(job)
+        return written
+
+    return write
+
+
+# Ending -> how it is written, in the order in which files come.
+WRITERS: dict[str, Writer] = {
+    "dxf": Writer("parts", _in("dxf"), ("shapely", "ezdxf"), flat=True),
+    "stl": Writer("parts", _in("stl"), ("shapely", "trimesh")),
+    "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
+    "csv": Writer("table", _in("csv")),
+}

@@ -1,0 +1,1 @@
+"""Gears with teeth of any form, and the mates that they shape."""

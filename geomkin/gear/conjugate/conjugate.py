@@ -1,0 +1,189 @@
+"""The mate of any tooth by the law of gearing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+
+from ...arguments import RealsOrNan, checked, whole_between
+from ...errors import DesignError
+from ...plane.curve import AbstractCurve
+from ...plane.derived import Reversed
+from ...plane.joined import Path, Ring
+from ...plane.pose import Pose
+from ...plane.primitives import Arc
+from ...sizes import Size
+from .conjugate_curve import Contact
+from .envelope import GRID, Step, sweep
+from .untouched import Untouched, touched, untouched
+
+Teeth = Annotated[int, whole_between(2, 10_000)]
+
+
+@dataclass(frozen=True, eq=False)
+class Conjugate:
+    """A mate cut by the law of gearing.
+
+    teeth, pitch_radius, tip_radius and root_radius, mm, of the mate. outline: closed, counterclockwise, about
+    the mate's centre, a tooth centred on +y; of a ring the hole of its plate. pose: where it stands while a
+    tooth of the gear about the origin stands on +y. tooth: the gear's, the material to its left (of a ring it
+    is reversed). steps: the conjugate curves that the outline is made of, along the tooth. untouched: the
+    stretches of the tooth that touch nothing.
+    """
+
+    tooth: AbstractCurve
+    gear_teeth: int
+    teeth: int
+    pitch_radius: float
+    tip_radius: float
+    root_radius: float
+    is_ring: bool
+    outline: AbstractCurve
+    pose: Pose
+    steps: tuple[Step, ...]
+    untouched: tuple[Untouched, ...]
+
+    @property
+    def distance(self) -> float:
+        """Distance of the two axes, mm."""
+        return abs(complex(self.pose.origin))
+
+    @property
+    def tip_thickness(self) -> float:
+        """Thickness of the mate's teeth along their tip circle, mm."""
+        a, b = _ends(self.steps)
+        space = float(np.angle(b / a) if self.is_ring else np.angle(a / b))
+        return self.tip_radius * (2 * np.pi / self.teeth - space % (2 * np.pi))
+
+    @checked
+    def contact(self, t: RealsOrNan) -> Contact:
+        """Where and when the tooth's points at parameters t (...,) touch; nan where never. Corners are left out."""
+        t = np.asarray(t, dtype=float)
+        empty = (np.nan, *3 * (complex(np.nan, np.nan),), np.nan, np.nan)
+        values = [np.full(t.shape, nothing) for nothing in empty]
+        for curve, low, high in touched(self.steps):
+            mask = (t >= low) & (t <= high) & np.isnan(values[0])
+            for value, found in zip(values, curve.contact(curve.parameter_of(t[mask]))):
+                value[mask] = found
+        return Contact(*values)
+
+    @checked
+    def contact_ratio(self, start: float, end: float) -> float:
+        """Turn of the gear during which the tooth touches between two of its parameters, in pitches."""
+        angles = [
+            curve.contact(curve.parameter_of(np.clip([low, high], start, end))).angle
+            for curve, low, high in touched(self.steps)
+            if low < end and high > start
+        ]
+        return float(np.ptp(angles)) * self.gear_teeth / (2 * np.pi) if angles else 0.0
+
+
+@checked
+def conjugate(
+    tooth: AbstractCurve,
+    teeth: Teeth,
+    pitch_radius: Size,
+    mate_teeth: Teeth,
+    addendum: Size,
+    internal: bool = False,
+) -> Conjugate:
+    """The mate of a gear with a tooth of any form: the law of gearing for its flanks, its tips and their corners.
+
+    tooth: one tooth of the gear, about the gear's axis, a tooth centred on +y, either one pitch of a
+    counterclockwise outline (`outline.piece` of any gear here) or a closed curve such as a pin. teeth, mate_teeth:
+    of the gear and its mate. addendum: how far the mate's teeth reach beyond its pitch circle, mm. internal: the
+    mate is a ring round the gear if it has more teeth; with fewer it is the pinion of a gear that is a ring.
+
+    The gear is taken as the tool: the mate's roots are what its tips leave, and what is swept is trimmed where
+    its curves cross. Points of the tooth that then touch nothing are told in `.untouched`.
+    """
+    if internal and teeth == mate_teeth:
+        raise DesignError("mate_teeth", f"found {mate_teeth}, as many as the gear has", f"give at least {teeth + 1}")
+    ring_gear, ring_mate = internal and mate_teeth < teeth, internal and mate_teeth > teeth
+    radius = pitch_radius * mate_teeth / teeth
+    signed = -radius if internal else radius
+    closed = tooth.closed
+    material_left = Reversed(tooth) if ring_gear else tooth
+    step = 1 + 0j if closed else np.exp((-2j if ring_gear else 2j) * np.pi / teeth)
+    turn = (1 if internal else -1) * np.exp(1j * np.pi / mate_teeth)
+    if not closed:
+        _check_depth(tooth, pitch_radius, addendum, ring_gear)
+    swept = sweep(material_left, step, pitch_radius, signed, turn)
+    tip = radius - addendum if ring_mate else radius + addendum
+    steps = swept.boundary(tip, not ring_mate)
+    piece, root = _piece(steps, mate_teeth, ring_mate, radius)
+    return Conjugate(
+        tooth=material_left,
+        gear_teeth=teeth,
+        teeth=mate_teeth,
+        pitch_radius=radius,
+        tip_radius=tip,
+        root_radius=root,
+        is_ring=ring_mate,
+        outline=Ring(piece, mate_teeth),
+        pose=Pose(1j * (pitch_radius + signed), complex(1 / turn)),
+        steps=tuple(steps),
+        untouched=untouched(material_left, swept, steps, tip, not ring_mate),
+    )
+
+
+def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, ring_gear: bool) -> None:
+    """The mate's tips must not reach the gear's bottom lands."""
+    b = tooth.breaks
+    radii = np.abs(tooth.point(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(b, b[1:])])))
+    deep = radii.max() - pitch_radius if ring_gear else pitch_radius - radii.min()
+    if addendum > deep * (1 + 1e-12):
+        raise DesignError(
+            "addendum",
+            f"found {addendum:.5g} mm, but the spaces of the gear are only {deep:.5g} mm deep below its pitch circle",
+            # A little less, so that the number still works when rounded.
+            f"give at most {deep * (1 - 1e-5):.6g}",
+        )
+
+
+def _ends(steps: tuple[Step, ...] | list[Step]) -> tuple[complex, complex]:
+    return complex(steps[0].curve.point(steps[0].start)), complex(steps[-1].curve.point(steps[-1].end))
+
+
+def _piece(steps: list[Step], teeth: int, ring: bool, pitch_radius: float) -> tuple[Path, float]:
+    """One pitch of the mate's outline, counterclockwise: a space and a tip land; and the root's radius."""
+    pieces: list[AbstractCurve] = []
+    for step in steps:
+        curve = replace(step.curve, start=min(step.start, step.end), end=max(step.start, step.end))
+        pieces.append(curve if step.end > step.start else Reversed(curve))
+    if not ring:
+        pieces = [Reversed(p) for p in reversed(pieces)]
+    first = complex(pieces[0].point(pieces[0].breaks[0]))
+    last = complex(pieces[-1].point(pieces[-1].breaks[-1]))
+    space = float(np.angle(last / first)) % (2 * np.pi)
+    land = 2 * np.pi / teeth - space
+    if land <= 0:
+        # Known from samples: a thousandth less leaves a land.
+        most = 0.999 * abs(_pointed(pieces, teeth, ring) - pitch_radius)
+        raise DesignError(
+            "addendum",
+            f"found {abs(abs(last) - pitch_radius):.5g} mm, where the mate's flanks have met: its teeth are pointed",
+            f"give at most {most:.6g}, or a gear with thinner teeth",
+        )
+    samples = np.concatenate([np.abs(p.point(p.breaks[0] + (p.breaks[-1] - p.breaks[0]) * GRID)) for p in pieces])
+    root = float(samples.max() if ring else samples.min())
+    return Path((*pieces, Arc(0j, last, land))), root
+
+
+def _pointed(pieces: list[AbstractCurve], teeth: int, ring: bool) -> float:
+    """Radius where the two flanks of a tooth meet, from samples of the two sides of a space."""
+    z = np.concatenate([p.point(p.breaks[0] + (p.breaks[-1] - p.breaks[0]) * GRID) for p in pieces])
+    out = -np.abs(z) if ring else np.abs(z)
+    deepest = int(out.argmin())
+    falling, rising = z[: deepest + 1][::-1], z[deepest:]
+    levels = np.linspace(out[deepest], min(out[0], out[-1]), 2001)
+    about = z[deepest] / abs(z[deepest])
+    # Where an undercut side turns back inwards it is no wider than before.
+    left, right = (
+        np.interp(levels, np.maximum.accumulate(-np.abs(side) if ring else np.abs(side)), np.angle(side / about))
+        for side in (falling, rising)
+    )
+    land = 2 * np.pi / teeth - (right - left)
+    return float(abs(levels[int(np.argmax(land <= 0))]))

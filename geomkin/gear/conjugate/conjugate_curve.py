@@ -1,0 +1,268 @@
+"""The curve that a piece of a tooth leaves in a mate that rolls with it: the law of gearing, point by point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...plane.curve import AbstractCurve
+from ...plane.derived import Stretch
+from ...plane.vec import Array, unit
+
+# Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots
+# touch. Smaller drowns in rounding, larger tells the velocity of another place.
+INSIDE = 1e-5
+# Squared share of the pitch radius below which the two roots are one: smaller leaves the square root of rounding,
+# a gap of 1e-8 between curves that meet there.
+ONE_ROOT = 1e-14
+# The same below which a velocity near a fold is its limit: at this place rounding and the limit err alike, by 1e-5.
+NEAR_FOLD = 1e-11
+
+
+class Touch(NamedTuple):
+    """Points of a tooth with unit tangents, the material to their left; both may move with a parameter.
+
+    point (...,) mm; tangent (...,); speed (...,) of the point along the tangent, mm, and turning (...,) of the
+    tangent, rad, per unit of the parameter.
+    """
+
+    point: Array
+    tangent: Array
+    speed: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A stretch of a tooth without a corner."""
+
+    curve: Stretch
+
+    @property
+    def breaks(self) -> Array:
+        """Parameters between which the stretch is smooth."""
+        return self.curve.breaks
+
+    def touch(self, t: Array) -> Touch:
+        """The curve itself; at a cusp with the tangent just inside."""
+        v = self.curve.velocity(t)
+        still, inner = np.abs(v) == 0, t
+        if still.any():
+            b = self.breaks
+            k = np.clip(np.searchsorted(b, t, side="right") - 1, 0, len(b) - 2)
+            inner = np.where(still, t + INSIDE * (0.5 * (b[k] + b[k + 1]) - t), t)
+            v = np.where(still, self.curve.velocity(inner), v)
+        speed = np.abs(v)
+        return Touch(self.curve.point(t), unit(v), speed, self.curve.curvature(inner) * speed)
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """A convex corner: one point, whose tangent turns left from `tangent` by `sweep`, rad."""
+
+    place: complex
+    tangent: complex
+    sweep: float
+
+    @property
+    def breaks(self) -> Array:
+        """The turn of the tangent, from none to all."""
+        return np.array([0.0, self.sweep])
+
+    def touch(self, t: Array) -> Touch:
+        """The corner at a turn of its tangent, rad."""
+        one = np.ones(np.shape(t))
+        return Touch(self.place * one, self.tangent * np.exp(1j * t), 0 * one, one)
+
+
+class Contact(NamedTuple):
+    """Where points of a tooth touch its mate. All (...,), nan where they never do.
+
+    angle: of the driving gear, rad counterclockwise from where its tooth stands on +y; place: in the fixed
+    frame, the driving gear about the origin and the pitch point on +y, mm; tooth, mate: the same point in the
+    frames of the two gears, mm; sliding: of the gear on its mate along the tooth's tangent, mm per rad of the
+    gear; pressure_angle: between the common normal and the pitch circles' tangent, rad.
+    """
+
+    angle: Array
+    place: Array
+    tooth: Array
+    mate: Array
+    sliding: Array
+    pressure_angle: Array
+
+
+class Meeting(NamedTuple):
+    """A touch and its root: b, the pitch point's distance along the normal from the foot of the gear's axis on it,
+
+    q that from the tooth's point, and the pitch point's direction."""
+
+    touch: Touch
+    b: Array
+    q: Array
+    direction: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ConjugateCurve(AbstractCurve):
+    """What a piece of a tooth leaves in its mate, in the mate's frame.
+
+    The gear of pitch radius r turns about the origin; its mate, of pitch radius R, below 0 where one of the
+    two is a ring, about i (r + R) while the gear's +y lies on the line of centres. By the law of gearing the
+    normal at the touching point passes the pitch point P = r e^{i phi}. With tangent T and normal i T:
+    conj(T) P = a + i b where a = Re(conj(T) z), b = root sqrt(r^2 - a^2); no root where the normal misses the
+    pitch circle. z touches when the pitch point has turned to phi in the gear's frame. With k = 1 + r / R the
+    mate then turns by k per turn of phi about P, and the speed of its touching point along T is g / b,
+    g = b s + k q (s - w q) for a tooth point of speed s whose tangent turns by w. Where g = 0 the curve has a
+    cusp; beyond it, k g > 0, the two would cut each other.
+
+    t runs over [start, end] within 0 to 1, which is the tooth's piece from `first` to `last`. At a fold, where
+    the two roots meet and the touching point turns back on the tooth, the parameter is drawn out as its
+    square root, in which the curve passes on smoothly. turn: direction of the mate's frame.
+    """
+
+    side: Run | Corner
+    pitch_radius: float
+    mate_radius: float
+    root: int
+    first: float
+    last: float
+    folds: tuple[bool, bool]
+    turn: complex = 1 + 0j
+    start: float = 0.0
+    end: float = 1.0
+
+    @property
+    def k(self) -> float:
+        """Turn of the mate per turn of the line of centres, both seen from the gear."""
+        return 1 + self.pitch_radius / self.mate_radius
+
+    def tooth_parameter(self, t: ArrayLike) -> Array:
+        """Parameter of the tooth's piece."""
+        u, span = np.asarray(t, dtype=float), self.last - self.first
+        match self.folds:
+            case (True, True):
+                return self.first + span * np.sin(np.pi / 2 * u) ** 2
+            case (True, False):
+                return self.first + span * u**2
+            case (False, True):
+                return self.last - span * (1 - u) ** 2
+        return self.first + span * u
+
+    def parameter_of(self, tooth_parameter: ArrayLike) -> Array:
+        """The inverse of `tooth_parameter`."""
+        share = np.clip((np.asarray(tooth_parameter, dtype=float) - self.first) / (self.last - self.first), 0, 1)
+        match self.folds:
+            case (True, True):
+                return np.arcsin(np.sqrt(share)) * 2 / np.pi
+            case (True, False):
+                return np.sqrt(share)
+            case (False, True):
+                return 1 - np.sqrt(1 - share)
+        return share
+
+    def _rate(self, u: Array) -> Array:
+        """d tooth_parameter / dt."""
+        span = self.last - self.first
+        match self.folds:
+            case (True, True):
+                return span * np.pi / 2 * np.sin(np.pi * u)
+            case (True, False):
+                return 2 * span * u
+            case (False, True):
+                return 2 * span * (1 - u)
+        return np.full(np.shape(u), span)
+
+    def _meeting(self, u: Array) -> Meeting:
+        touch = self.side.touch(self.tooth_parameter(u))
+        r = self.pitch_radius
+        seen = np.conj(touch.tangent) * touch.point
+        squared = (r - seen.real) * (r + seen.real)
+        b = self.root * np.sqrt(np.where(squared > ONE_ROOT * r**2, squared, 0))
+        return Meeting(touch, b, b - seen.imag, unit(touch.tangent * (seen.real + 1j * b)))
+
+    def _phi(self, m: Meeting) -> Array:
+        """Angle of the pitch point from +y in the gear's frame, rad."""
+        return np.angle(-1j * m.direction)
+
+    def _place(self, m: Meeting) -> Array:
+        """The point in the mate's frame."""
+        return (m.touch.point - (self.pitch_radius + self.mate_radius) * m.direction) * self._turned(m)
+
+    def _turned(self, m: Meeting) -> Array:
+        return self.turn * np.exp(-1j * self.k * self._phi(m))
+
+    def _g(self, m: Meeting) -> Array:
+        s, w = m.touch.speed, m.touch.turning
+        return m.b * s + self.k * m.q * (s - w * m.q)
+
+    def sound(self, t: ArrayLike) -> Array:
+        """Negative where the two touch without cutting each other, 0 at a cusp."""
+        m = self._meeting(np.asarray(t, dtype=float))
+        return self.k * self._g(m) / (m.touch.speed + np.abs(m.touch.turning) * self.pitch_radius)
+
+    def point(self, t: ArrayLike) -> Array:
+        return self._place(self._meeting(np.asarray(t, dtype=float)))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        return self.course(t)[1]
+
+    def course(self, t: ArrayLike) -> tuple[Array, Array]:
+        """Point and velocity together, at the cost of one."""
+        u = np.asarray(t, dtype=float)
+        at = self._meeting(u)
+        u, m = self._inside(u, at)
+        s, w, r = m.touch.speed, m.touch.turning, self.pitch_radius
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = self._rate(u) / m.b
+        if any(self.folds):
+            # Speed of a along the tooth: b^2 grows by 2 r times it from the fold on.
+            grows = np.abs(s + w * np.imag(np.conj(m.touch.tangent) * m.touch.point))
+            stretch = np.pi / 2 if all(self.folds) else 1.0
+            with np.errstate(divide="ignore"):
+                limit = self.root * stretch * np.sqrt(2 * (self.last - self.first) / (r * grows))
+            ratio = np.where((m.b**2 < NEAR_FOLD * r**2) & self._at_fold(u), limit, ratio)
+        with np.errstate(invalid="ignore"):
+            # Endless where nothing is left of a piece too small to tell its points apart.
+            return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
+
+    def curvature(self, t: ArrayLike) -> Array:
+        u = np.asarray(t, dtype=float)
+        _, m = self._inside(u, self._meeting(u))
+        s, w = m.touch.speed, m.touch.turning
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.root * (w * m.b + self.k * (s - w * m.q)) / np.abs(self._g(m))
+
+    def _at_fold(self, u: Array) -> Array:
+        return ((u < 0.5) & self.folds[0]) | ((u >= 0.5) & self.folds[1])
+
+    def _inside(self, u: Array, m: Meeting) -> tuple[Array, Meeting]:
+        """The meeting m at u, or the one just inside the piece where two roots touch without a fold."""
+        # Nearer to such a place than this the square root has lost more digits than the step costs.
+        lost = (np.abs(m.b) < INSIDE * self.pitch_radius) & ~self._at_fold(u)
+        if lost.any():
+            u = np.where(lost, np.clip(u, INSIDE, 1 - INSIDE), u)
+            m = self._meeting(u)
+        return u, m
+
+    def contact(self, t: ArrayLike) -> Contact:
+        """Where and when these points touch."""
+        m = self._meeting(np.asarray(t, dtype=float))
+        phi = self._phi(m)
+        place = m.touch.point * np.exp(-1j * phi)
+        # Seen from the mate the gear turns by k about the pitch point: i k (z - P), which lies along T.
+        angle = np.arccos(np.clip(np.abs(np.real(np.conj(m.touch.tangent) * m.direction)), 0, 1))
+        return Contact(-phi, place, m.touch.point, self._place(m), self.k * m.q, angle)
+
+    @cached_property
+    def breaks(self) -> Array:
+        inner = self.parameter_of(self.side.breaks)
+        return np.concatenate([[self.start], inner[(inner > self.start) & (inner < self.end)], [self.end]])
+
+    @property
+    def closed(self) -> bool:
+        return False

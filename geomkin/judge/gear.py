@@ -1,0 +1,119 @@
+"""Whether gears are strong enough, and whether they run with each other."""
+
+from __future__ import annotations
+
+from ..arguments import checked
+from ..check import Check
+from ..gear.conjugate.conjugate import Conjugate
+from ..gear.conjugate.untouched import BEYOND
+from ..gear.pair import GearPair
+from ..gear.planetary import PlanetarySet
+from ..gear.rack_pair import RackPair
+from ..gear.ring import RingGear
+from ..gear.spur import SpurGear
+
+# Modules. A thinner tip chips, and breaks through when it is hardened (DIN 3960, on tooth thickness at the tip: 0.2).
+LEAST_TIP_THICKNESS = 0.2
+# Modules of rim under or outside the teeth. AGMA 2001-D04 lets a rim bear fully from 1.2 tooth heights on; under half a
+# height, which this is, cracks run through it instead of through the tooth.
+LEAST_RIM = 1
+# Pairs of teeth in contact on the average, of involutes that may be a little apart: some tenths above 1, so that the
+# next pair takes over before the last lets go (AGMA 908-B89 and most books ask for 1.1 to 1.4).
+LEAST_CONTACT_RATIO = 1.1
+# The same of conjugate teeth, whose contact is found exactly: at 1 it just hands over.
+LEAST_CONJUGATE_CONTACT_RATIO = 1
+# Modules between tips and roots: DIN 867 gives a rack 0.1 to 0.3.
+LEAST_CLEARANCE = 0.1
+# Modules between the tips of neighbouring planets; derived here, of play and dirt.
+LEAST_PLANET_GAP = 0.5
+# What stands in for the room beside a lone planet, which is without end, modules: any number that is far above all.
+LONE_PLANET = 1e6
+
+
+def _tip_check(gear: SpurGear | RingGear, before: str) -> Check:
+    remedy = "give less profile_shift, addendum or thinning"
+    return Check(
+        f"{before}tip thickness", gear.tip_thickness / gear.module, "at least", LEAST_TIP_THICKNESS, "modules", remedy
+    )
+
+
+@checked
+def gear_checks(gear: SpurGear, rim: float | None = None, name: str = "") -> tuple[Check, ...]:
+    """Tip, undercut, and what holds the teeth of one gear.
+
+    rim: thickness under the teeth, mm; left out, the gear is solid to its axis. name: what the checks call the gear.
+    """
+    lost = max(0.0, gear.form_radius - gear.base_radius) / gear.module if gear.is_undercut else 0.0
+    rim = gear.root_radius if rim is None else rim
+    before = f"{name} " if name else ""
+    undercut = "give more teeth or profile_shift"
+    return (
+        _tip_check(gear, before),
+        Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", undercut),
+        Check(
+            f"{before}rim under the teeth", rim / gear.module, "at least", LEAST_RIM, "modules", "give a smaller bore"
+        ),
+    )
+
+
+@checked
+def ring_checks(gear: RingGear, rim: float, name: str = "") -> tuple[Check, ...]:
+    """Tip, and what holds the teeth of a ring: the thickness `rim`, mm, outside them. name: what checks call the ring."""
+    before = f"{name} " if name else ""
+    thicker = "give a thicker rim"
+    return (
+        _tip_check(gear, before),
+        Check(f"{before}rim outside the teeth", rim / gear.module, "at least", LEAST_RIM, "modules", thicker),
+    )
+
+
+@checked
+def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
+    """Contact, clearance and interference of two gears. name: what the checks call the pair."""
+    clear = min(pair.clearances) / pair.module
+    before = f"{name}: " if name else ""
+    teeth = "give more teeth, less shift or no undercut"
+    meeting = f"at {', '.join(pair.interferences)}: cut the tips"
+    return (
+        Check(f"{before}contact ratio", pair.contact_ratio, "at least", LEAST_CONTACT_RATIO, "", teeth),
+        Check(
+            f"{before}clearance of tips from roots", clear, "at least", LEAST_CLEARANCE, "modules",
+            "give a smaller addendum",
+        ),
+        Check(f"{before}interferences", len(pair.interferences), "at most", 0, "", meeting),
+    )  # fmt: skip
+
+
+@checked
+def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
+    """Both meshes of a planetary set, and the room between its planets."""
+    room = min(gears.planet_gap / gears.sun.module, LONE_PLANET)
+    return (
+        *mesh_checks(gears.inner, "sun"),
+        *mesh_checks(gears.outer, "ring"),
+        Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets"),
+    )
+
+
+@checked
+def conjugate_checks(mate: Conjugate, module: float, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
+    """Contact ratio and tips of a mate.
+
+    module: of its gear, mm. pieces: how many of its cutter's, from the first on, are the driving side of the gear's
+    tooth. longer: what else makes the contact longer, for the advice.
+    """
+    ratio, thickness = mate.contact_ratio(0.0, pieces), mate.tip_thickness / module
+    thinner = "give a smaller mate.addendum or mate.backlash"
+    teeth = f"give longer teeth, or more of them{longer}"
+    return (
+        Check("contact ratio", ratio, "at least", LEAST_CONJUGATE_CONTACT_RATIO, "", teeth),
+        Check("mate's tip thickness", thickness, "at least", LEAST_TIP_THICKNESS, "modules", thinner),
+    )
+
+
+@checked
+def touch_check(mate: Conjugate, module: float) -> Check:
+    """Whether all of the gear's flank touches the mate."""
+    lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
+    advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
+    return Check("flank that cannot touch", lost / module, "at most", 0, "modules", advice)

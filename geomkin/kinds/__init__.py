@@ -1,0 +1,67 @@
+"""The kinds of recipe, one class each. A new kind is one class, and one row in the table here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, MutableMapping
+from importlib import import_module
+
+from ..recipe.recipe import AbstractRecipe
+
+
+class Kinds(MutableMapping[str, type[AbstractRecipe]]):
+    """Name in a recipe -> its class, loaded when first asked for: a recipe of gears loads no linkages.
+
+    rows: name -> `module:Class`, the module relative to this folder, or the class itself.
+    """
+
+    def __init__(self, rows: dict[str, str | type[AbstractRecipe]]):
+        self._rows = rows
+
+    def __getitem__(self, name: str) -> type[AbstractRecipe]:
+        row = self._rows[name]
+        if isinstance(row, str):
+            module, _, held = row.partition(":")
+            row = self._rows[name] = getattr(import_module(f".{module}", __name__), held)
+        return row
+
+    def __setitem__(self, name: str, recipe: type[AbstractRecipe]) -> None:
+        self._rows[name] = recipe
+
+    def __delitem__(self, name: str) -> None:
+        del self._rows[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+
+KINDS = Kinds({
+    "four-bar": "linkages:FourBarRecipe",
+    "slider-crank": "linkages:SliderCrankRecipe",
+    "inverted-slider-crank": "linkages:InvertedSliderCrankRecipe",
+    "stephenson-six-bar": "linkages:StephensonSixBarRecipe",
+    "watt-six-bar": "linkages:WattSixBarRecipe",
+    "shaper": "linkages:ShaperRecipe",
+    "elliptic-trammel": "linkages:EllipticTrammelRecipe",
+    "scotch-yoke": "linkages:ScotchYokeRecipe",
+    "oldham-coupling": "linkages:OldhamCouplingRecipe",
+    "linkage": "linkages:LinkageRecipe",
+    "four-bar-atlas": "coupler_atlas:FourBarAtlasRecipe",
+    "slider-crank-atlas": "coupler_atlas:SliderCrankAtlasRecipe",
+    "cognates": "cognate_linkages:CognatesRecipe",
+    "inflection-circle": "inflection_circle:InflectionCircleRecipe",
+    "centrodes": "centrodes:CentrodesRecipe",
+    "polygons": "polygons:PolygonsRecipe",
+    "shaking-force": "shaking_force:ShakingForceRecipe",
+    "disk-cam": "disk_cam:DiskCamRecipe",
+    "spur-gear": "spur_gear:SpurGearRecipe",
+    "ring-gear": "ring_gear:RingGearRecipe",
+    "gear-pair": "gear_pair:GearPairRecipe",
+    "rack-and-pinion": "rack_and_pinion:RackAndPinionRecipe",
+    "planetary": "planetary:PlanetaryRecipe",
+    "straight-sided-gears": "conjugate_gears:StraightSidedGearsRecipe",
+    "point-tooth-gears": "conjugate_gears:PointToothGearsRecipe",
+    "lantern-gears": "lantern_gears:LanternGearsRecipe",
+})  # fmt: skip

@@ -1,0 +1,174 @@
+"""Recipes of gears with teeth of any form and the mates they shape."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from ..check import Check
+from ..errors import DesignError
+from ..gear.conjugate.conjugate import Conjugate, conjugate
+from ..gear.conjugate.flank_gear import FlankGear
+from ..gear.conjugate.lantern import LanternPinion
+from ..gear.conjugate.point_tooth import PointToothGear
+from ..gear.conjugate.straight_sided import StraightSidedGear
+from ..gear.conjugate.tables import flank_table
+from ..judge.gear import conjugate_checks, touch_check
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..shop.gear.conjugates import PairStock, pair_parts
+from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..table import Table
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True)
+class Mate:
+    """The gear that is to run with the one given."""
+
+    teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
+    addendum: float = quantity(
+        "height of the mate's teeth beyond its pitch circle", "mm", above=0, at_most=FARTHEST, example=2
+    )
+    internal: bool = entry("the mate is a ring round the gear", default=False)
+    clearance: float = quantity(
+        "room between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
+    )
+    backlash: float = quantity(
+        "play between the teeth along the pitch circle, taken off the mate's teeth",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=FARTHEST,
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+# What `conjugate` and the cutters call them, and the keys that give them here.
+KEYS = {"mate_teeth": "mate.teeth"} | {name: f"mate.{name}" for name in ("addendum", "clearance", "backlash")}
+Shaper = FlankGear | LanternPinion
+
+
+class AbstractShapedRecipe(AbstractRecipe):
+    """What recipes of a gear and the mate that its teeth shape have in common."""
+
+    mate: Mate
+
+    @property
+    @abstractmethod
+    def shaper(self) -> Shaper:
+        """The gear that shapes the mate."""
+
+    @property
+    @abstractmethod
+    def shaper_teeth(self) -> int:
+        """How many teeth, or pins, that has."""
+
+    @cached_property
+    def design(self) -> Conjugate:
+        """The mate, shaped."""
+        return _mate(self.shaper, self.shaper_teeth, self.mate)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
+        mate = self.design
+        return {
+            "centre_distance_mm": float(f"{mate.distance:.10g}"),
+            "never_touching": [
+                {
+                    "inner_radius_mm": float(f"{u.inner_radius:.7g}"),
+                    "outer_radius_mm": float(f"{u.outer_radius:.7g}"),
+                    "why": u.why,
+                }
+                for u in mate.untouched
+                # The other side of the tooth is alike.
+                if u.start < 1
+            ],
+        }
+
+    def check_points(self, gears: list[AbstractCurve]) -> None:
+        """Whether the teeth of gears and their mate can be drawn in time."""
+        mate = [self.design.outline]
+        check_tooth_points(self.files, gears if self.design.is_ring else gears + mate, mate * self.design.is_ring)
+
+
+def _mate(gear: Shaper, teeth: int, wanted: Mate) -> Conjugate:
+    if wanted.internal and wanted.teeth <= teeth:
+        raise DesignError("mate.teeth", f"found {wanted.teeth} for a ring", f"give more than the gear's {teeth}")
+    try:
+        cutter = gear.cutter(wanted.clearance, wanted.backlash)
+        return conjugate(cutter, teeth, gear.pitch_radius, wanted.teeth, wanted.addendum, wanted.internal)
+    except DesignError as error:
+        most = _most_backlash(gear, teeth, wanted)
+        if most < wanted.backlash:
+            problem = f"found {wanted.backlash:g} mm, which leaves no teeth to the mate"
+            # A little less, so that the number still works when rounded.
+            raise DesignError("mate.backlash", problem, f"give at most {most * (1 - 1e-5):.6g}") from None
+        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
+
+
+def _most_backlash(gear: Shaper, teeth: int, wanted: Mate) -> float:
+    """Backlash, mm, that takes all of the mate's tips, or for which its cutter's teeth meet; inf if none is wanted."""
+    if not wanted.backlash:
+        return float("inf")
+    mate = _mate(gear, teeth, dataclasses.replace(wanted, backlash=0.0))
+    # Each side of a tooth is turned as a whole.
+    return min(gear.most_backlash, mate.tip_thickness * mate.pitch_radius / mate.tip_radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothedRecipe(AbstractShapedRecipe):
+    """A gear with flanks of some form and the mate that they shape."""
+
+    kind: str
+    gear: StraightSidedGear | PointToothGear
+    mate: Mate
+    stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def shaper(self) -> Shaper:
+        return self.gear.gear
+
+    @property
+    def shaper_teeth(self) -> int:
+        return self.gear.teeth
+
+    @cached_property
+    def table(self) -> Table:
+        return flank_table(self.design, self.mate.backlash)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        module = self.gear.module
+        return (touch_check(self.design, module), *conjugate_checks(self.design, module))
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        self.check_points([self.gear.outline])
+        return tuple(pair_parts(self.gear.gear, self.design, self.stock))
+
+
+@dataclass(frozen=True, kw_only=True)
+class StraightSidedGearsRecipe(ToothedRecipe):
+    """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["straight-sided-gears"] = "straight-sided-gears"
+    gear: StraightSidedGear
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointToothGearsRecipe(ToothedRecipe):
+    """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["point-tooth-gears"] = "point-tooth-gears"
+    gear: PointToothGear

@@ -1,0 +1,171 @@
+"""Recipe of an atlas of coupler curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..judge.linkage import reached
+from ..errors import DesignError
+from ..linkage.coupler.atlas import coupler_curves, coupler_grid, dashes
+from ..linkage.named.four_bar import FourBar
+from ..linkage.motion import Motion
+from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Circle
+from ..plane.vec import Array
+from ..shop.drawing import PlateStock, engraved, skeleton, strokes
+from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity, rounded_up
+from ..table import Column, Table, xy_columns
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files, Turn
+
+# Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
+MOST_DASHES = 5_000
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Coupler points, evenly over a rectangle in the coupler's frame: origin at the crank pin, x to the other pin."""
+
+    length: float = quantity(
+        "length of the rectangle along the coupler", "mm", at_least=0, at_most=FARTHEST, example=90
+    )
+    height: float = quantity("its height", "mm", at_least=0, at_most=FARTHEST, example=60)
+    rows: int = quantity("rows of points", whole=True, at_least=1, at_most=50, example=3)
+    columns: int = quantity("columns of points", whole=True, at_least=1, at_most=50, example=4)
+    centre: Annotated[complex, PointXY()] = entry("middle of the rectangle, [x, y] in mm", default=0j, example=45 + 0j)
+    dash_deg: float = quantity("crank's turn for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90)
+    chosen: tuple[tuple[int, int], ...] = entry(
+        "points, as [row, column] from 1, whose velocity and acceleration go into the table", default=()
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        for row, column in self.chosen:
+            if not (1 <= row <= self.rows and 1 <= column <= self.columns):
+                raise DesignError(
+                    "chosen",
+                    f"found [{row}, {column}]",
+                    f"give rows from 1 to {self.rows}, columns from 1 to {self.columns}",
+                )
+
+    @cached_property
+    def points(self) -> Array:
+        """(rows, columns), complex mm."""
+        return coupler_grid(self.length, self.height, self.rows, self.columns, self.centre)
+
+    def check_work(self, drive: Turn) -> None:
+        """Refuse, before any of it is worked out, more dashes or cells of the table than a person can use."""
+        points, turn = self.rows * self.columns, drive.end_deg - drive.start_deg
+        if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
+            found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
+            most = MOST_DASHES // points
+            remedy = f"give at least {rounded_up(turn / (2 * most), 4)} deg"
+            if turn > 180 * most:
+                remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
+            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy)
+        drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
+
+
+class AbstractAtlasRecipe(AbstractRecipe):
+    """What recipes of an atlas have in common."""
+
+    linkage: FourBar | SliderCrank
+    grid: Grid
+    branch: Literal[1, -1]
+    drive: Turn
+    stock: PlateStock
+
+    @property
+    def design(self) -> FourBar | SliderCrank:
+        return self.linkage
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage over the frames of the table."""
+        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
+
+    @cached_property
+    def table(self) -> Table:
+        motion, grid = self.motion, self.grid
+        columns = [Column(f"{motion.linkage.driver}_angle", "deg", "angle of the driver", np.degrees(motion.drive))]
+        curves = coupler_curves(motion, grid.points)
+        for k, (short, words, place) in enumerate(_named(grid)):
+            columns += xy_columns(short, "mm", f"coupler point in {words}", curves.reshape(-1, len(motion.drive))[k])
+            if (k // grid.columns + 1, k % grid.columns + 1) in grid.chosen:
+                track = motion.bodies["coupler"].point(place)
+                columns += xy_columns(f"{short}_velocity", "mm/s", f"its velocity, {words}", track.velocity)
+                columns += xy_columns(
+                    f"{short}_acceleration", "mm/s2", f"its acceleration, {words}", track.acceleration
+                )
+        return Table(tuple(columns))
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return (reached(self.motion, "driver's turn", "curves break where it opens"), *self.drive.checks)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        turn, motion = self.drive, self.motion
+        steps = np.radians(np.arange(turn.start_deg, turn.end_deg + 1e-9, self.grid.dash_deg))
+        drawn = dashes(self.linkage, self.grid.points.ravel(), steps, self.files.tolerance, self.branch)
+        # The linkage stands where it first closes, with the points of the grid on its coupler.
+        marks: list[AbstractCurve] = strokes(run for runs in drawn for run in runs)
+        if motion.closed.any():
+            frame = int(np.argmax(motion.closed))
+            marks += skeleton(motion, frame, self.stock)
+            at = motion.bodies["coupler"]
+            for _, _, place in _named(self.grid):
+                marks.append(Circle(complex(at.point(place).position[frame]), self.stock.pin_diameter / 8))
+        return (engraved("atlas", marks, self.stock),)
+
+
+def _named(grid: Grid) -> Iterator[tuple[str, str, complex]]:
+    for row in range(grid.rows):
+        for column in range(grid.columns):
+            name = f"row {row + 1}, column {column + 1}"
+            yield f"r{row + 1}c{column + 1}", name, complex(grid.points[row, column])
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourBarAtlasRecipe(AbstractAtlasRecipe):
+    """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate."""
+
+    kind: Literal["four-bar-atlas"] = "four-bar-atlas"
+    linkage: FourBar
+    grid: Grid
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
+        "1 or -1: rocker pin left or right of the line to its pivot", default=1
+    )
+    drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.grid.check_work(self.drive)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
+    """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate."""
+
+    kind: Literal["slider-crank-atlas"] = "slider-crank-atlas"
+    linkage: SliderCrank
+    grid: Grid
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        if self.linkage.driver == "slider":
+            raise DesignError("linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle")
+        self.grid.check_work(self.drive)

@@ -1,0 +1,96 @@
+"""Recipe of a disk cam."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..cam.base_circle import least_base_circle
+from ..cam.cam import Cam
+from ..cam.tables import cam_table
+from ..cam.undercut import Undercut, undercut
+from ..check import Check
+from ..errors import DesignError
+from ..judge.cam import cam_checks, most_pressure_angle
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Drive, Files
+from ..shop.cam.cams import CamStock, cam_parts
+from ..sizes import entry
+from ..table import Table
+from .example_cams import fit
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiskCamRecipe(AbstractRecipe):
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+
+    kind: Literal["disk-cam"] = "disk-cam"
+    cam: Cam
+    drive: Drive = entry("how the cam turns", default=Drive())
+    stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.drive.check_rows()
+
+    @property
+    def design(self) -> Cam:
+        return self.cam
+
+    @cached_property
+    def cut(self) -> Undercut:
+        """The cam that the follower leaves, trimmed where it undercuts."""
+        return undercut(self.cam)
+
+    @cached_property
+    def table(self) -> Table:
+        return cam_table(self.cam, self.drive.speed, self.drive.angles, self.cut)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return cam_checks(self.cam, self.cut)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Cam and follower."""
+        return tuple(cam_parts(self.cam, self.stock, self.cut))
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """The least base circle within the usual pressure angle, optimised segments, and what undercut does."""
+        cam = self.cam
+        notes: dict[str, object] = {}
+        try:
+            least = least_base_circle(cam.follower, cam.program, cam.direction, most_pressure_angle(cam))
+            notes["least_base_circle"] = {"radius_mm": float(f"{least.radius:.9g}"), "limit": least.limit}
+        except DesignError as error:
+            notes["least_base_circle"] = {"none": error.problem}
+        if cam.program.optima:
+            notes["optimised_segments"] = [
+                {
+                    "segment": k + 1,
+                    "peak_acceleration": float(f"{best.peak_acceleration:.9g}"),
+                    "proven_least": float(f"{best.bound:.9g}"),
+                    "peak_jerk": float(f"{best.peak_jerk:.9g}"),
+                    "units": "rad/rad2, rad/rad3" if cam.follower.oscillates else "mm/rad2, mm/rad3",
+                }
+                for k, best in sorted(cam.program.optima.items())
+            ]
+        return notes | ({"undercut": self._undercut()} if self.cut.found else {})
+
+    def _undercut(self) -> Mapping[str, object]:
+        (unit, size), (lost, at) = ("deg", 180 / np.pi) if self.cam.follower.oscillates else ("mm", 1.0), self.cut.worst
+        return {
+            f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
+            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
+            "spans_deg": [[float(f"{np.degrees(a):.9g}") for a in span] for span in self.cut.spans],
+        }
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return fit(asked)

@@ -1,0 +1,91 @@
+"""Recipe of two spur gears in mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+from ..check import Check
+from ..gear.pair import GearPair
+from ..gear.shifts import balanced_shifts, undercut_free_shift
+from ..gear.spur import SpurGear
+from ..gear.tables import contact_table
+from ..judge.gear import gear_checks, mesh_checks
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..shop.gear.gears import GearStock, base_plate, gear_parts
+from ..sizes import check_sizes, entry, quantity
+from ..table import Table
+from .gear_notes import gear_notes, mesh_notes
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearPairRecipe(AbstractRecipe):
+    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
+
+    kind: Literal["gear-pair"] = "gear-pair"
+    first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
+    second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))
+    shifts: Literal["given", "avoid-undercut", "balance-sliding"] = entry(
+        "profile shifts as given, the least that avoid undercut, or of the given sum such that both slide alike",
+        default="given",
+    )
+    centre_distance: float | None = quantity(
+        "distance of the axes; left out, the one without backlash", "mm", default=None, above=0, at_most=1e9
+    )
+    first_stock: GearStock = entry("what the driving gear is cut from", default=GearStock())
+    second_stock: GearStock = entry("what the driven gear is cut from", default=GearStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.design  # noqa: B018  refuses gears that cannot mesh
+
+    @cached_property
+    def design(self) -> GearPair:
+        """The gears with the shifts that were asked for, in mesh."""
+        one, two = self.first, self.second
+        if self.shifts == "avoid-undercut":
+            shifts = undercut_free_shift(one.teeth, one.rack), undercut_free_shift(two.teeth, two.rack)
+        elif self.shifts == "balance-sliding":
+            shifts = balanced_shifts(one.teeth, two.teeth, one.rack, one.profile_shift + two.profile_shift)
+        else:
+            shifts = one.profile_shift, two.profile_shift
+        one, two = (replace(g, profile_shift=x) for g, x in zip((one, two), shifts))
+        return GearPair(one, two, self.centre_distance)
+
+    @property
+    def gears(self) -> tuple[tuple[str, SpurGear, GearStock], ...]:
+        """Both gears as they are cut: name, gear and stock."""
+        pair = self.design
+        assert isinstance(pair.second, SpurGear)
+        return ("first", pair.first, self.first_stock), ("second", pair.second, self.second_stock)
+
+    @cached_property
+    def table(self) -> Table:
+        return contact_table(self.design)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        own = [c for name, gear, stock in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
+        return (*mesh_checks(self.design), *own)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [gear.outline for _, gear, _ in self.gears])
+        parts = [part for name, gear, stock in self.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
+        holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
+        if all(holes):
+            # As much plate around a hole as the hole is wide.
+            axes = [0j, complex(self.design.centre_distance)]
+            parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
+        return tuple(parts)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        measures = {name: gear_notes(gear) for name, gear, _ in self.gears}
+        return {"pair": mesh_notes(self.design), "measures_mm": measures}

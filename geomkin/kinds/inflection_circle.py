@@ -1,0 +1,122 @@
+"""Recipe of a coupler's inflection circle at one position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..judge.linkage import LARGEST_DRAWN
+from ..linkage.coupler.curve import CouplerCurve
+from ..linkage.instant.curvature import path_curvature
+from ..linkage.instant.inflection import inflection_circle
+from ..linkage.motion import Motion
+from ..linkage.named.four_bar import FourBar
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Arc, Circle, Segment
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files, Turn
+from ..shop.drawing import PlateStock, arrow, engraved, skeleton
+from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..table import Column, Table, finite, xy_columns
+
+
+@dataclass(frozen=True, kw_only=True)
+class InflectionCircleRecipe(AbstractRecipe):
+    """A four-bar at one position with the coupler's instant centre, inflection circle and centres of curvature."""
+
+    kind: Literal["inflection-circle"] = "inflection-circle"
+    linkage: FourBar
+    position_deg: float = quantity("driver's angle that is drawn", "deg", default=15.0, at_least=-360, at_most=360)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
+        "1 or -1: rocker pin left or right of the line to its pivot", default=1
+    )
+    drive: Turn = entry("how the driver turns, for the table", default=Turn())
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+
+    @property
+    def design(self) -> FourBar:
+        return self.linkage
+
+    @cached_property
+    def position(self) -> Motion:
+        """The linkage where it is drawn."""
+        motion = move(self.linkage, [np.radians(self.position_deg)], self.branch)
+        if not motion.closed[0]:
+            raise DesignError(
+                "position_deg", f"found {self.position_deg:g}, which is not reached", "give another angle"
+            )
+        return motion
+
+    @property
+    def longest(self) -> float:
+        """Longest link, mm."""
+        sizes = self.linkage
+        return max(sizes.ground, sizes.crank, sizes.coupler, sizes.rocker)
+
+    @cached_property
+    def table(self) -> Table:
+        motion = move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
+        circle = inflection_circle(motion, "coupler")
+        path = path_curvature(motion, "coupler", self.linkage.coupler_point)
+        centre = finite(circle.instant_centre.position)
+        return Table(
+            (
+                Column("drive_angle", "deg", "angle of the driver from the ground line", np.degrees(motion.drive)),
+                *xy_columns("instant_centre", "mm", "instant centre of the coupler", centre),
+                *xy_columns("inflection_pole", "mm", "inflection pole", finite(circle.pole)),
+                Column("inflection_diameter", "mm", "diameter of the inflection circle", finite(circle.diameter)),
+                *xy_columns("centrode_tangent", "", "direction of the centrode tangent", finite(circle.tangent)),
+                *xy_columns("coupler_point", "mm", "coupler point", path.position),
+                Column("path_curvature", "1/mm", "curvature of its path, left +", finite(path.curvature)),
+                *xy_columns("centre_of_curvature", "mm", "centre of curvature of its path", finite(path.centre)),
+            )
+        )
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        size = inflection_circle(self.position, "coupler").diameter[0] / self.longest
+        advice = "near a position with parallel cranks the circle does not fit a plate; give another position_deg"
+        check = Check("inflection diameter to longest link", size, "at most", LARGEST_DRAWN, "", advice)
+        return (check, *self.drive.checks)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        motion, stock = self.position, self.stock
+        circle = inflection_circle(motion, "coupler")
+        centre, pole = complex(circle.instant_centre.position[0]), complex(circle.pole[0])
+        diameter = circle.diameter[0]
+        marks = skeleton(motion, 0, stock)
+        if 0 < diameter <= LARGEST_DRAWN * self.longest:
+            tangent, dot = complex(circle.tangent[0]), stock.pin_diameter / 4
+            marks += [Circle((centre + pole) / 2, float(diameter) / 2), Circle(centre, dot), Circle(pole, dot)]
+            marks += [*arrow(centre, pole), Segment(centre - tangent * diameter / 2, centre + tangent * diameter / 2)]
+        return (engraved("inflection-circle", marks + self._path(), stock),)
+
+    def _path(self) -> list[AbstractCurve]:
+        """The coupler point, its path near by, and the arc about its centre of curvature that the path hugs."""
+        motion = self.position
+        path = path_curvature(motion, "coupler", self.linkage.coupler_point)
+        point, here = complex(path.position[0]), float(motion.drive[0])
+        near = (here - np.pi / 4, here + np.pi / 4)
+        try:
+            marks: list[AbstractCurve] = [CouplerCurve(self.linkage, "coupler_point", self.branch, near)]
+        except DesignError:
+            marks = []
+        centre, radius = complex(path.centre[0]), abs(float(path.radius[0]))
+        if 1e-3 < radius < LARGEST_DRAWN * self.longest:
+            half = min(np.pi, 0.5 * self.linkage.crank / radius)
+            marks += [Arc(centre, centre + (point - centre) * np.exp(-1j * half), 2 * half)]
+            marks += [Circle(centre, self.stock.pin_diameter / 4), Segment(centre, point)]
+        return [*marks, Circle(point, self.stock.pin_diameter / 4)]

@@ -1,0 +1,248 @@
+"""Linkages by their sizes: plates with pin holes, how they are stacked, and the motion of every body."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..judge.linkage import collision_check, hole_check, linkage_checks
+from ..linkage.limits import driver_limits
+from ..linkage.measures import grashof_type
+from ..linkage.motion import Motion
+from ..linkage.tables import motion_table
+from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
+from ..linkage.named.four_bar import FourBar
+from ..linkage.named.inverted_slider_crank import InvertedSliderCrank
+from ..linkage.named.shaper import Shaper
+from ..linkage.named.six_bars import StephensonSixBar, WattSixBar
+from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.solve.branch import Branch
+from ..linkage.solve.move import Named, move
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files, Stroke, Turn
+from ..shop.linkage.links import link_parts
+from ..shop.linkage.stack import Stack, stack_links
+from ..shop.linkage.stock import LinkStock
+from ..sizes import NotBoolean, entry
+from ..table import Table
+from .branches import Branches, branch_of, branches_entry
+from .dyad_list import WITH_SLIDER, DyadList
+
+
+OnSide = Annotated[Literal[1, -1, "follow"], NotBoolean()]
+
+
+class AbstractLinkageRecipe(AbstractRecipe):
+    """What recipes of linkages have in common: all of them are moved, judged and cut alike."""
+
+    linkage: Named
+    branch: OnSide
+    branches: Branches
+    drive: Turn
+    stock: LinkStock
+    # How the driver slides; None where it turns, as most can only.
+    stroke: Stroke | None = None
+    # What an example has in which a slide drives.
+    sliding: ClassVar[Mapping[str, object]] = {}
+
+    def __post_init__(self) -> None:
+        driven = self.design.linkage.driven_slider is not None
+        if driven and self.stroke is None:
+            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+        if not driven and self.stroke is not None:
+            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+        # At most so many columns come of the bodies, the slides and the points that are no pins.
+        linkage = self.design.linkage
+        points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+        joints = len(linkage.pins)
+        self.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
+
+    @property
+    def way(self) -> Turn | Stroke:
+        """How the driver goes."""
+        return self.stroke or self.drive
+
+    @property
+    def design(self) -> Named:
+        return self.linkage
+
+    @cached_property
+    def signs(self) -> Branch:
+        """The branch asked for."""
+        return branch_of(self.branch, self.branches)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion at the frames of the table."""
+        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
+
+    @cached_property
+    def fine_motion(self) -> Motion:
+        """The same in steps in which nothing slips through between two plates."""
+        return move(self.linkage, self.way.fine, self.signs, self.way.speed)
+
+    @cached_property
+    def stack(self) -> Stack:
+        """How the plates lie on each other."""
+        return stack_links(self.fine_motion, self.stock)
+
+    @cached_property
+    def table(self) -> Table:
+        return motion_table(self.motion)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        advice = "summary.json names them under stack; give narrower bars or other lengths"
+        return (
+            *linkage_checks(self.motion),
+            hole_check(self.stock.hole_diameter, self.stock.thickness),
+            collision_check(len(self.stack.collisions), advice),
+            *self.way.checks,
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        return tuple(link_parts(self.fine_motion, self.stock, self.stack))
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """How far the driver goes, what turns fully, and how the plates lie on each other."""
+        way, in_deg = self.way, isinstance(self.way, Turn)
+        limits = driver_limits(self.linkage, self.signs, (float(way.fine[0]), float(way.fine[-1])))
+        shown = [[float(f"{np.degrees(q) if in_deg else q:.10g}") for q in part] for part in limits]
+        grashof = {"grashof_type": grashof_type(self.linkage)} if isinstance(self.linkage, FourBar) else {}
+        return {f"driver_reaches_{'deg' if in_deg else 'mm'}": shown, **grashof, "stack": self.stack.summary()}
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return cls.sliding if "stroke" in asked else {"linkage": WITH_SLIDER} if asked else {}
+
+
+def branch_entry() -> OnSide:
+    """The branch of all dyads."""
+    meaning = (
+        "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
+        "follow: smoothly on from 1, or from what branches says, also through change points"
+    )
+    return entry(meaning, default=1)  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnedRecipe(AbstractLinkageRecipe):
+    """A linkage whose driver turns."""
+
+    kind: str
+    linkage: Named
+    branch: OnSide = branch_entry()
+    branches: Branches = branches_entry()
+    drive: Turn = entry("how the driver turns", default=Turn())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidRecipe(AbstractLinkageRecipe):
+    """A linkage whose driver turns or slides."""
+
+    kind: str
+    linkage: Named
+    branch: OnSide = branch_entry()
+    branches: Branches = branches_entry()
+    drive: Turn = entry("how the driver turns", default=Turn())
+    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourBarRecipe(TurnedRecipe):
+    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
+
+    kind: Literal["four-bar"] = "four-bar"
+    linkage: FourBar
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderCrankRecipe(SlidRecipe):
+    """A slider-crank, driven by crank, connecting rod or slider."""
+
+    kind: Literal["slider-crank"] = "slider-crank"
+    linkage: SliderCrank
+    sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class InvertedSliderCrankRecipe(TurnedRecipe):
+    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
+
+    kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
+    linkage: InvertedSliderCrank
+
+
+@dataclass(frozen=True, kw_only=True)
+class StephensonSixBarRecipe(TurnedRecipe):
+    """A four-bar whose coupler point drives an output, which can dwell."""
+
+    kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
+    linkage: StephensonSixBar
+
+
+@dataclass(frozen=True, kw_only=True)
+class WattSixBarRecipe(TurnedRecipe):
+    """Two four-bars in a row: the first one's rocker drives the second."""
+
+    kind: Literal["watt-six-bar"] = "watt-six-bar"
+    linkage: WattSixBar
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaperRecipe(TurnedRecipe):
+    """A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."""
+
+    kind: Literal["shaper"] = "shaper"
+    linkage: Shaper
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipticTrammelRecipe(SlidRecipe):
+    """A rod whose pins run in two crossing slots: its points draw ellipses."""
+
+    kind: Literal["elliptic-trammel"] = "elliptic-trammel"
+    linkage: EllipticTrammel
+    sliding: ClassVar = {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScotchYokeRecipe(TurnedRecipe):
+    """A crank pin in a slotted yoke: straight harmonic motion."""
+
+    kind: Literal["scotch-yoke"] = "scotch-yoke"
+    linkage: ScotchYoke
+
+
+@dataclass(frozen=True, kw_only=True)
+class OldhamCouplingRecipe(TurnedRecipe):
+    """Two slotted hubs and a disc between: shafts apart that turn alike."""
+
+    kind: Literal["oldham-coupling"] = "oldham-coupling"
+    linkage: OldhamCoupling
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkageRecipe(SlidRecipe):
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
+
+    kind: Literal["linkage"] = "linkage"
+    linkage: DyadList
+    sliding: ClassVar = {
+        "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
+        "stroke": Stroke(start=70, end=110),
+    }

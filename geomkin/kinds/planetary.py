@@ -1,0 +1,95 @@
+"""Recipe of a planetary set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..check import Check
+from ..gear.planetary import PlanetarySet
+from ..judge.gear import gear_checks, planetary_checks, ring_checks
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Drive, Files
+from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts, ring_part
+from ..sizes import entry
+from ..table import Column, Table
+from .gear_notes import gear_notes, mesh_notes, shown
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanetaryRecipe(AbstractRecipe):
+    """A sun, planets and a ring: all gears and the carrier that holds the planets; the sun drives, the ring stands."""
+
+    kind: Literal["planetary"] = "planetary"
+    gears: PlanetarySet
+    drive: Drive = entry("how the sun turns", default=Drive())
+    sun_stock: GearStock = entry("what the sun is cut from", default=GearStock())
+    planet_stock: GearStock = entry("what the planets are cut from", default=GearStock())
+    ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.drive.check_rows(self.gears.ratios["sun to carrier"])
+
+    @property
+    def design(self) -> PlanetarySet:
+        return self.gears
+
+    @cached_property
+    def table(self) -> Table:
+        """A turn of the carrier, in steps of the sun."""
+        ratio = self.gears.ratios["sun to carrier"]
+        steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
+        sun = np.linspace(0, 2 * np.pi * ratio, steps + 1)
+        speeds = self.gears.speeds(sun=1.0, ring=0.0)
+        planet = np.degrees(sun * speeds["planet"])
+        return Table(
+            (
+                Column("sun_angle", "deg", "turn of the sun", np.degrees(sun)),
+                Column("time", "s", "time", sun / self.drive.speed),
+                Column("carrier_angle", "deg", "turn of the carrier", np.degrees(sun * speeds["carrier"])),
+                Column("planet_angle", "deg", "turn of each planet, seen from the frame", planet),
+            )
+        )
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        return (
+            *planetary_checks(gears),
+            *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
+            *gear_checks(gears.planet, planet.rim_under(gears.planet), "planet"),
+            *ring_checks(gears.ring, self.ring_stock.rim, "ring"),
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
+        parts = gear_parts(gears.sun, sun, "sun", "sun_stock")
+        parts += gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets)
+        parts.append(ring_part(gears.ring, self.ring_stock))
+        if planet.bore:
+            holes = sun.hole_diameter, planet.hole_diameter
+            parts.append(carrier(gears, holes, planet.hole_diameter, planet.thickness))
+        return tuple(parts)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        gears = self.gears
+        return {
+            "ratios": {name: shown(ratio) for name, ratio in gears.ratios.items()},
+            "sun_and_planet": mesh_notes(gears.inner),
+            "planet_and_ring": mesh_notes(gears.outer),
+            "measures_mm": {
+                "sun": gear_notes(gears.sun),
+                "planet": gear_notes(gears.planet),
+                "ring": gear_notes(gears.ring),
+            },
+        }

@@ -1,0 +1,158 @@
+"""Recipe of velocity and acceleration polygons of any linkage at one position."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
+from ..errors import DesignError
+from ..linkage.instant.centres import instant_centres
+from ..linkage.motion import Body, Motion
+from ..linkage.openings import opening
+from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.primitives import Circle
+from ..shop.drawing import PlateStock, arrow, engraved, skeleton
+from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
+from ..table import Column, Table
+from .branches import Branches, branch_of, branches_entry
+from .dyad_list import WITH_SLIDER, DyadList
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+
+# Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
+# would leave nothing else to be seen.
+REACH = 2.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolygonsRecipe(AbstractRecipe):
+    """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
+
+    kind: Literal["polygons"] = "polygons"
+    linkage: DyadList
+    position: float = quantity(
+        "where the driver stands: deg where it turns, mm where it slides",
+        default=60.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    speed: float = quantity("speed of the driver: rad/s or mm/s", default=10.0, at_least=-FARTHEST, at_most=FARTHEST)
+    acceleration: float = quantity(
+        "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+    )
+    size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("branch of every dyad that is not named below", default=1)
+    branches: Branches = branches_entry()
+    stock: PlateStock = entry("the plates", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    @property
+    def design(self) -> DyadList:
+        return self.linkage
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at its position."""
+        place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
+        motion = move(self.linkage, [place], branch_of(self.branch, self.branches), self.speed, self.acceleration)
+        if not motion.closed[0]:
+            problem = f"found {self.position:g}, which is not reached: {opening(motion)}"
+            raise DesignError("position", problem, "give another")
+        return motion
+
+    @cached_property
+    def polygons(self) -> dict[str, tuple[VectorPolygon, str]]:
+        """Each polygon with its unit."""
+        return {
+            "velocity": (velocity_polygon(self.motion, 0, self.size), "mm/s"),
+            "acceleration": (acceleration_polygon(self.motion, 0, self.size), "mm/s2"),
+        }
+
+    @cached_property
+    def table(self) -> Table:
+        rows = [(name, unit, v) for name, (polygon, unit) in self.polygons.items() for v in polygon.vectors]
+        words = {
+            "polygon": "the polygon it belongs to",
+            "kind": "absolute, difference, normal, tangential, sliding or coriolis",
+            "body": "the body",
+            "from": "where it leads from",
+            "to": "where it leads to",
+        }
+        texts = zip(*[(name, v.kind, v.body, v.start, v.end) for name, _, v in rows])
+        values = np.array([v.value for _, _, v in rows])
+        return Table(
+            (
+                Column("number", "", "number of the vector", np.arange(1, len(rows) + 1)),
+                *(Column(name, "", about, np.array(text)) for (name, about), text in zip(words.items(), texts)),
+                Column("unit", "", "unit of its size", np.array([unit for _, unit, _ in rows])),
+                Column("size", "", "its size in that unit", np.abs(values)),
+                Column("direction", "deg", "its direction from +x", np.degrees(np.angle(values))),
+            )
+        )
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
+        advice = "near a dead centre the polygons run off"
+        return (Check("transmission angle here", angle, "at least", least, "deg", advice),)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        radius = self.stock.pin_diameter / 4
+        centres = [Circle(z, radius) for z in self._near_centres()]
+        parts = [engraved("position", [*skeleton(self.motion, 0, self.stock), *centres], self.stock)]
+        for name, (polygon, _) in self.polygons.items():
+            # Of a difference that is drawn in parts only the parts, so that no line is drawn twice.
+            split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
+            drawn: dict[tuple[complex, complex], None] = {}
+            for v in polygon.vectors:
+                ends = v.tail, v.tip
+                if v.kind == "difference" and (v.body, v.start, v.end) in split:
+                    continue
+                if ends not in drawn and ends[::-1] not in drawn:
+                    drawn[ends] = None
+            marks = [mark for tail, tip in drawn for mark in arrow(tail, tip)]
+            parts.append(engraved(f"{name}-polygon", marks, self.stock))
+        return tuple(parts)
+
+    def _near_centres(self) -> list[complex]:
+        """Instant centres that are no pins and lie near enough to be drawn."""
+        motion = self.motion
+        points = [z for n, b in motion.bodies.items() for z in _places(b, motion.linkage.bodies[n])]
+        middle, reach = sum(points) / len(points), max(abs(z - points[0]) for z in points)
+        found: list[complex] = []
+        for centre in instant_centres(motion).values():
+            z = complex(centre.position[0])
+            if abs(z - middle) <= REACH * reach and all(abs(z - other) > 1e-6 * reach for other in (*points, *found)):
+                found.append(z)
+        return found
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Scales of the drawings, and every instant centre: its place, or the direction in which it lies at infinity."""
+        scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
+        centres: dict[str, object] = {}
+        for pair, centre in instant_centres(self.motion).items():
+            z = complex(centre.position[0])
+            far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
+            centres[" and ".join(pair)] = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")] if np.isfinite(z) else far
+        return {"scale": scale, "instant_centres_mm": centres}
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return {"linkage": WITH_SLIDER} if asked else {}
+
+
+def _places(body: Body, points: Mapping[str, complex]) -> list[complex]:
+    return [complex(body.point(z).position[0]) for z in points.values()]

@@ -1,0 +1,77 @@
+"""Recipe of a pinion on a rack."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from ..check import Check
+from ..gear.gear_rack import GearRack
+from ..gear.rack_pair import RackPair
+from ..gear.spur import SpurGear
+from ..gear.tables import contact_table
+from ..judge.gear import gear_checks, mesh_checks
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..shop.gear.gears import GearStock, gear_parts, rack_part
+from ..sizes import check_sizes, entry, quantity
+from ..table import Table
+from .gear_notes import gear_notes, shown
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True, kw_only=True)
+class RackAndPinionRecipe(AbstractRecipe):
+    """A pinion and the rack it drives."""
+
+    kind: Literal["rack-and-pinion"] = "rack-and-pinion"
+    pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
+    rack: GearRack = entry("the rack", example=GearRack(12, 2))
+    distance: float | None = quantity(
+        "distance of the pinion's axis from the rack's reference line; left out, the one without backlash",
+        "mm",
+        default=None,
+        above=0,
+        at_most=1e9,
+    )
+    stock: GearStock = entry("what both are cut from", default=GearStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.design  # noqa: B018  refuses gears that cannot mesh
+
+    @cached_property
+    def design(self) -> RackPair:
+        """Both in mesh."""
+        return RackPair(self.pinion, self.rack, self.distance)
+
+    @cached_property
+    def table(self) -> Table:
+        return contact_table(self.design)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        own = gear_checks(self.pinion, self.stock.rim_under(self.pinion), "pinion")
+        return (*mesh_checks(self.design), *own)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [self.pinion.outline])
+        return (*gear_parts(self.pinion, self.stock, "pinion"), rack_part(self.rack, self.stock.thickness))
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        pair = self.design
+        mesh = {
+            "distance_mm": shown(pair.distance),
+            "travel_per_turn_mm": shown(pair.travel),
+            "contact_ratio": shown(pair.contact_ratio),
+            "backlash_mm": round(pair.backlash, 9) + 0.0,
+            "clearances_mm": [shown(c) for c in pair.clearances],
+            "interferences": list(pair.interferences),
+        }
+        return {"pair": mesh, "measures_mm": {"pinion": gear_notes(self.pinion)}}

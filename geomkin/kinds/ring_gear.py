@@ -1,0 +1,52 @@
+"""Recipe of a ring gear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from ..check import Check
+from ..gear.ring import RingGear
+from ..gear.tables import tooth_table
+from ..judge.gear import ring_checks
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..shop.gear.gears import RingStock, ring_part
+from ..sizes import entry
+from ..table import Table
+from .gear_notes import gear_notes
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingGearRecipe(AbstractRecipe):
+    """An internal gear as its pinion cutter leaves it: ring plate and tooth coordinates."""
+
+    kind: Literal["ring-gear"] = "ring-gear"
+    gear: RingGear
+    stock: RingStock = entry("what the ring is cut from", default=RingStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def design(self) -> RingGear:
+        return self.gear
+
+    @cached_property
+    def table(self) -> Table:
+        return tooth_table(self.gear, self.files.tolerance)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return ring_checks(self.gear, self.stock.rim)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [], [self.gear.outline])
+        return (ring_part(self.gear, self.stock),)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {"measures_mm": gear_notes(self.gear)}

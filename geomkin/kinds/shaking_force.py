@@ -1,0 +1,152 @@
+"""Recipe of a slider-crank's shaking force and the counterbalance that makes it least."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
+from ..errors import DesignError
+from ..linkage.motion import Motion
+from ..linkage.forces.shaking import (
+    Counterbalance,
+    SliderCrankMasses,
+    best_counterbalance,
+    judged_counterbalance,
+    shaking_force,
+)
+from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.primitives import Circle
+from ..shop.linkage.links import link_parts
+from ..shop.linkage.stack import Stack, stack_links
+from ..shop.linkage.stock import LinkStock
+from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..table import Column, Table, xy_columns
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files, Turn
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShakingForceRecipe(AbstractRecipe):
+    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
+
+    kind: Literal["shaking-force"] = "shaking-force"
+    linkage: SliderCrank
+    masses: SliderCrankMasses
+    counterbalance: float = quantity(
+        "given counterbalance, mass times radius opposite the crank pin",
+        "kg mm",
+        default=0.0,
+        example=35,
+        at_least=-1e6,
+        at_most=1e6,
+    )
+    weight_density: float = quantity(
+        "density of the counterweight's sheet, which is as thick as the links",
+        "kg/m3",
+        default=7850.0,
+        above=0,
+        at_most=30000,
+    )
+    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    drive: Turn = entry("how the crank turns", default=Turn())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+        if self.linkage.driver != "crank":
+            raise DesignError(
+                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
+            )
+
+    @property
+    def design(self) -> SliderCrank:
+        return self.linkage
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion at the frames of the table."""
+        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
+
+    @cached_property
+    def fine_motion(self) -> Motion:
+        """In steps in which nothing slips through between two plates."""
+        return move(self.linkage, self.drive.fine, self.branch, self.drive.speed)
+
+    @cached_property
+    def stack(self) -> Stack:
+        """How the plates lie on each other."""
+        return stack_links(self.fine_motion, self.stock)
+
+    @cached_property
+    def best(self) -> Counterbalance:
+        """The counterbalance along the crank that makes the largest force least."""
+        return best_counterbalance(self.linkage, self.masses, self.branch)
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest force over the turn, N, with none, the given and the best counterbalance."""
+        judged = {
+            "none": judged_counterbalance(self.linkage, self.masses, 0.0, self.branch),
+            "given": judged_counterbalance(self.linkage, self.masses, self.counterbalance, self.branch),
+            "best": self.best,
+        }
+        return {name: c.largest * self.drive.speed**2 for name, c in judged.items()}
+
+    @cached_property
+    def table(self) -> Table:
+        motion = self.motion
+        columns = [
+            Column("crank_angle", "deg", "angle of the crank from the ground line", np.degrees(motion.drive)),
+            Column("time", "s", "time at the recipe's speed", (motion.drive - motion.drive[0]) / self.drive.speed),
+        ]
+        for name, product in (("none", 0.0), ("given", self.counterbalance), ("best", self.best.product)):
+            force = shaking_force(motion, self.masses, product)
+            columns += xy_columns(f"force_{name}", "N", f"shaking force, counterbalance: {name}", force)
+            columns.append(Column(f"force_{name}", "N", f"its size, counterbalance: {name}", np.abs(force)))
+        return Table(tuple(columns))
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        largest = self.largest
+        share, advice = largest["given"] / largest["best"], f"give counterbalance = {self.best.product.real:.6g}"
+        return (
+            reached(self.motion, "crank's turn"),
+            Check("largest force, given to best counterbalance", share, "at most", MOST_FORCE_TO_BEST, "", advice),
+            collision_check(len(self.stack.collisions), "see summary.json"),
+            *self.drive.checks,
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        return (*link_parts(self.fine_motion, self.stock, self.stack), *self._counterweight())
+
+    def _counterweight(self) -> list[Part]:
+        """An eccentric disc with the best product: its shaft hole at half its radius, opposite the crank pin."""
+        product = self.best.product.real
+        if product <= 0:
+            return []
+        stock, hole = self.stock, self.stock.hole_diameter / 2
+        # The hole lies on the shaft and takes nothing from the product: density thickness pi r^2 times r / 2.
+        radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
+        if radius <= 4 * hole:
+            return []
+        holes = (Circle(0j, hole), Circle(complex(-radius), hole))
+        return [Part("counterweight", Circle(complex(-radius / 2), radius), holes, stock.thickness)]
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {
+            "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
+            "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
+            "stack": self.stack.summary(),
+        }

@@ -1,0 +1,59 @@
+"""Recipe of a spur gear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+from ..check import Check
+from ..gear.shifts import undercut_free_shift
+from ..gear.spur import SpurGear
+from ..gear.tables import tooth_table
+from ..judge.gear import gear_checks
+from ..part import Part
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..shop.gear.gears import GearStock, gear_parts
+from ..sizes import entry
+from ..table import Table
+from .gear_notes import gear_notes
+from .tooth_points import check_tooth_points
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpurGearRecipe(AbstractRecipe):
+    """A spur gear with the root curve its rack leaves: gear plate and tooth coordinates."""
+
+    kind: Literal["spur-gear"] = "spur-gear"
+    gear: SpurGear
+    shift: Literal["given", "avoid-undercut"] = entry(
+        "the gear's profile_shift as given, or the least that avoids undercut", default="given"
+    )
+    stock: GearStock = entry("what the gear is cut from", default=GearStock())
+    files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def design(self) -> SpurGear:
+        """The gear with the shift that was asked for."""
+        if self.shift == "given":
+            return self.gear
+        return replace(self.gear, profile_shift=undercut_free_shift(self.gear.teeth, self.gear.rack))
+
+    @cached_property
+    def table(self) -> Table:
+        return tooth_table(self.design, self.files.tolerance)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return gear_checks(self.design, self.stock.rim_under(self.design))
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [self.design.outline])
+        return tuple(gear_parts(self.design, self.stock))
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {"measures_mm": gear_notes(self.design)}

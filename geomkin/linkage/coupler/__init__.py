@@ -1,0 +1,1 @@
+"""Curves that points of the coupler draw."""

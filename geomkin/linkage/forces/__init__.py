@@ -1,0 +1,1 @@
+"""What a moving linkage does to its frame."""

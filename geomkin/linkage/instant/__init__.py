@@ -1,0 +1,1 @@
+"""The geometry of a motion at an instant: centres, centrodes, curvature, polygons."""

@@ -1,0 +1,91 @@
+"""Centrodes: the two curves, one on a body and one on the ground, that roll on each other as the body moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...arguments import check_fields
+from ...errors import DesignError
+from ...plane.vec import Array, dot
+from .centres import InstantCentre, instant_centre
+from .inflection import inflection_circle
+from ..motion import Motion
+
+# How many times the way that its own speed takes it a centre may move between two frames. Larger, and a linkage that
+# changes its branch draws a false line; smaller, and a true curve in coarse steps is broken.
+LEAP = 4.0
+# Share of the linkage's size within which a centre that rests counts as resting: its own rounding is far less.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Centrodes:
+    """Path of a body's instant centre on the ground and on the body, over the frames; the second rolls on the first."""
+
+    motion: Motion
+    body: str
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @cached_property
+    def centre(self) -> InstantCentre:
+        """The body's instant centre on the ground, (frames,)."""
+        return instant_centre(self.motion, self.body, self.motion.linkage.ground)
+
+    @property
+    def fixed(self) -> Array:
+        """The fixed centrode: the instant centre, mm, (frames,); nan at infinity and where open."""
+        return self.centre.position
+
+    @cached_property
+    def _arm(self) -> Array:
+        """From the body's origin to the instant centre, mm; taken together, since both may be far away."""
+        body = self.motion.bodies[self.body]
+        start = self.centre.reference - body.origin.position
+        return InstantCentre(start, self.centre.arm, self.centre.weight).position
+
+    @property
+    def moving(self) -> Array:
+        """The moving centrode: the instant centre in the body's own frame, mm, (frames,); nan as `fixed`."""
+        return self._arm * np.conj(self.motion.bodies[self.body].direction)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity of the instant centre along the fixed centrode, mm/s, (frames,); nan at infinity.
+
+        |omega| D along the centrode tangent, D the diameter of the inflection circle.
+        """
+        return self.motion.timing.rate(self._first)
+
+    @cached_property
+    def _first(self) -> Array:
+        """The same in drive for time, mm per unit of drive."""
+        return inflection_circle(self.motion, self.body).centre_velocity
+
+    def runs(self, reach: float) -> list[slice]:
+        """Frames between which both centrodes run unbroken, at least two in each run.
+
+        Broken at every centre farther than `reach`, mm, from the body's origin, at infinity, where the linkage is
+        open, and between two frames if the centre passes through infinity there or leaps to another place, as it
+        does where a linkage changes its branch. `fixed[run]` and `moving[run]` may be drawn as they are.
+        """
+        if not reach > 0:
+            raise DesignError("reach", f"found {reach}", "give a distance above 0, in mm")
+        if self.motion.closed.ndim > 1:
+            raise DesignError("motion", "found many linkages at once", "give one, for the runs of each differ")
+        with np.errstate(invalid="ignore"):
+            kept = np.abs(self._arm) <= reach
+        weight, arm = self.centre.weight, self.centre.arm
+        # Through infinity the rate of turning changes sign and the centre comes back on the other side. Where the
+        # body comes to rest and turns back, everything changes sign, and the centre goes on where it is.
+        through = (weight[:-1] * weight[1:] < 0) & (dot(arm[:-1], arm[1:]) > 0)
+        speed = np.abs(self._first)
+        own_step = np.fmax(speed[:-1], speed[1:]) * np.abs(np.diff(self.motion.drive))
+        leap = np.abs(np.diff(self.fixed)) > LEAP * own_step + ROUNDING * self.motion.linkage.size
+        joined = kept[:-1] & kept[1:] & ~through & ~leap
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], joined, [False]]).astype(int)))
+        return [slice(int(start), int(end) + 1) for start, end in zip(edges[::2], edges[1::2])]

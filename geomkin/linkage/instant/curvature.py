@@ -1,0 +1,195 @@
+"""Curvature of the paths of a body's points, and the Euler-Savary equation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arguments import Extended, Place, Places, RealArray, check_fields, checked
+from ...errors import DesignError
+from ...plane.vec import Array, cross, dot, unit
+from .centres import pin_between, settled, slider_between
+from ..motion import Motion
+
+# Share of its terms from which a sum is rounding. Smaller, and a slider's pin gets a centre of curvature and a cusp a
+# radius; larger, and flat paths and sharp bends are lost.
+ROUNDING = 1e-14
+# Speed of a point, as a share of its terms, below which it is so near the instant centre that a bend lost in rounding
+# may be of any radius. Smaller, and short radii are taken for straight; larger, and straight paths are not known.
+SLOW = 1e-3
+# Square of a body's speed over its acceleration, in sizes of the linkage, below which it turns back: of what bends its
+# paths six digits are left then. Smaller, and rounding is taken for curvature; larger, and true values are lost.
+TURNING_BACK = 1e-10
+# 1/a - 1/c - 1/j = 0, the Euler-Savary equation.
+SIGN = {"point": 1, "centre": -1, "inflection": -1}
+
+
+@dataclass(frozen=True, eq=False)
+class PathCurvature:
+    """A point on its path to second order; any shape.
+
+    position: mm. tangent: unit complex, nan at a cusp. curvature: 1/mm, positive where the path turns left along
+    `tangent`; 0 where straight, inf at a cusp.
+    """
+
+    position: Array
+    tangent: Array
+    curvature: RealArray
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def radius(self) -> Array:
+        """Radius of curvature, mm, signed as the curvature; inf where straight, 0 at a cusp."""
+        with np.errstate(divide="ignore"):
+            return 1 / np.abs(self.curvature) * np.where(np.asarray(self.curvature) < 0, -1, 1)
+
+    @property
+    def centre(self) -> Array:
+        """Centre of curvature, mm; nan where straight, the point itself at a cusp."""
+        with np.errstate(invalid="ignore"):
+            centre = self.position + 1j * np.asarray(self.tangent) * self.radius
+        straight = np.where(np.asarray(self.curvature) == 0, complex(np.nan, np.nan), centre)
+        return np.where(np.isinf(self.curvature), self.position, straight)
+
+
+@checked
+def crank_path(pin: Places, pivot: Places) -> PathCurvature:
+    """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape.
+
+    The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
+    """
+    pin, arm = np.asarray(pin, dtype=complex), np.asarray(pin, dtype=complex) - pivot
+    with np.errstate(divide="ignore"):
+        return PathCurvature(pin, 1j * unit(arm), 1 / np.abs(arm))
+
+
+@checked
+def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
+    """Path of a body's point `local`, mm in the body's frame, on the ground, along rising drive; (frames,).
+
+    With V and A its first and second kinematic coefficients the curvature is V x A / |V|^3; a body joined to the
+    ground, and a pin that it shares with others, turns about a pivot or runs along a slide. nan where the linkage is
+    open, where the driver stands at its own dead centre, where all points of the body turn back, and for points so
+    near the instant centre that the digits do not tell a straight path from a bent one.
+    """
+    if body not in motion.bodies:
+        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
+    if np.shape(local) not in ((), motion.closed.shape):
+        raise DesignError(
+            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.closed.shape} of them"
+        )
+    carrier, local = _guided(motion, body, local)
+    moved, ground = motion.bodies[carrier], motion.linkage.ground
+    position = moved.point(local).position
+    pin, rail = pin_between(motion.linkage, ground, carrier), slider_between(motion.linkage, ground, carrier)
+    if carrier != ground and pin is not None:
+        path = crank_path(position, motion.point(pin).position)
+        backwards = np.where(moved.first < 0, -1, 1)
+        return PathCurvature(path.position, path.tangent * backwards, path.curvature * backwards)
+    if rail is not None:
+        along = motion.bodies[rail.along].direction * rail.direction
+        backwards = np.where(dot(along, moved.origin.first) < 0, -1, 1)
+        return PathCurvature(position, along * backwards, 0 * position.real)
+    return path_in(position, position - moved.origin.position, *second_order(motion, carrier))
+
+
+def _guided(motion: Motion, body: str, local: complex) -> tuple[str, complex]:
+    """The same point as one of a body that is joined to the ground, where a pin makes it one."""
+    linkage = motion.linkage
+
+    def joined(name: str) -> bool:
+        pair = linkage, linkage.ground, name
+        return name != linkage.ground and bool(pin_between(*pair) or slider_between(*pair))
+
+    if not joined(body):
+        for name, place in linkage.bodies[body].items():
+            other = next((b for b in linkage.pins.get(name, ()) if joined(b)), None)
+            if other is not None and np.array_equal(place, local):
+                return other, linkage.bodies[other][name]
+    return body, local
+
+
+def second_order(motion: Motion, body: str) -> tuple[Array, Array, Array, Array]:
+    """First and second coefficients of a body's origin, then of its angle; nan where second order is lost.
+
+    A turn that is rounding is 0.
+    """
+    moved, extent = motion.bodies[body], motion.linkage.size
+    with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
+        velocity, acceleration, turn, turn_rate = moved.origin.first, moved.origin.second, moved.first, moved.second
+        speed = np.abs(velocity) + np.abs(turn) * extent
+        gain = np.abs(acceleration) + np.abs(turn_rate) * extent
+        lost = (speed**2 <= TURNING_BACK * gain * extent) | ~np.isfinite(gain)
+        turn = settled(turn, np.abs(velocity), extent)
+        turn_rate = settled(turn_rate, np.abs(acceleration), extent)
+    velocity, acceleration, turn, turn_rate = (
+        np.where(lost, np.nan, part) for part in (velocity, acceleration, turn, turn_rate)
+    )
+    return velocity, acceleration, turn, turn_rate
+
+
+def path_in(
+    position: Array, arm: Array, velocity: Array, acceleration: Array, turn: Array, turn_rate: Array
+) -> PathCurvature:
+    """The path of a body's point, an arm away from a place with this velocity and acceleration."""
+    v, a = (velocity, 1j * turn * arm), (acceleration, (1j * turn_rate - turn**2) * arm)
+    first, second = v[0] + v[1], a[0] + a[1]
+    speed, bend = np.abs(first), cross(first, second)
+    # How much of speed and bend may be rounding of their terms.
+    speed_terms, gain_terms = np.abs(v[0]) + np.abs(v[1]), np.abs(a[0]) + np.abs(a[1])
+    lost = np.abs(bend) <= ROUNDING * (speed_terms * np.abs(second) + speed * gain_terms)
+    straight = np.where(speed > SLOW * speed_terms, 0.0, np.nan)
+    cusp = speed <= ROUNDING * speed_terms
+    with np.errstate(divide="ignore", invalid="ignore"):
+        curvature = np.where(cusp, np.inf, np.where(lost, straight, bend / speed**3))
+    return PathCurvature(position, np.where(cusp, np.nan, unit(first)), np.where(speed_terms > 0, curvature, np.nan))
+
+
+@checked
+def euler_savary(
+    *,
+    instant_centre: Extended | None = None,
+    point: Extended | None = None,
+    centre: Extended | None = None,
+    inflection: Extended | None = None,
+) -> Array:
+    """The fourth of four places on a ray through the instant centre, from the other three.
+
+    All are signed distances along the ray from one origin, mm, arrays of any shapes that broadcast: the instant
+    centre I, a point A of the body, the centre of curvature C of its path, and J where the ray cuts the
+    inflection circle. (A - I)^2 = (A - J)(A - C); with a, c, j the distances from I: 1/a - 1/c = 1/j. j is
+    D cos(psi), with D the circle's diameter and psi the ray's angle from the centrode normal; the centrodes'
+    own centres of curvature O_M and O_F are such a pair A and C with j = D.
+
+    Point, centre and inflection may be inf (a slider; one infinity at both ends of the ray). The instant centre has
+    two answers, (2, ...), the greater first; nan where there is none. nan also where the three do not say.
+    """
+    places = {"instant_centre": instant_centre, "point": point, "centre": centre, "inflection": inflection}
+    missing = [name for name, place in places.items() if place is None]
+    if len(missing) != 1:
+        found = ", ".join(name for name in places if name not in missing) or "none"
+        raise DesignError("euler_savary", f"found {found}", f"give exactly three of {', '.join(places)}")
+    wanted = missing[0]
+    known = {name: np.asarray(place, dtype=float) for name, place in places.items() if place is not None}
+    with np.errstate(all="ignore"):
+        if wanted == "instant_centre":
+            return _instant_centres(known["point"], known["centre"], known["inflection"])
+        base = known.pop("instant_centre")
+        # Each distance as n / d, with 1 / 0 for infinity, so that nothing is subtracted from infinity.
+        (n1, d1, sign1), (n2, d2, sign2) = (
+            (np.where(np.isinf(place), 1.0, place - base), np.where(np.isinf(place), 0.0, 1.0), SIGN[name])
+            for name, place in known.items()
+        )
+        top, bottom = -SIGN[wanted] * n1 * n2, sign1 * d1 * n2 + sign2 * d2 * n1
+        return np.where((bottom == 0) & (top != 0), np.inf, base + top / bottom)
+
+
+def _instant_centres(point: Array, centre: Array, inflection: Array) -> Array:
+    product = (point - inflection) * (point - centre)
+    root = np.where(np.isinf(product), np.inf, np.sqrt(product))
+    # A point at infinity has its centre and its inflection point equally far on both sides of one instant centre.
+    second = np.where(np.isinf(point), 0.5 * (centre + inflection), point - root)
+    return np.stack(np.broadcast_arrays(point + root, second))

@@ -1,0 +1,154 @@
+"""Velocity and acceleration polygons: one position of a linkage as vectors from a pole, to scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arguments import checked
+from ...errors import DesignError
+from ..linkage import Slider
+from ..motion import Motion
+
+
+@dataclass(frozen=True)
+class Vector:
+    """One vector of a polygon.
+
+    kind: absolute (pole to a point), difference (point to point of one body), normal and tangential (its
+    parts in an acceleration polygon), sliding (of a slider on its guide), coriolis. start, end: the points it leads
+    between; of parts, those of the whole. body: the body both points are of, the slider's for what slides.
+    tail, tip: mm on the drawing. value: complex, mm/s or mm/s2.
+    """
+
+    kind: str
+    body: str
+    start: str
+    end: str
+    tail: complex
+    tip: complex
+    value: complex
+
+
+@dataclass(frozen=True)
+class VectorPolygon:
+    """Velocities or accelerations of all named points, drawn from the pole at 0.
+
+    scale: mm on the drawing per mm/s or mm/s2. points: where each named point's vector from the pole ends, mm;
+    fixed points lie at the pole, and so does `POLE` itself. vectors: absolute ones first. images: for each moving
+    body of two points or more, its points in order; they span its image, a figure similar to the body: turned
+    by 90 deg and omega times as large for velocities, |i alpha - omega^2| times for accelerations.
+    """
+
+    scale: float
+    points: Mapping[str, complex]
+    vectors: tuple[Vector, ...]
+    images: Mapping[str, tuple[str, ...]]
+
+
+# Name of the pole, where everything at rest is.
+POLE = "pole"
+# Share of the largest vector below which one is taken for zero and left out: smaller draws rounding as vectors.
+ROUNDING = 1e-12
+
+
+@checked
+def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None) -> VectorPolygon:
+    """Velocity polygon of one frame.
+
+    scale, mm per mm/s, is the largest of 1, 2, 5, 10, ... that keeps both sides of the polygon within `size`
+    mm, unless given. Where a slider's guide moves, the guide's point under the slider is named "slide on guide"
+    after both; the sliding velocity leads from there to the slider's point. DesignError where the linkage is open
+    or its velocities are not finite, and where nothing moves and no scale is given.
+    """
+    return _polygon(motion, frame, 1, size, scale)
+
+
+@checked
+def acceleration_polygon(
+    motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None
+) -> VectorPolygon:
+    """Acceleration polygon of one frame: as `velocity_polygon`, scale in mm per mm/s2.
+
+    The acceleration of one point of a body against another is made of its normal part, -omega^2 r, then its
+    tangential part, i alpha r; from a moving guide's point lead the Coriolis part, 2 i omega v, then the sliding part.
+    """
+    return _polygon(motion, frame, 2, size, scale)
+
+
+def _polygon(motion: Motion, frame: int, order: int, size: float, scale: float | None) -> VectorPolygon:
+    for field, given in (("size", size), ("scale", scale)):
+        if given is not None and not 0 < given < np.inf:
+            raise DesignError(field, f"found {given}", "give a number above 0")
+    linkage, ground = motion.linkage, motion.linkage.ground
+    members = {body: dict(points) for body, points in linkage.bodies.items()}
+    sliding: list[tuple[Slider, str, str]] = []
+    for slider in linkage.sliders:
+        point = next(
+            (n for n, z in members[slider.body].items() if z == slider.point), f"{slider.name} on {slider.body}"
+        )
+        members[slider.body][point] = slider.point
+        under = POLE
+        if slider.along != ground:
+            under, guide = f"{slider.name} on {slider.along}", motion.bodies[slider.along]
+            on_slider = motion.bodies[slider.body].point(slider.point).position[frame]
+            local = (on_slider - guide.origin.position[frame]) * np.conj(guide.direction[frame])
+            members[slider.along][under] = complex(local)
+        sliding.append((slider, under, point))
+
+    value, owner = {POLE: 0j}, {POLE: ground}
+    for body, points in members.items():
+        for name in [n for n in points if n not in owner]:
+            at = motion.bodies[body].point(points[name])
+            value[name], owner[name] = complex((at.velocity if order == 1 else at.acceleration)[frame]), body
+    if not np.isfinite(list(value.values())).all():
+        raise DesignError(
+            "frame", f"frame {frame} is open or at a dead centre", "give a frame that the linkage runs through"
+        )
+
+    # kind, body, start, end, from, to
+    parts = [("absolute", body, POLE, name, 0j, value[name]) for name, body in owner.items() if body != ground]
+    for body, points in members.items():
+        if body == ground:
+            continue
+        names = list(points)
+        for one, two in zip(names, names[1:] + names[:1] if len(names) > 2 else names[1:]):
+            parts.append(("difference", body, one, two, value[one], value[two]))
+            if order == 2:
+                pose = motion.bodies[body]
+                arm = pose.direction[frame] * (points[two] - points[one])
+                knee = value[one] - complex(pose.omega[frame] ** 2 * arm)
+                parts.append(("normal", body, one, two, value[one], knee))
+                parts.append(("tangential", body, one, two, knee, value[two]))
+    for slider, under, point in sliding:
+        knee = value[under]
+        if order == 2 and slider.along != ground:
+            knee = knee + complex(motion.slide(slider.name).coriolis[frame])
+            parts.append(("coriolis", slider.body, under, point, value[under], knee))
+        parts.append(("sliding", slider.body, under, point, knee, value[point]))
+
+    reached = np.array([0j, *(tip for *_, tip in parts)])
+    least = ROUNDING * float(np.abs(reached).max())
+    if scale is None:
+        scale = _round_scale(float(max(np.ptp(reached.real), np.ptp(reached.imag))), size)
+    return VectorPolygon(
+        scale,
+        {name: scale * z for name, z in value.items()},
+        tuple(
+            Vector(kind, body, start, end, scale * tail, scale * tip, tip - tail)
+            for kind, body, start, end, tail, tip in parts
+            if abs(tip - tail) > least
+        ),
+        {body: tuple(points) for body, points in members.items() if body != ground and len(points) > 1},
+    )
+
+
+def _round_scale(extent: float, size: float) -> float:
+    """1, 2 or 5 times a power of 10: what a person can read a drawing by."""
+    if extent == 0:
+        raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale")
+    largest = size / extent
+    ten = 10.0 ** np.floor(np.log10(largest))
+    return float(next(step * ten for step in (5, 2, 1) if step * ten <= largest * (1 + 1e-12)))

@@ -1,0 +1,1 @@
+"""Linkages that have a name: their sizes, and nothing else."""

@@ -1,0 +1,71 @@
+"""The four-bar linkage: its sizes, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ...errors import DesignError
+from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ..linkage import Linkage
+
+
+@dataclass(frozen=True)
+class FourBar:
+    """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
+
+    The crank turns about the origin; the rocker's ground pivot lies on +x at `ground`. `origin` and
+    `ground_angle_deg` place the whole. Lengths may be arrays (linkages,): many four-bars at once, of
+    which those that cannot be assembled are open at every frame.
+    """
+
+    ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
+    crank: float = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: float = quantity(
+        "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
+    )
+    rocker: float = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
+        "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
+        default=0j,
+    )
+    driver: Literal["crank", "coupler", "rocker"] = entry("link whose angle is driven", default="crank")
+    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+        if self.driver not in ("crank", "coupler", "rocker"):
+            raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or rocker")
+        if np.ndim(self.ground + self.crank + self.coupler + self.rocker):
+            return
+        lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
+        longest = max(lengths, key=lengths.__getitem__)
+        others = sum(lengths.values()) - lengths[longest]
+        if lengths[longest] >= others:
+            raise DesignError(
+                longest,
+                f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
+                "so the loop cannot close",
+                f"give {longest} less than {others:g} mm or lengthen the others",
+            )
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: ground and rocker have their frames at their pivots, the coupler at the crank pin."""
+        return Linkage(
+            bodies={
+                "ground": {"crank_pivot": 0j, "rocker_pivot": self.ground + 0j},
+                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
+                "coupler": {"crank_pin": 0j, "rocker_pin": self.coupler + 0j, "coupler_point": self.coupler_point},
+                "rocker": {"rocker_pivot": 0j, "rocker_pin": self.rocker + 0j},
+            },
+            driver=self.driver,
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )

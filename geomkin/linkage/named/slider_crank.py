@@ -1,0 +1,68 @@
+"""The slider-crank: its sizes, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ...errors import DesignError
+from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ..linkage import Linkage, Slider
+
+
+@dataclass(frozen=True)
+class SliderCrank:
+    """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
+
+    The crank turns about the origin; the slider runs along a line parallel to +x at the height `offset`.
+    `origin` and `ground_angle_deg` place the whole. branch +1: the slider stands on the +x side of the crank
+    pin; where the slider drives, the crank pin lies left of the line from crank pivot to slider pin.
+    """
+
+    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: float = quantity("length of the connecting rod", "mm", above=0, at_most=FARTHEST, example=90)
+    offset: float = quantity(
+        "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+    )
+    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
+        "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
+        default=0j,
+    )
+    driver: Literal["crank", "coupler", "slider"] = entry(
+        "body that is driven: crank and coupler by their angle, the slider by its x", default="crank"
+    )
+    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity("direction of the slide line", "deg", default=0.0, at_least=-360, at_most=360)
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+        if self.driver not in ("crank", "coupler", "slider"):
+            raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or slider")
+        if np.ndim(self.crank + self.coupler + self.offset):
+            return
+        if abs(self.offset) >= self.crank + self.coupler:
+            raise DesignError(
+                "offset",
+                f"found {self.offset:g} mm, but crank and coupler together reach only "
+                f"{self.crank + self.coupler:g} mm, so the loop cannot close",
+                f"give less than {self.crank + self.coupler:g} mm or lengthen the others",
+            )
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: the coupler has its frame at the crank pin, the slider at its pin."""
+        return Linkage(
+            bodies={
+                "ground": {"crank_pivot": 0j},
+                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
+                "coupler": {"crank_pin": 0j, "slider_pin": self.coupler + 0j, "coupler_point": self.coupler_point},
+                "slider": {"slider_pin": 0j},
+            },
+            sliders=(Slider("slide", "slider", "ground", through=1j * self.offset),),
+            driver=self.driver,
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )

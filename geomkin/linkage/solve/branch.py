@@ -1,0 +1,87 @@
+"""Which of a dyad's two branches it closes on: by sign, near given pins, or kept by the motion itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...errors import DesignError, shown
+from ..linkage import Linkage
+
+Start = int | Mapping[str, int | complex]
+
+
+@dataclass(frozen=True)
+class Follow:
+    """Branches that run smoothly on from the first frame, also through change points.
+
+    start: those of the first frame: +1 or -1 for all dyads, or a table as `move` takes it: signs by joint,
+    places of pins, mm. "follow" is short for Follow(1).
+    """
+
+    start: Start = 1
+
+    def __post_init__(self) -> None:
+        _told(self.start, "start", True)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """A branch as asked for.
+
+    default: the sign of a dyad that neither signs, by joint, nor near, places of points in mm, tells of. follow: those
+    are where it starts. field: what a refusal calls the table.
+    """
+
+    default: int
+    signs: Mapping[str, int]
+    near: Mapping[str, complex]
+    follow: bool
+    field: str = "branch"
+
+    def check(self, linkage: Linkage, joints: Sequence[str]) -> None:
+        """Raise DesignError for a sign of no dyad, or a place of no point."""
+        unknown = [name for name in self.signs if name not in joints]
+        if unknown:
+            raise DesignError(self.field, f"found {shown(unknown[0])}", f"give signs of {', '.join(joints) or 'none'}")
+        points = dict.fromkeys(p for body in list(linkage.bodies)[1:] for p in linkage.bodies[body])
+        unknown = [name for name in self.near if name not in points]
+        if unknown:
+            raise DesignError(self.field, f"found {shown(unknown[0])}", f"give places of {', '.join(points)}")
+
+
+Branch = int | Literal["follow"] | Mapping[str, int | complex] | Follow | Chosen
+
+
+def chosen(branch: Branch) -> Chosen:
+    """What a branch asks for; DesignError for what is none."""
+    if isinstance(branch, Chosen):
+        return branch
+    if isinstance(branch, Follow):
+        return _told(branch.start, "start", True)
+    if isinstance(branch, str) and branch == "follow":
+        return Chosen(1, {}, {}, True)
+    return _told(branch, "branch", False)
+
+
+def _told(start: object, field: str, follow: bool) -> Chosen:
+    if isinstance(start, Mapping):
+        signs = {name: int(sign) for name, sign in start.items() if _is_sign(sign)}
+        near = {name: complex(z) for name, z in start.items() if isinstance(z, complex) and np.isfinite(z)}
+        if len(signs) + len(near) == len(start):
+            return Chosen(1, signs, near, follow)
+        wrong = next(value for name, value in start.items() if name not in signs and name not in near)
+        raise DesignError(field, f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm")
+    if _is_sign(start):
+        return Chosen(1 if start == 1 else -1, {}, {}, follow)
+    words = "+1, -1" if follow else '+1, -1, "follow"'
+    remedy = f"give {words}, or a table of signs by joint or of places of pins as complex numbers"
+    raise DesignError(field, f"found {shown(start)}", remedy)
+
+
+def _is_sign(value: object) -> bool:
+    real = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return bool(real and value in (1, -1))

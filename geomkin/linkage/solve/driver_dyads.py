@@ -1,0 +1,239 @@
+"""Dyads that only the driver moves, in the form that keeps its digits at a toggle.
+
+The textbook forms go through the diagonal's square a^2 + d^2 - 2 a d cos t and lose half the digits of
+position, and all of those of velocity, as the linkage nears a toggle. Here every quantity that
+vanishes at a toggle is a product of factors, and the constants among them are exact.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from ...plane.vec import Array
+from .dyads import RRP, RRR, Dyad
+from .roots import Gaps, Roots, gap_of, half_limits
+from .steps import Pass, scaled
+
+
+class Root(Protocol):
+    """The root of a loop over the frames."""
+
+    @property
+    def r(self) -> Array:
+        """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Driven(Dyad):
+    """A dyad that the driver alone moves. `follow`: run smoothly through change points.
+
+    period: of the drive, after which everything comes again; 0 where the driver slides.
+    """
+
+    period: ClassVar[float] = 2 * np.pi
+    follow: bool
+
+    @abstractmethod
+    def roots(self, p0: Pass, branch: Array | int) -> Root:
+        """The root of its loop at the pass's drive."""
+
+    @abstractmethod
+    def limits(self) -> list[float]:
+        """Drives at which the loop is stretched or folded to the utmost and the driver turns back; of one period."""
+
+    def sign_from(self, q: Array, sign: int) -> Array:
+        """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
+        if not q.size:
+            return np.asarray(sign)
+        later = q[0] + 1e-3 * (q[-1] - q[0] if q[-1] != q[0] else 1.0)
+        with np.errstate(invalid="ignore"):
+            r = [np.sign(self.roots(Pass(drive=np.asarray(t)), 1).r) for t in (q[0], later)]
+        start = np.where(r[0] == 0, r[1], r[0])
+        return np.where(np.isfinite(start) & (start != 0), start, 1) * sign
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenRRR(Driven):
+    """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
+
+    In the textbook's letters, seen along C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
+    b e3 = (p + i r / 2s) u, p = (s + b^2 - c^2) / 2s. The derivatives of the angles of e3 and e4 are
+    h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
+    """
+
+    still: complex
+    turning: complex
+    dyad: RRR
+
+    @property
+    def leader(self) -> str:
+        return self.dyad.leader
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return self.dyad.meeting(p0)
+
+    @cached_property
+    def _sizes(self) -> _Sizes:
+        a, b, c, d = np.abs(self.turning), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.still)
+        d1 = gap_of(self.follow, b, c, -a, -d) * (a + b + c + d)
+        d2 = gap_of(self.follow, d, -a, -b, c) * gap_of(self.follow, d, -a, b, -c)
+        nearest, unequal = gap_of(self.follow, d, -a), gap_of(self.follow, b, -c)
+        kite = (nearest == 0) & (unequal == 0)
+        forward = self.still / d
+        half_turn = np.sqrt(-self.turning * np.conj(self.still) / (a * d) + 0j)
+        return _Sizes(
+            gaps=Gaps.of(d1, d2, 2 * np.sqrt(a * d), self.follow),
+            half_turn=half_turn,
+            straight=bool(np.all(half_turn == 1)),
+            a=a,
+            d=d,
+            nearest=nearest,
+            squares=0.5 * unequal * (b + c),
+            difference=nearest * (a + d),
+            ahead=(forward / self.dyad.arms[0], forward / self.dyad.arms[1]),
+            kite=kite if np.any(kite) else False,
+        )
+
+    def roots(self, p0: Pass, branch: Array | int) -> Roots:
+        turn, k, (cosine, sine) = self._sizes.half_turn, self._sizes.gaps.k, p0.half
+        if not self._sizes.straight:
+            cosine, sine = turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
+        return Roots(self._sizes.gaps, k * cosine, k * sine, branch)
+
+    def limits(self) -> list[float]:
+        turn = 2 * float(np.angle(self._sizes.half_turn))
+        return [2 * v - turn for v in half_limits(self._sizes.gaps)]
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        sizes, roots = self._sizes, self.roots(p0, branch)
+        x, y = roots.x, roots.y
+        square = y * y
+        over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
+        along, left = sizes.nearest + square * (0.5 / sizes.d), x * y * (-0.5 / sizes.d)
+        p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
+        p0.kept[self] = roots, over, p
+        bar = np.empty(p.shape, dtype=complex)
+        bar.real, bar.imag = p * along - r * left, p * left + r * along
+        if sizes.kite is not False:
+            # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
+            limit = 0.5 * (along + 1j * left) + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
+            bar = np.where(sizes.kite, limit, bar)
+        other = np.empty(p.shape, dtype=complex)
+        other.real, other.imag = bar.real - along, bar.imag - left
+        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0])
+        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1])
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        sizes, (roots, over, p) = self._sizes, p0.kept[self]
+        psi = (roots.y * roots.y - 2 * sizes.a * sizes.nearest) * over
+        if sizes.kite is not False:
+            p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
+        tau = roots.tau
+        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - (1 - p) * tau, psi + p * tau
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        sizes, (roots, over, p) = self._sizes, p0.kept[self]
+        rate = roots.tau_rate()
+        # (a d sin t / s)(1 - 2 psi' + (p1 - p) tau), whose bracket vanishes wholly for a kite.
+        shared = (roots.x * roots.y) * (over * over) * (2 * sizes.difference - 4 * sizes.squares * roots.tau)
+        if sizes.kite is not False:
+            p, shared = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.0, shared)
+        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - (1 - p) * rate, shared + p * rate
+
+
+@dataclass(frozen=True, eq=False)
+class _Sizes:
+    """Of a four-bar, exact where they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
+
+    half_turn: half the turn from q to t; straight: whether there is none. ahead: from the bars seen along C to
+    their bodies' directions. kite: whether both nearest and squares vanish.
+    """
+
+    gaps: Gaps
+    half_turn: Array
+    straight: bool
+    a: Array
+    d: Array
+    nearest: Array
+    squares: Array
+    difference: Array
+    ahead: tuple[Array, Array]
+    kite: Array | bool
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenRRP(Driven):
+    """A bar from a point of the driver to a slide on the ground: the slider-crank of that driver.
+
+    Seen along the rail, L = x + C + K e^{iq} = r + i n with n = c + k sin t, t = q + arg K, and
+    r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
+    """
+
+    still: complex
+    turning: complex
+    dyad: RRP
+
+    @property
+    def leader(self) -> str:
+        return self.dyad.leader
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return self.dyad.gaps(p0)
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return self.dyad.meeting(p0)
+
+    @cached_property
+    def _sizes(self) -> tuple[Gaps, Array, Array, Array]:
+        """Gaps, c, and the turn from q to t, as unit complex and in rad."""
+        rail = np.conj(self.dyad.rail.direction)
+        c, k, length = (rail * self.still).imag, np.abs(self.turning), np.abs(self.dyad.arm)
+        turn = rail * self.turning / k
+        d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
+        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, turn, np.angle(turn)
+
+    def _turned(self, q: Array) -> tuple[Array, Array]:
+        """Cosine and sine of t, with the digits that the cosine has near zero."""
+        turn, cosine, sine = self._sizes[2], np.cos(q), np.sin(q)
+        if np.all(turn == 1):
+            return cosine, sine
+        return turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
+
+    def roots(self, p0: Pass, branch: Array | int) -> Roots:
+        gaps, (cosine, sine) = self._sizes[0], self._turned(p0.drive)
+        k = 0.5 * gaps.k**2
+        # Here v = t/2 + pi/4: k^2 cos^2 v is k (1 - sin t). 1 - |sin t| comes from the cosine, which keeps its digits.
+        far = 1 + np.abs(sine)
+        near = cosine * cosine / far
+        x, y = np.sqrt(k * np.where(sine > 0, near, far)), np.sqrt(k * np.where(sine > 0, far, near))
+        if gaps.change_1 is False and gaps.change_2 is False:
+            return Roots(gaps, x, np.copysign(y, cosine), branch)
+        # Followed, each needs its own sign: of the one that is far from zero first, of the other by the product.
+        v = 0.5 * (p0.drive + self._sizes[3]) + 0.25 * np.pi
+        sign = np.copysign(1.0, np.where(sine > 0, np.sin(v), np.cos(v)))
+        other = np.copysign(sign, sign * cosine)
+        return Roots(gaps, x * np.where(sine > 0, other, sign), y * np.where(sine > 0, sign, other), branch)
+
+    def limits(self) -> list[float]:
+        return [2 * v - 0.5 * np.pi - float(self._sizes[3]) for v in half_limits(self._sizes[0])]
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        gaps, c, _, _ = self._sizes
+        roots = p0.kept[self] = self.roots(p0, branch)
+        bar = np.empty(roots.r.shape, dtype=complex)
+        bar.real, bar.imag = roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
+        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm)
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.turn[self.dyad.body] = p0.kept[self].tau
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        p2.turn[self.dyad.body] = p0.kept[self].tau_rate()

@@ -1,0 +1,281 @@
+"""The dyads: two bodies that stand on two that are placed.
+
+A dyad is one loop equation with two unknowns, angles or slides, so that its derivatives are one pair of
+linear equations, whatever its joints. Positions are solved in closed form.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from ...plane.vec import Array, cross, dot
+from .steps import Anchor, Pass, Rail, Step
+
+# Sine of the angle between two rails below which rounding alone decides where they cross.
+PARALLEL = 1e-14
+# Distance of two pins, in sizes of the linkage, below which rounding alone decides which way one lies from the other:
+# behind two dyads it comes to 3e-16, and by a dyad at a bad angle to as many times more as its condition tells, no more
+# than the root of it. Larger, and places that are told with few digits are lost; smaller, and the
+# direction of rounding counts as a pose.
+MEETING, WORST = 1e-14, 1e8
+
+
+@dataclass(frozen=True, eq=False)
+class Dyad(Step):
+    """A step that can close on either of two branches. joint: the name of its inner joint; leader: a body it turns."""
+
+    joint: str
+
+    @property
+    @abstractmethod
+    def leader(self) -> str: ...
+
+    @abstractmethod
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        """Lengths, mm, by which it closes: one is below zero where it cannot, and zero where its branches meet."""
+
+    def reached(self, p0: Pass) -> Array | None:
+        return p0.turn[self.leader]
+
+
+@dataclass(frozen=True, eq=False)
+class RRR(Dyad):
+    """Two bars pinned together: circle meets circle.
+
+    base_1 + L1 = base_2 + L2, with L the bars as `arm` of their bodies. branch +1: the pin lies left of
+    the line from base_1 to base_2. Factors instead of differences of squares keep the digits that the
+    bases' positions have (Kahan).
+    """
+
+    bodies: tuple[str, str]
+    arms: tuple[complex, complex]
+    bases: tuple[Anchor, Anchor]
+
+    @property
+    def leader(self) -> str:
+        return self.bodies[0]
+
+    def _bars(self, p0: Pass) -> tuple[Array, Array]:
+        return p0.turn[self.bodies[0]] * self.arms[0], p0.turn[self.bodies[1]] * self.arms[1]
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        w = self.bases[1].at(p0) - self.bases[0].at(p0)
+        b, c, s = np.abs(self.arms[0]), np.abs(self.arms[1]), np.abs(w)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            outer, inner = (b + c - s) * (b + c + s), (s - (b - c)) * (s + (b - c))
+            r = _root(branch, outer, inner)
+            bar = w * ((s * s + (b - c) * (b + c)) + 1j * r) / (2 * s * s)
+        p0.turn[self.bodies[0]] = bar / self.arms[0]
+        p0.turn[self.bodies[1]] = (bar - w) / self.arms[1]
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        b, c = np.abs(self.arms[0]), np.abs(self.arms[1])
+        s = np.abs(self.bases[1].at(p0) - self.bases[0].at(p0))
+        return b + c - s, s - np.abs(b - c)
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        bars = self._bars(p0)
+        right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
+        p1.turn[self.bodies[0]], p1.turn[self.bodies[1]] = two_unknowns(1j * bars[0], -1j * bars[1], right)
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        bars = self._bars(p0)
+        h = p1.turn[self.bodies[0]], p1.turn[self.bodies[1]]
+        right = self.bases[1].second(p0, p1, p2) - self.bases[0].second(p0, p1, p2)
+        right = right + h[0] ** 2 * bars[0] - h[1] ** 2 * bars[1]
+        p2.turn[self.bodies[0]], p2.turn[self.bodies[1]] = two_unknowns(1j * bars[0], -1j * bars[1], right)
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return p0.turn[self.bodies[0]] * unit_of(self.arms[0]), p0.turn[self.bodies[1]] * unit_of(self.arms[1])
+
+
+@dataclass(frozen=True, eq=False)
+class RRP(Dyad):
+    """A bar pinned to a body that slides: circle meets line.
+
+    base + L = start + x g, g the direction of the rail. branch +1: the pin lies on the side of the base
+    towards which the rail points.
+    """
+
+    body: str
+    arm: complex
+    base: Anchor
+    start: Anchor
+    rail: Rail
+
+    @property
+    def leader(self) -> str:
+        return self.body
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        g = self.rail.at(p0)
+        apart = np.conj(g) * (self.start.at(p0) - self.base.at(p0))
+        length, n = np.abs(self.arm), apart.imag
+        r = _root(branch, (length - n) * (length + n))
+        p0.turn[self.body] = (r + 1j * n) * g / self.arm
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        n = cross(self.rail.at(p0), self.start.at(p0) - self.base.at(p0))
+        return np.abs(self.arm) - n, np.abs(self.arm) + n
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        p1.turn[self.body] = self._solve(p0, self._right(p0, p1))[0]
+
+    def _right(self, p0: Pass, p1: Pass) -> Array:
+        turning = 1j * p1.turn[self.rail.body] * (self._slide(p0) * self.rail.at(p0))
+        return self.start.first(p0, p1) - self.base.first(p0, p1) + turning
+
+    def _slide(self, p0: Pass) -> Array:
+        bar = p0.turn[self.body] * self.arm
+        return dot(self.rail.at(p0), self.base.at(p0) + bar - self.start.at(p0))
+
+    def _solve(self, p0: Pass, right: Array) -> tuple[Array, Array]:
+        return two_unknowns(1j * p0.turn[self.body] * self.arm, -self.rail.at(p0), right)
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        h, sliding = self._solve(p0, self._right(p0, p1))
+        g, turn, turn_2 = self.rail.at(p0), p1.turn[self.rail.body], p2.turn[self.rail.body]
+        right = self.start.second(p0, p1, p2) - self.base.second(p0, p1, p2)
+        right = right + h**2 * (p0.turn[self.body] * self.arm)
+        # 2 i turn sliding is the Coriolis term.
+        right = right + (2j * turn * sliding + (1j * turn_2 - turn**2) * self._slide(p0)) * g
+        p2.turn[self.body] = self._solve(p0, right)[0]
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return 1j * p0.turn[self.body] * unit_of(self.arm), self.rail.at(p0)
+
+
+@dataclass(frozen=True, eq=False)
+class RPR(Dyad):
+    """Two bodies, each pinned, that slide on each other: a line through one point at a distance from another.
+
+    base_2 - base_1 = (x + i n) f, f the direction of the slide, n the distance of base_2 to the left of the
+    line through base_1. branch +1: x above 0. turns: each body's direction from f. size: of the linkage, mm; before:
+    the dyads that were placed before. Where the bases meet no direction is told.
+    """
+
+    bodies: tuple[str, str]
+    turns: tuple[complex, complex]
+    offset: float
+    bases: tuple[Anchor, Anchor]
+    size: Array
+    before: tuple[Dyad, ...]
+
+    @property
+    def leader(self) -> str:
+        return self.bodies[0]
+
+    def _apart(self, p0: Pass) -> Array:
+        return self.bases[1].at(p0) - self.bases[0].at(p0)
+
+    def _rail(self, p0: Pass) -> Array:
+        return p0.turn[self.bodies[0]] * np.conj(self.turns[0])
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        ends = self.bases[0].at(p0), self.bases[1].at(p0)
+        w = ends[1] - ends[0]
+        s, n = np.abs(w), self.offset
+        with np.errstate(invalid="ignore", divide="ignore"):
+            angles = [angle for dyad in self.before if (angle := dyad.transmission_angle(p0)) is not None]
+            worse = 1 / np.maximum(np.sin(reduce(np.fmin, angles, np.asarray(0.5 * np.pi))), 1 / WORST)
+            # Places far out, as on a slide driven far, round as they are large.
+            w = np.where(s <= MEETING * worse * (self.size + np.abs(ends[1])), np.nan, w)
+            x = _root(branch, (s - n) * (s + n))
+            f = w / (x + 1j * n)
+        p0.turn[self.bodies[0]], p0.turn[self.bodies[1]] = f * self.turns[0], f * self.turns[1]
+
+    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+        return (np.abs(self._apart(p0)) - np.abs(self.offset),)
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
+        h, _ = two_unknowns(1j * self._apart(p0), self._rail(p0), right)
+        p1.turn[self.bodies[0]] = p1.turn[self.bodies[1]] = h
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        w, f, h = self._apart(p0), self._rail(p0), p1.turn[self.bodies[0]]
+        right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
+        sliding = dot(f, right - 1j * h * w)
+        right = self.bases[1].second(p0, p1, p2) - self.bases[0].second(p0, p1, p2)
+        # 2 i h sliding is the Coriolis term.
+        right = right + h**2 * w - 2j * h * sliding * f
+        h_2, _ = two_unknowns(1j * w, f, right)
+        p2.turn[self.bodies[0]] = p2.turn[self.bodies[1]] = h_2
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return 1j * self._apart(p0), self._rail(p0)
+
+
+@dataclass(frozen=True, eq=False)
+class Crossed(Step):
+    """A body of known direction whose origin lies on two lines: start_1 + x g1 = start_2 + y g2 = origin."""
+
+    body: str
+    starts: tuple[Anchor, Anchor]
+    rails: tuple[Rail, Rail]
+
+    def _rails(self, p0: Pass) -> tuple[Array, Array]:
+        return self.rails[0].at(p0), self.rails[1].at(p0)
+
+    def _slides(self, p0: Pass) -> tuple[Array, Array]:
+        g = self._rails(p0)
+        return two_unknowns(g[0], -g[1], self.starts[1].at(p0) - self.starts[0].at(p0))
+
+    def _sliding(self, p0: Pass, p1: Pass) -> tuple[Array, Array]:
+        g, (x, y) = self._rails(p0), self._slides(p0)
+        turns = p1.turn[self.rails[0].body], p1.turn[self.rails[1].body]
+        right = self.starts[1].first(p0, p1) - self.starts[0].first(p0, p1)
+        return two_unknowns(g[0], -g[1], right + 1j * turns[1] * y * g[1] - 1j * turns[0] * x * g[0])
+
+    def place(self, p0: Pass, branch: Array | int) -> None:
+        g = self._rails(p0)
+        # Parallel rails place nothing: what rounding leaves of their crossing would be a made-up number.
+        slide = np.where(np.abs(cross(*g)) > PARALLEL, self._slides(p0)[0], np.nan)
+        p0.origin[self.body] = self.starts[0].at(p0) + slide * g[0]
+
+    def reached(self, p0: Pass) -> Array | None:
+        return p0.origin[self.body]
+
+    def first(self, p0: Pass, p1: Pass) -> None:
+        g, x, turn = self.rails[0].at(p0), self._slides(p0)[0], p1.turn[self.rails[0].body]
+        sliding = self._sliding(p0, p1)[0]
+        p1.origin[self.body] = self.starts[0].first(p0, p1) + (sliding + 1j * turn * x) * g
+
+    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+        g, slides, sliding = self._rails(p0), self._slides(p0), self._sliding(p0, p1)
+
+        def turning(k: int) -> Array:
+            """What the turning of a rail adds, its Coriolis term first."""
+            turn, turn_2 = p1.turn[self.rails[k].body], p2.turn[self.rails[k].body]
+            return (2j * turn * sliding[k] + (1j * turn_2 - turn**2) * slides[k]) * g[k]
+
+        starts = self.starts[0].second(p0, p1, p2), self.starts[1].second(p0, p1, p2)
+        x_2, _ = two_unknowns(g[0], -g[1], starts[1] - starts[0] + turning(1) - turning(0))
+        p2.origin[self.body] = starts[0] + turning(0) + x_2 * g[0]
+
+    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+        return self._rails(p0)
+
+
+def _root(branch: Array | int, *squares: Array) -> Array:
+    """The product of roots on one branch, nan where a square is negative; where the branch is 0 both meet."""
+    r: Array | int = branch
+    for square in squares:
+        r = r * np.sqrt(np.where(square >= 0, square, np.nan))
+    return np.asarray(r) if np.ndim(branch) == 0 else np.where(branch == 0, 0.0, r)
+
+
+def two_unknowns(a: Array, b: Array, right: Array) -> tuple[Array, Array]:
+    """Real x and y with x a + y b = right; not finite where a and b are parallel."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        across = cross(a, b)
+        return cross(right, b) / across, cross(a, right) / across
+
+
+def unit_of(z: complex) -> Array:
+    """Direction of a fixed vector."""
+    return np.asarray(z) / np.abs(z)

@@ -1,0 +1,235 @@
+"""The equations of bodies whose loops are solved together: what each joint asks for, and what that does to the pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...plane.vec import Array
+from ..linkage import Linkage, Slider
+from .steps import Pass
+
+# Origins, mm, and turns of all bodies, (..., bodies): unit complex, or derivatives of the angle.
+State = tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class LoopEquations:
+    """Conditions of the joints of `waiting` bodies, and the unknowns that meet them.
+
+    Unknown are each waiting body's place and, unless it is `oriented`, its angle; `placed` bodies are known.
+    Lengths are told in units of `size`, so that they compare with angles in rad at any size of linkage.
+    """
+
+    linkage: Linkage
+    waiting: tuple[str, ...]
+    oriented: frozenset[str]
+    placed: frozenset[str]
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The bodies, and last the drive of an actuator among them, which counts as placed: its origin is q."""
+        return [*self.linkage.bodies, *([self.driven.name] if self.driven else [])]
+
+    @cached_property
+    def driven(self) -> Slider | None:
+        """The driven slider where both its bodies are here."""
+        slider = self.linkage.driven_slider
+        return slider if slider and {slider.body, slider.along} <= set(self.waiting) else None
+
+    @cached_property
+    def size(self) -> float:
+        """The largest distance that the linkage names, mm."""
+        return float(self.linkage.size) or 1.0
+
+    @cached_property
+    def columns(self) -> list[tuple[int, str]]:
+        """The unknowns: body and which coordinate of it."""
+        return [
+            (self.names.index(b), axis)
+            for b in self.waiting
+            for axis in (("x", "y") if b in self.oriented else ("x", "y", "angle"))
+        ]
+
+    @property
+    def rows(self) -> int:
+        """How many conditions there are."""
+        return 2 * len(self._pins[0]) + len(self._rails[0]) + int(self._rails[-1].sum()) + bool(self.driven)
+
+    @cached_property
+    def _chains(self) -> list[tuple[str, list[str]]]:
+        """Each pin with the bodies that it has to bring together, a placed one first."""
+        chains = []
+        for pin, bodies in self.linkage.pins.items():
+            waiting = [b for b in bodies if b in self.waiting]
+            if waiting:
+                chains.append((pin, [b for b in bodies if b in self.placed][:1] + waiting))
+        return chains
+
+    @cached_property
+    def _pins(self) -> tuple[Array, Array, Array, Array]:
+        """Pairs of points that must meet: bodies, places, bodies, places."""
+        pairs = [(one, two, pin) for pin, chain in self._chains for one, two in zip(chain[:-1], chain[1:])]
+        ends = [[(self.names.index(p[k]), self.linkage.bodies[p[k]][p[2]]) for p in pairs] for k in (0, 1)]
+        one, two = ([np.array([e[k] for e in end], dtype=(int, complex)[k]) for k in (0, 1)] for end in ends)
+        return one[0], one[1], two[0], two[1]
+
+    @cached_property
+    def _sliders(self) -> list[Slider]:
+        return [s for s in self.linkage.sliders if {s.body, s.along} & set(self.waiting)]
+
+    @cached_property
+    def _rails(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+        """Sliders here: body, its point, guide, the line's point and direction, the body's turn, if it is unknown."""
+        here = self._sliders
+        return (
+            np.array([self.names.index(s.body) for s in here], dtype=int),
+            np.array([s.point for s in here], dtype=complex),
+            np.array([self.names.index(s.along) for s in here], dtype=int),
+            np.array([s.through for s in here], dtype=complex),
+            np.array([s.direction for s in here], dtype=complex),
+            np.array([s.direction * np.exp(1j * np.radians(s.angle_deg)) for s in here], dtype=complex),
+            np.array([not {s.body, s.along} & self.oriented for s in here], dtype=bool),
+        )
+
+    def conditions(self, order: int, states: list[State]) -> Array:
+        """How far every joint is from closing, (..., rows), or the derivative of that of an order.
+
+        states: the pose and its derivatives up to that order.
+        """
+
+        def at(body: Array, z: Array, k: int) -> Array:
+            arm = states[0][1][..., body] * z
+            if k == 0:
+                return states[0][0][..., body] + arm
+            h = states[1][1][..., body]
+            if k == 1:
+                return states[1][0][..., body] + 1j * h * arm
+            return states[2][0][..., body] + (1j * states[2][1][..., body] - h**2) * arm
+
+        one, z1, two, z2 = self._pins
+        pins = at(one, z1, order) - at(two, z2, order)
+        body, z, guide, through, direction, turn, both = self._rails
+        line = np.conj(states[0][1][..., guide] * direction)
+        apart = [at(body, z, k) - at(guide, through, k) for k in range(order + 1)]
+        if order == 0:
+            off = line * apart[0]
+        elif order == 1:
+            off = line * (apart[1] - 1j * states[1][1][..., guide] * apart[0])
+        else:
+            h, h2 = states[1][1][..., guide], states[2][1][..., guide]
+            off = line * (apart[2] - 2j * h * apart[1] - (1j * h2 + h**2) * apart[0])
+        turns = states[order][1][..., body[both]], states[order][1][..., guide[both]]
+        # The angle and not its sine, which would take a body that stands the wrong way round for a right one.
+        askew = np.angle(turns[0] * np.conj(turns[1] * turn[both])) if order == 0 else turns[0] - turns[1]
+        lengths = [pins.real / self.size, pins.imag / self.size, off.imag / self.size]
+        rows = [*lengths, np.broadcast_to(askew, (*off.shape[:-1], both.sum()))]
+        if self.driven:
+            ahead = off.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
+            rows.append(ahead[..., None] / self.size)
+        return np.concatenate(rows, axis=-1)
+
+    def jacobian(self, state: State) -> Array:
+        """d(conditions)/d(unknowns), (..., rows, columns): the first derivative where one unknown alone moves."""
+        known = state[0][..., None, :], state[1][..., None, :]
+        return np.swapaxes(self.conditions(1, [known, self._alone]), -1, -2)
+
+    @cached_property
+    def _alone(self) -> State:
+        """Every unknown moving alone by 1, (columns, bodies)."""
+        origin = np.zeros((len(self.columns), len(self.names)), dtype=complex)
+        turn = np.zeros(origin.shape)
+        for k, (body, axis) in enumerate(self.columns):
+            if axis == "angle":
+                turn[k, body] = 1
+            else:
+                origin[k, body] = self.size * (1 if axis == "x" else 1j)
+        return origin, turn
+
+    def moving(self, rates: Array) -> State:
+        """What bodies do, (..., bodies), where the unknowns move at `rates`, (..., columns), and nothing else does."""
+        return rates @ self._alone[0], rates @ self._alone[1]
+
+    def posed(self, state: State, unknowns: Array) -> State:
+        """A state with the unknowns, (..., columns), written into it."""
+        moved, angles = self.moving(unknowns)
+        free = self._alone[1].any(axis=0)
+        waiting = self._alone[0].any(axis=0)
+        return np.where(waiting, moved, state[0]), np.where(free, np.exp(1j * angles), state[1])
+
+    def gathered(self, p: Pass, order: int, frames: int) -> State:
+        """Origins and turns of all bodies from a pass; zero where a body is not known yet."""
+        origin = np.zeros((frames, len(self.names)), dtype=complex)
+        turn = np.zeros((frames, len(self.names)), dtype=complex if order == 0 else float)
+        for k, name in enumerate(self.names):
+            if name in p.origin:
+                origin[:, k] = p.origin[name]
+            if name in p.turn:
+                turn[:, k] = p.turn[name]
+        return origin, turn
+
+    def transmission_angle(self, state: State) -> Array:
+        """Least angle over the joints, rad, (frames,), between the ways in which their two sides let them move.
+
+        Derived here, so that it is the transmission angle at a dyad's inner joint, wherever the dyad stands, and at a
+        bar that pushes a point what the pressure angle lacks to pi/2. It is zero where the linkage locks and nowhere
+        else, and it depends neither on lengths of levers, nor on units, nor on the bodies' frames.
+
+        Open one joint by a small e with the driver held: that moves the linkage by the inverse of the Jacobian. At
+        a pin the ends then move by v1 e and v2 e, v1 - v2 = 1. Such pairs of ways and those that the pin lets pass,
+        v1 = v2, are two planes, whose least angle is half the angle mu told here: cos mu = 1 - 1/s^2, s the largest
+        singular value of v1 over v2; pi/2, the most there is, stands where s is less than 1. At a slider both bodies move along one way
+        against each other, and mu is its angle from the line.
+        """
+        least = np.full(len(state[0]), np.nan)
+        known = np.isfinite(state[0]).all(axis=-1) & np.isfinite(state[1]).all(axis=-1)
+        here = state[0][known], state[1][known]
+        jacobian = self.jacobian(here)
+        regular = np.linalg.slogdet(jacobian)[0] != 0
+        here = here[0][regular], here[1][regular]
+        # Rows: what all bodies do where one condition alone is missed by 1.
+        missed = np.swapaxes(np.linalg.inv(jacobian[regular]), -1, -2)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            angles = [np.full(len(missed), 0.5 * np.pi), *self._at_pins(here, missed), *self._at_rails(here, missed)]
+        least[np.flatnonzero(known)[regular]] = np.nan_to_num(np.min(angles, axis=0), nan=0.0)
+        least[np.flatnonzero(known)[~regular]] = 0.0
+        return least
+
+    def _at_pins(self, state: State, missed: Array) -> list[Array]:
+        pairs, found, first = len(self._pins[0]), [], 0
+        for pin, chain in self._chains:
+            for k in range(1 if len(chain) == 2 else 0, len(chain)):
+                # Body k of the chain leaves the others: the pair before it is missed one way, that after it the other.
+                lone = sum(
+                    sign * missed[:, [first + pair, pairs + first + pair]]
+                    for pair, sign in ((k - 1, -1), (k, 1))
+                    if 0 <= pair < len(chain) - 1
+                )
+                moves = self.moving(np.asarray(lone))
+                ways = [self._way(state, moves, self.names.index(b), self.linkage.bodies[b][pin])
+                        for b in (chain[k], chain[k - 1 if k else 1])]  # fmt: skip
+                one = sum(np.abs(w[:, 0]) ** 2 for w in ways)
+                two = sum(np.abs(w[:, 1]) ** 2 for w in ways)
+                both = sum(np.real(np.conj(w[:, 0]) * w[:, 1]) for w in ways)
+                square = 0.5 * (one + two) + np.hypot(0.5 * (one - two), both)
+                sine = np.sqrt(np.maximum(2 - 1 / square, 0) / square)
+                found.append(np.arctan2(sine, 1 - 1 / square))
+            first += len(chain) - 1
+        return found
+
+    def _at_rails(self, state: State, missed: Array) -> list[Array]:
+        found = []
+        for k, (body, z, guide, through, direction, _, _) in enumerate(zip(*self._rails)):
+            moves = self.moving(missed[:, [2 * len(self._pins[0]) + k]])
+            ends = [state[0][:, b] + state[1][:, b] * p for b, p in ((body, z), (guide, through))]
+            apart = self._way(state, moves, body, z) - self._way(state, moves, guide, through)
+            turned = (1j * moves[1][:, 0, guide] * (ends[0] - ends[1]) / self.size)[:, None]
+            along = np.conj(state[1][:, guide] * direction) * (apart - turned)[:, 0]
+            found.append(np.arctan2(1.0, np.abs(along.real)))
+        return found
+
+    def _way(self, state: State, moves: State, body: int, z: complex) -> Array:
+        """How a point moves, in units of size, (frames, moves)."""
+        return (moves[0][..., body] + 1j * moves[1][..., body] * (state[1][:, body] * z)[:, None]) / self.size

@@ -1,0 +1,75 @@
+"""From sizes and drive to motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Any, Protocol
+
+import numpy as np
+
+from ...arguments import Reals, Sort, checked
+from ...errors import DesignError
+from .branch import Branch, chosen
+from .run import Chain
+from .dyads import Dyad
+from ..linkage import Linkage
+from ..motion import Motion, Timing
+from .plan import plan
+from .steps import Step
+
+
+class Named(Protocol):
+    """Anything that makes the general linkage: FourBar, SliderCrank, ..., Linkage."""
+
+    @property
+    def linkage(self) -> Linkage: ...
+
+
+def _is_linkage(value: Any) -> bool:
+    # Of a class it would be the property itself.
+    return isinstance(getattr(value, "linkage", None), Linkage)
+
+
+AnyLinkage = Annotated[Named, Sort(_is_linkage, "a linkage, such as FourBar or Linkage")]
+OneLinkage = Annotated[
+    Named,
+    Sort(lambda value: _is_linkage(value) and not value.linkage.many, "one linkage, its sizes numbers and no arrays"),
+]
+
+
+@checked
+def move(
+    linkage: AnyLinkage, drive: Reals, branch: Branch = 1, speed: Reals = 1.0, acceleration: Reals = 0.0
+) -> Motion:
+    """Motion of a linkage whose driver stands at `drive`: rad from the ground's x axis, mm where a slider drives.
+
+    drive: (frames,). speed and acceleration of the driver, rad/s and rad/s2 or mm/s and mm/s2: numbers or
+    (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
+    named): +1 puts the joint left of the line from the first body's outer pin to the second's. A point's name with
+    its place, a complex number in mm, takes the branch nearest to that at the first frame at which its dyad closes, and
+    starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Follow` at any of
+    these, and keeps the smooth continuation, at any step: through a change point, where the branches meet, and past a
+    place where they only come near. A frame that cannot be reached is nan with closed False. At a true dead centre
+    of the driver the rates are not finite.
+    """
+    general = linkage.linkage
+    q = np.atleast_1d(np.asarray(drive, dtype=float))
+    if q.ndim != 1 or not np.isfinite(q).all():
+        raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
+    steps = planned(general, branch)
+    solution = Chain(general, tuple(steps), q, chosen(branch))
+    times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
+    for name, v in zip(("speed", "acceleration"), times):
+        if v.ndim and v.shape != q.shape:
+            raise DesignError(name, f"found shape {v.shape}", f"give a number or {q.shape} of them")
+    timing = Timing(*(v.reshape(-1, *(1,) * (len(solution.shape) - 1)) if v.ndim else v for v in times))
+    return Motion(general, q, timing, solution)
+
+
+def planned(linkage: Linkage, branch: Branch) -> list[Step]:
+    """The steps that a linkage is solved by on a branch; DesignError for joints or points that it has not."""
+    wanted = chosen(branch)
+    told = replace(linkage, estimate={**linkage.estimate, **wanted.near}) if wanted.near else linkage
+    steps = plan(told, wanted.follow)
+    wanted.check(linkage, [step.joint for step in steps if isinstance(step, Dyad)])
+    return steps

@@ -1,0 +1,114 @@
+"""The two roots that decide whether a loop closes, with the digits they have near a toggle or a change point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...plane.vec import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """What a loop's two roots are made of: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
+
+    d1 and d2 are zero where the linkage has a change point. When followed, the root then is k cos v or k sin v with
+    its sign, and runs smoothly through it; change_1, change_2 tell for which of many linkages it is so.
+    """
+
+    d1: Array
+    d2: Array
+    k: Array
+    change_1: Array | bool
+    change_2: Array | bool
+
+    @classmethod
+    def of(cls, d1: Array, d2: Array, k: Array, follow: bool) -> Gaps:
+        """Gaps with their change points found; False, the common case, costs nothing later."""
+        changes = [d == 0 if follow and np.any(d == 0) else False for d in (d1, d2)]
+        return cls(d1, d2, k, changes[0], changes[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """The two roots over the frames. x = k cos v, y = k sin v; r = branch f1 f2, nan where the loop cannot close."""
+
+    gaps: Gaps
+    x: Array
+    y: Array
+    branch: Array | int
+
+    @cached_property
+    def f1(self) -> Array:
+        return _root(self.gaps.d1, self.x, self.gaps.change_1)
+
+    @cached_property
+    def f2(self) -> Array:
+        return _root(self.gaps.d2, self.y, self.gaps.change_2)
+
+    @cached_property
+    def p1(self) -> Array:
+        """x / f1."""
+        share = self.x / self.f1
+        return share if self.gaps.change_1 is False else np.where(self.gaps.change_1, 1.0, share)
+
+    @cached_property
+    def p2(self) -> Array:
+        """y / f2."""
+        share = self.y / self.f2
+        return share if self.gaps.change_2 is False else np.where(self.gaps.change_2, 1.0, share)
+
+    @cached_property
+    def r(self) -> Array:
+        return self.branch * (self.f1 * self.f2)
+
+    @cached_property
+    def tau(self) -> Array:
+        """x y / r."""
+        return self.branch * (self.p1 * self.p2)
+
+    def tau_rate(self) -> Array:
+        """Its derivative by t."""
+        one = (self.branch * 0.5 * self.gaps.d2) * (self.p1 * self.x) / (self.f2 * self.f2 * self.f2)
+        two = (self.branch * 0.5 * self.gaps.d1) * (self.p2 * self.y) / (self.f1 * self.f1 * self.f1)
+        # What a vanished constant multiplies is finite in the limit, but 0/0 at the very point.
+        one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
+        two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
+        return one - two
+
+
+def _root(d: Array, x: Array, change: Array | bool) -> Array:
+    root = np.sqrt(x * x + d)
+    return root if change is False else np.where(change, x, root)
+
+
+def half_limits(gaps: Gaps) -> list[float]:
+    """Angles v, rad, over a turn of t, at which one of the roots vanishes; none at a change point."""
+    found: list[float] = []
+    for d, angle in ((gaps.d1, np.arccos), (gaps.d2, np.arcsin)):
+        if -(gaps.k**2) <= d < 0:
+            v = float(angle(np.sqrt(-d) / gaps.k))
+            found += [v, -v]
+    return found
+
+
+def _sum_exact(*terms: Array) -> Array:
+    """The sum of numbers as if added exactly and rounded about once: each addition's rounding is added back."""
+    total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
+    for term in terms[1:]:
+        new = total + term
+        back = new - total
+        lost = lost + ((total - (new - back)) + (term - back))
+        total = new
+    return total + lost
+
+
+def gap_of(follow: bool, *terms: Array) -> Array:
+    """A sum of lengths exactly; when followed, one that rounding of the lengths alone moved off zero is zero."""
+    gap = _sum_exact(*terms)
+    if not follow:
+        return gap
+    # 8 units in the last place: lengths such as 0.1 + 0.2 and 0.3 are meant to be equal.
+    return np.where(np.abs(gap) <= 8 * np.finfo(float).eps * sum(map(np.abs, terms)), 0.0, gap)

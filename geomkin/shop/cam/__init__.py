@@ -1,0 +1,1 @@
+"""Plates of a cam and its follower."""

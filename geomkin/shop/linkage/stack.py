@@ -1,0 +1,171 @@
+"""Which plate of a linkage lies in which layer, so that nothing collides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import DesignError
+from ...linkage.motion import Motion
+from .assembly import Plate, assemble
+from .bridge import Way, pile_places, split, ways
+from .contact import Contacts, Run
+from .order import Order, Passing, order
+from .stock import LinkStock
+
+# Moving plates that the search takes. Each more triples its time: the worst case of 15 takes five seconds.
+LARGEST = 15
+
+
+@dataclass(frozen=True)
+class PinSpan:
+    """A pin of a stack. first, last: lowest and highest layer; length mm; holes, slots: plates it turns or runs in."""
+
+    name: str
+    first: int
+    last: int
+    length: float
+    holes: tuple[str, ...]
+    slots: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Collision:
+    """A pin that meets a plate while the driver goes from `first` to `last`; unit: deg or mm."""
+
+    pin: str
+    plate: str
+    first: float
+    last: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"pin {self.pin} meets {self.plate} from {self.first:.4g} to {self.last:.4g} {self.unit}"
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """How plates lie on each other.
+
+    layers: the layer of each plate, the fixed one 0, upwards. pins: what each joins and how long it is.
+    collisions: empty where the stack can be built; otherwise those of the stack that has the fewest. plates:
+    as they are to be cut, ground and bridge apart. spacers: how many discs hold up the bridge, 0 without one.
+    """
+
+    layers: Mapping[str, int]
+    pins: tuple[PinSpan, ...]
+    collisions: tuple[Collision, ...]
+    plates: Mapping[str, Plate]
+    spacers: int = 0
+
+    def summary(self) -> dict[str, Any]:
+        """The same as plain lists for a file, layers from the bottom up."""
+        rows: list[list[str]] = [[] for _ in range(1 + max(self.layers.values()))]
+        for name, layer in self.layers.items():
+            rows[layer].append(name)
+        pins = [
+            {
+                "name": pin.name,
+                "layers": [pin.first, pin.last],
+                "length_mm": float(f"{pin.length:.10g}"),
+                "holes_in": list(pin.holes),
+                "slots_in": list(pin.slots),
+            }
+            for pin in self.pins
+        ]
+        return {"layers": rows, "pins": pins, "collisions": [str(c) for c in self.collisions]}
+
+
+def stack_links(motion: Motion, stock: LinkStock) -> Stack:
+    """The plates of a linkage in the fewest layers, and among those with the least total length of pins.
+
+    The ground at the bottom carries all fixed pivots and slots. Where that cannot be, a second fixed plate on
+    top, the bridge, carries some of them: again the fewest layers, then the fewest carried. Two piles of
+    discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
+    `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
+    collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, or where no
+    frame closes.
+    """
+    found = assemble(motion, stock)
+    contacts = Contacts(motion, stock, found)
+    if len(contacts.moving) > LARGEST:
+        raise DesignError(
+            "bodies", f"found {len(contacts.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
+        )
+    # Where openings meet whatever the bridge carries, `link_parts` says which.
+    fitting: list[Way] = [way for way in ways(found, contacts.ground) if _fits(contacts, way)] or [()]
+    for some in ([way for way in fitting if not way], [way for way in fitting if way]):
+        clean = [(way, best) for way in some if (best := _order(contacts, way))]
+        if clean:
+            return _stack(contacts, *min(clean, key=lambda c: (len(c[1].layers), len(c[0]), c[1].length)))
+    least = _order(contacts, fitting[0], clean=False)
+    assert least is not None
+    return _stack(contacts, fitting[0], least)
+
+
+def _fits(contacts: Contacts, way: Way) -> bool:
+    """Whether no openings of the ground, or of the bridge, run into each other."""
+    plates = split(contacts.assembly, contacts.ground, way)
+    return not any(True for plate in plates for _ in plate.crossings(contacts.stock))
+
+
+def _order(contacts: Contacts, way: Way, clean: bool = True) -> Order | None:
+    """The best order of the moving plates when the bridge carries the joints of `way`."""
+    ground, pins = contacts.ground, contacts.assembly.pins
+    bits = {name: 1 << k for k, name in enumerate(contacts.moving)}
+    meets = [sum(b for other, b in bits.items() if frozenset((name, other)) in contacts.plates) for name in bits]
+    passing = [
+        Passing(
+            joins=sum(bits[name] for name in pin.plates if name != ground),
+            bottom=ground in pin.plates and pin.joint not in way,
+            top=ground in pin.plates and pin.joint in way,
+            hits=sum(bit for name, bit in bits.items() if (pin.name, name) in contacts.pin_and_plate),
+        )
+        for pin in pins
+    ]
+    return order(meets, passing, clean)
+
+
+def _stack(contacts: Contacts, way: Way, best: Order) -> Stack:
+    ground, stock = contacts.ground, contacts.stock
+    top = 1 + len(best.layers)
+    plates, layers = dict(contacts.assembly.plates), {ground: 0}
+    for k, name in enumerate(contacts.moving):
+        layers[name] = next(1 + n for n, row in enumerate(best.layers) if row >> k & 1)
+    bridge = "bridge"
+    while bridge in plates:
+        bridge += "_"
+    spans = []
+    for pin in contacts.assembly.pins:
+        fixed = bridge if pin.joint in way else ground
+        holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
+        ends = [top if name == bridge else layers[name] for name in holes + slots]
+        length = (max(ends) - min(ends) + 1) * stock.thickness
+        spans.append(PinSpan(pin.name, min(ends), max(ends), length, holes, slots))
+    collisions = tuple(_collisions(contacts, spans, layers))
+    if not way:
+        return Stack(layers, tuple(spans), collisions, plates)
+    plates[ground], plates[bridge] = split(contacts.assembly, ground, way)
+    layers[bridge] = top
+    for k, place in enumerate(pile_places(contacts.motion, contacts.assembly, stock.bar_width + contacts.play)):
+        name = f"spacer_{k + 1}"
+        plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
+        spans.append(PinSpan(name, 0, top, (top + 1) * stock.thickness, (ground, bridge), ()))
+    return Stack(layers, tuple(spans), collisions, plates, spacers=2 * (top - 1))
+
+
+def _collisions(contacts: Contacts, spans: list[PinSpan], layers: Mapping[str, int]) -> Iterator[Collision]:
+    for (name, plate), runs in contacts.pin_and_plate.items():
+        pin = next(span for span in spans if span.name == name)
+        if pin.first <= layers[plate] <= pin.last:
+            yield from _told(contacts, name, plate, runs)
+
+
+def _told(contacts: Contacts, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
+    slides = contacts.motion.linkage.driven_slider is not None
+    for run in runs:
+        first, last = run if slides else np.degrees(run)
+        yield Collision(pin, other, float(first), float(last), "mm" if slides else "deg")

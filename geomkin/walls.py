@@ -1,0 +1,91 @@
+"""The thinnest wall of a part: whether heat and handling leave it standing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .check import Check
+from .part import Part
+from .plane import region
+from .plane.curve import AbstractCurve, reach
+from .plane.flatten import flatten
+from .plane.joined import Ring
+from .plane.primitives import Circle
+from .plane.vec import Array, cross
+
+# Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 of it between holes and to an
+# edge; below the least of them none takes the part.
+OF_THICKNESS = 0.5
+# Least wall in kerfs. The zone that a beam heats on either side is about as wide as its cut, so that two of them
+# meet in a wall of two kerfs, and nothing of the sheet's own strength is left.
+OF_KERF = 2.0
+# Walls are found to this share of the limit; finer takes longer and tells nothing.
+ACCURACY = 1e-4
+# ... which is kept between these shares of the part's size: finer gives a million chords, coarser loses the shape.
+FINEST, COARSEST = 2e-6, 1e-4
+# How many limits wide a neck may be and still be told: further ones say nothing of whether the part holds.
+NECKS = 2.0
+
+
+def least_wall(thickness: float, kerf: float) -> float:
+    """The thinnest wall that should be cut, mm, in a sheet of a thickness by a beam of a kerf."""
+    return max(OF_THICKNESS * thickness, OF_KERF * kerf)
+
+
+def thinnest_wall(part: Part, limit: float) -> float:
+    """Width, mm, of the thinnest wall of a part; inf where it has none.
+
+    A wall stands between two boundaries, hole and edge or hole and hole; also between two places of one boundary
+    that face each other squarely, such as a neck or the sides of a bar, if it is less than two limits wide. What
+    tapers to an edge or a point is no wall. Found on the exact curves, to a ten-thousandth of the limit (two
+    millionths of the part's size at least, a ten-thousandth at most), and rounded to that.
+    """
+    size = reach(part.outline)
+    accuracy = float(np.clip(ACCURACY * limit, FINEST * size, COARSEST * size))
+    curves = (part.outline, *part.holes)
+    loops = [_loop(curve, accuracy / 2, 1 if k == 0 else -1, limit) for k, curve in enumerate(curves)]
+    round_ones = [isinstance(curve, Circle) for curve in curves]
+    places = [np.array([curve.centre]) if isinstance(curve, Circle) else z for curve, z in zip(curves, loops)]
+    found = region.spacing(places, [curve.radius if isinstance(curve, Circle) else 0.0 for curve in curves])
+    if (thin := min(found, NECKS * limit)) > 0:
+        # Copies are alike. Nothing round faces itself but right across, where a hole has no material.
+        tried = [
+            0 if is_round and k else len(z) // curve.count if isinstance(curve, Ring) else len(z)
+            for k, (curve, z, is_round) in enumerate(zip(curves, loops, round_ones))
+        ]
+        found = min(found, region.neck(loops, tried, thin))
+    # Half of the last digit is no less than the accuracy, so that a round number comes out as one.
+    digits = -int(np.ceil(np.log10(2 * accuracy)))
+    return round(found, digits)
+
+
+def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Array:
+    """Chords of a boundary with the material on their left; sense: +1 for an outline, -1 for a hole.
+
+    Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.
+    """
+    z = flatten(curve, tolerance / 2)
+    if not isinstance(curve, Ring):
+        # Outlines given point by point may have far more than their form asks for; a hole no larger than the tolerance
+        # would be thinned away.
+        fewer = region.thinned(z, tolerance / 2)
+        z = fewer if len(fewer) > 2 else z
+    z = z[z != np.roll(z, 1)]
+    z = z if cross(z - z[0], np.roll(z, -1) - z[0]).sum() * sense > 0 else z[::-1]
+    following = np.roll(z, -1)
+    long = np.flatnonzero(np.abs(following - z) > longest)
+    return np.insert(z, long + 1, (z + following)[long] / 2)
+
+
+def wall_checks(parts: Iterable[Part], kerf: float) -> tuple[Check, ...]:
+    """The thinnest wall of each part that has one."""
+    checks = []
+    for part in parts:
+        limit = least_wall(part.thickness, kerf)
+        wall = thinnest_wall(part, limit)
+        if wall < np.inf:
+            advice = "make openings smaller, move them apart or from the edge, or cut a thinner sheet"
+            checks.append(Check(f"thinnest wall of the {part.name}", wall, "at least", limit, "mm", advice))
+    return tuple(checks)

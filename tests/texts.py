@@ -1,0 +1,24 @@
+"""Recipes as texts, of the kinds that geomkin has."""
+
+from geomkin.kinds import KINDS
+from geomkin.recipe import load, schema, template, variants
+
+
+def parse(text, file="recipe", folder="."):
+    """The recipe in a text; `file` is what messages call it."""
+    return load.parse(KINDS, text, file, folder)
+
+
+def template_of(name, wishes=()):
+    """A text to start from, of a kind by its name."""
+    return template.template(KINDS[name], wishes)
+
+
+def schema_of_all():
+    """The schema that editors read."""
+    return schema.schema(KINDS)
+
+
+def choices_of(name):
+    """Tables of which a template shows one kind or none, by dotted key."""
+    return variants.choices(KINDS[name])
