@@ -102,6 +102,8 @@ def sort_of(hint: Any) -> Sort | None:
         return _table(sort_of(inner[0]), sort_of(inner[1]))
     if origin is Callable or hint is Callable:
         return Sort(callable, "a function")
+    if origin is np.ndarray:
+        return PLAIN[np.ndarray]
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
