@@ -103,7 +103,8 @@ def sort_of(hint: Any) -> Sort | None:
     if origin is Callable or hint is Callable:
         return Sort(callable, "a function")
     if origin is np.ndarray:
-        return PLAIN[np.ndarray]
+        number = get_args(inner[1])[0]
+        return ARRAYS.get(get_origin(number) or number, PLAIN[np.ndarray])
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
@@ -240,6 +241,12 @@ PLAIN = {
     str: Sort(lambda value: isinstance(value, str), "a text"),
     type(None): NOTHING,
     np.ndarray: Sort(lambda value: _whole(value) is not None, "a number or an array of numbers"),
+}
+# The same by the kind of number, as `plane.vec` names them; what is real or whole serves for complex.
+ARRAYS = {
+    np.floating: Sort(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them"),
+    np.integer: Sort(lambda value: _whole(value, "iu") is not None, "a whole number or an array of them"),
+    np.bool_: Sort(lambda value: _whole(value, "b") is not None, "True or False, or an array of them"),
 }
 Reals = Annotated[ArrayLike, Sort(are_reals, "finite real numbers, one or an array")]
 # The same with nan allowed, where one is not known.
