@@ -13,6 +13,7 @@ from .primitives import Arc, Circle, Polyline, Segment
 from .spread import Judge, direction, probes, spread, tops, turns
 from .vec import Complex, Real, dot, unit
 
+# Where a biarc is compared with its curve. Fewer let the largest deviation slip between two; more cost time.
 SHARES = np.linspace(0, 1, 26)[1:-1]
 # Neighbouring arcs whose curvatures differ by less than this turn over their length, rad, are one arc.
 # Larger would break the tangent by that much; smaller leaves a true circle in pieces.
@@ -26,9 +27,10 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     """Arcs and straight edges nowhere farther than `tolerance`, mm, from the curve.
 
     The tangent is continuous within each smooth piece of the curve, and the points where arcs of
-    different pieces meet lie on it. Built of biarcs (two arcs, tangent to the curve at both ends)
-    that all have the same error; within 15 % of what a greedy choice would need. Circles and straight
-    pieces come back exactly. No arc exceeds half a turn.
+    different pieces meet lie on it. Built of biarcs, two arcs that are tangent to the curve at both ends (Bolton,
+    "Biarc curves", Computer-Aided Design 7, 1975, 89-92), that all have the same error; within 15 % of what a greedy
+    choice would need. Circles and straight pieces come back exactly. No arc exceeds half a turn. DesignError unless
+    the tolerance is above 0.
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")

@@ -38,9 +38,9 @@ class AbstractCurve(ABC):
     @property
     @abstractmethod
     def breaks(self) -> Real:
-        """Rising parameters (n,), n > 1: the ends of the domain, and between them every corner, cusp and jump of curvature.
+        """Rising parameters (n,), n > 1: the ends of the domain, and between them each corner, cusp and jump of curvature.
 
-        Between neighbours all derivatives are continuous. More breaks do no harm.
+        From one to the next all derivatives are continuous. More breaks do no harm.
         """
 
     @property

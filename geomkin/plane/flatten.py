@@ -29,7 +29,8 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     Every corner is a point. All chords get the same error instead of the same length, which takes the least count
     possible for chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
     involutes and cams; up to 8 % where a stretch has an inflection every twenty chords). Of curves made of arcs and
-    straight edges alone each arc takes the least count, and the edges stay where they are.
+    straight edges alone each arc takes the least count, and the edges stay where they are. DesignError unless the
+    tolerance, mm, is above 0. Derived here.
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")

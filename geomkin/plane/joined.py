@@ -18,6 +18,7 @@ from .vec import Complex, Real, Whole
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
 # a visible gap pass as closed, smaller refuses pieces that differ by rounding.
 GAP = 1e-9
+# Start, middle and end of a piece: where they lie tells its place and its size.
 _SHARES = np.array([0.0, 0.5, 1.0])
 Number = TypeVar("Number", np.complex128, np.float64)
 

@@ -109,7 +109,8 @@ class Circle(AbstractCurve):
         return True
 
 
-# Sweep, rad, below which the area under an arc is told by a series: its next term is a 2e-15th there.
+# Sweep, rad, below which the area under an arc is told by a series, whose next term is a 2e-15th of it there. Larger,
+# and the series lacks that term; smaller, and the closed form loses digits.
 FLAT = 0.02
 
 
@@ -118,7 +119,8 @@ class Polyline(AbstractCurve):
     """Straight edges and arcs through `vertices`; edge k runs over k <= t <= k + 1.
 
     vertices: (n,) complex, mm, the start not repeated. bulges: (n,) for a closed, (n - 1,) for an open
-    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left.
+    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left, as in
+    an LWPOLYLINE of DXF.
     """
 
     vertices: Row
@@ -209,7 +211,7 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
 def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
     """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
 
-    centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
+    centres: (n,) complex, mm, any order; those inside the hull add nothing. radius, mm. Counterclockwise; one
     centre gives a circle, two a slot.
     """
     z = np.atleast_1d(np.asarray(centres, dtype=complex))
@@ -231,12 +233,15 @@ def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
 
 @checked
 def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
-    """The outline swept by a disc from `start` to `end`, counterclockwise."""
+    """The outline swept by a disc of `radius` from `start` to `end`, mm, counterclockwise."""
     return rounded_hull([start, end], radius)
 
 
 def _convex_hull(z: Complex) -> list[complex]:
-    """Corners of the convex hull, counterclockwise, by the monotone chain; no three in line."""
+    """Corners of the convex hull, counterclockwise, no three in line, by the monotone chain.
+
+    Andrew, Information Processing Letters 9, 1979, 216-219.
+    """
     size = float(np.abs(z - z[0]).max())
     rounding = 1e-12 * (size + float(np.abs(z).max()))
     points: list[complex] = []

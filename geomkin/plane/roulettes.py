@@ -33,7 +33,7 @@ class Involute(Traced):
     """The path of the end of a taut string unwound counterclockwise from a circle about the origin.
 
     base_radius, mm; t is the roll angle in rad from `start` to `end` (0 <= start), 0 at the cusp on
-    +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there.
+    +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there (ISO 21771).
     """
 
     base_radius: Positive
@@ -69,7 +69,7 @@ class Trochoid(Traced):
     t = psi is the lean of the contact normal from the radius to the touching point, rad, counterclockwise,
     from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling
     point, a distance D tan(psi) along the line. This parameter keeps its digits where D vanishes and
-    the whole corner is cut at one instant, which the roll angle does not.
+    the whole corner is cut at one instant, which the roll angle does not. Derived here.
     """
 
     radius: Positive
@@ -114,7 +114,7 @@ class Cycloid(Traced):
 
     radius r of the fixed circle, mm; `rolling` radius g, mm, above 0 outside it (epicycloid), below 0 inside
     it (hypocycloid; -r / 2 gives a diameter). t is the angle of the rolling contact, rad, from `start` to
-    `end`; 0 at the cusp on +x, the next one at 2 pi |g| / r.
+    `end`; 0 at the cusp on +x, the next one at 2 pi |g| / r. Derived here.
     """
 
     radius: Positive

@@ -19,9 +19,9 @@ class Spline(AbstractCurve):
     """The cubic spline through `points` (n,) complex, mm, two or more: open, with continuous curvature.
 
     t is the length along the chords from the first point, mm, so that points may lie unevenly. At both ends
-    the first two pieces are one cubic ("not a knot"), which assumes nothing of the ends: three points give
-    a parabola, two a straight line. Between points of a smooth curve it errs by the fourth power of their
-    distance.
+    the first two pieces are one cubic ("not a knot": de Boor, A Practical Guide to Splines, chapter IV), which
+    assumes nothing of the ends: three points give a parabola, two a straight line. Between points of a smooth curve
+    it errs by the fourth power of their distance. DesignError where neighbours are at one place.
     """
 
     points: Row

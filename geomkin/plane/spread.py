@@ -27,7 +27,8 @@ _FIRST = np.arange(CELLS) / CELLS
 MOST_TURN = 2.2
 # Looks at most; smooth pieces need three or four. Fewer leave intervals unequal, and more of them.
 ROUNDS = 12
-# What an interval that stays over is counted for beyond its share; without it, it stays over.
+# An interval that is over the tolerance after two looks counts for this times its share, so that it shrinks by more
+# than the law of small intervals asks. Smaller, and it stays just over; larger, and its neighbours grow too long.
 PUSH = 1.05
 # Steps of an interval's share. The last bits of an error differ from processor to processor; where intervals do not
 # settle, round after round would multiply them until they show in files. Finer lets more of them through, coarser
@@ -99,9 +100,9 @@ def _share(error: Real, turn: Real, tolerance: float, order: int) -> Real:
 def _divide(edges: Real, used: Real, count: int) -> Real:
     """Edges of `count` intervals of equal share, from what the present ones use up to each edge.
 
-    Between present edges t follows `used` by the monotone cubic of Fritsch and Carlson (slopes by the
-    harmonic mean): shares change smoothly along a smooth curve, and a straight line between edges would
-    leave steps of some percent that never settle.
+    Between present edges t follows `used` by the monotone cubic of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5,
+    1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, and a straight line
+    between edges would leave steps of some percent that never settle.
     """
     used = used + (TRACE * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
     width = used[1:] - used[:-1]
