@@ -79,7 +79,7 @@ GOOD = {
     "OptimisedSpline": {"intervals": 20, "jerk_limit": None, **RISE_ENDS},
     "OscillatingFlat": {"pivot_distance": 100, "face_offset": 5, "side": "above"},
     "OscillatingRoller": {"roller_radius": 10, "pivot_distance": 100, "arm_length": 80, "side": "below"},
-    "Part": {"name": "a", "outline": CIRCLE, "holes": (CIRCLE,), "thickness": 3.0, "layer": "CUT", "count": 1, "marks": ()},
+    "Part": {"name": "a", "outline": CIRCLE, "holes": (CIRCLE,), "thickness": 3.0, "layer": "CUT", "count": 1, "marks": (), "body": "crank"},
     "Path": {"pieces": (gk.plane.Segment(0j, 1j), gk.plane.Segment(1j, 2 + 0j))},
     "PathCurvature": {"position": 1j, "tangent": 1 + 0j, "curvature": 0.1},
     "PinionCutter": {"teeth": 24, "pressure_angle_deg": 20, "addendum": 1.25, "tip_radius": 0.2, "profile_shift": 0},

@@ -69,10 +69,10 @@ def _plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     play, width, depth = stock.clearance, stock.keyway_width, stock.keyway_depth
     holes = keyed_bore(stock.bore, play, width, depth, towards, narrowest, "stock")
     if not stock.timing_mark:
-        return Part("cam", cut.outline, holes, stock.thickness)
+        return Part("cam", cut.outline, holes, stock.thickness, body="cam")
     inner = abs(complex(widened(stock.bore, play) / 2 + depth, width / 2))
     marks = timing_marks(towards, inner, narrowest / 2, cam.sense)
-    return Part("cam", cut.outline, holes, stock.thickness, marks=marks)
+    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam")
 
 
 def _rollers(cam: Cam, stock: CamStock) -> list[Part]:
@@ -80,7 +80,7 @@ def _rollers(cam: Cam, stock: CamStock) -> list[Part]:
         return []
     radius = cam.follower.roller_radius
     hole = bore(stock.roller_bore, stock.clearance, 2 * radius, "stock.roller_bore")
-    return [Part("roller", Circle(0j, radius), hole, stock.thickness)]
+    return [Part("roller", Circle(0j, radius), hole, stock.thickness, body="roller")]
 
 
 def _carriers(cam: Cam, stock: CamStock) -> list[Part]:
@@ -96,17 +96,17 @@ def _carriers(cam: Cam, stock: CamStock) -> list[Part]:
         case TranslatingFlat():
             outline, place = stemmed_face(_face(cam, stock), follower.tilt, width, stock.stem_length)
             holes = hole(stock.pivot_bore, "pivot_bore", place)
-            return [Part("follower", rounded(outline, corner), holes, stock.thickness)]
+            return [Part("follower", rounded(outline, corner), holes, stock.thickness, body="follower")]
         case OscillatingFlat():
             arm = faced_arm(_face(cam, stock), follower.face_offset, width, side_sign(follower.side))
             holes = hole(stock.pivot_bore, "pivot_bore")
-            return [Part("arm", rounded(arm, corner), holes, stock.thickness)]
+            return [Part("arm", rounded(arm, corner), holes, stock.thickness, body="follower")]
         case OscillatingRoller():
             end = complex(follower.arm_length)
             holes = hole(stock.pivot_bore, "pivot_bore")
             if follower.roller_radius:
                 holes += hole(stock.roller_bore, "roller_bore", end)
-            return [Part("arm", rounded_hull([0j, end], width / 2), holes, stock.thickness)]
+            return [Part("arm", rounded_hull([0j, end], width / 2), holes, stock.thickness, body="follower")]
     return []
 
 

@@ -47,7 +47,7 @@ def pair_parts(gear: FlankGear, mate: Conjugate, stock: PairStock) -> list[Part]
     """The gear and its mate, each about its own axis."""
     holes = bore(stock.bore, stock.clearance, 2 * gear.root_radius, "stock.bore")
     return [
-        Part("gear", gear.outline, holes, stock.thickness),
+        Part("gear", gear.outline, holes, stock.thickness, body="gear"),
         mate_part(mate, stock),
     ]
 
@@ -66,7 +66,7 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
     return [
-        Part("disc", outer, (*middle, *pins), stock.thickness, count=2),
+        Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"),
         mate_part(mate, stock),
     ]
 
@@ -74,6 +74,6 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
 def mate_part(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     """The mate's plate: a gear with its bore, or a ring with its teeth inside."""
     if mate.is_ring:
-        return Part("ring", Circle(0j, mate.root_radius + stock.rim), (mate.outline,), stock.thickness)
+        return Part("ring", Circle(0j, mate.root_radius + stock.rim), (mate.outline,), stock.thickness, body="mate")
     hole = bore(stock.mate_bore, stock.clearance, 2 * mate.root_radius, "stock.mate_bore")
-    return Part("mate", mate.outline, hole, stock.thickness)
+    return Part("mate", mate.outline, hole, stock.thickness, body="mate")

@@ -70,17 +70,17 @@ def gear_parts(gear: SpurGear, stock: GearStock, name: str = "gear", key: str = 
     # The keyway stands under the tooth on +y, so that the gear is put on its shaft with that tooth known.
     hole = keyed_bore(stock.bore, stock.clearance, stock.keyway_width, stock.keyway_depth, 1j, widest, key)
     cut = openings(stock.web, stock.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
-    return [Part(name, gear.outline, (*hole, *cut), stock.thickness, count=count)]
+    return [Part(name, gear.outline, (*hole, *cut), stock.thickness, count=count, body=name)]
 
 
 def ring_part(ring: RingGear, stock: RingStock) -> Part:
     """The ring: a round plate, the teeth its hole."""
-    return Part("ring", Circle(0j, ring.root_radius + stock.rim), (ring.outline,), stock.thickness)
+    return Part("ring", Circle(0j, ring.root_radius + stock.rim), (ring.outline,), stock.thickness, body="ring")
 
 
 def rack_part(rack: GearRack, thickness: float) -> Part:
     """The bar with its teeth up."""
-    return Part("rack", rack.outline, (), thickness)
+    return Part("rack", rack.outline, (), thickness, body="rack")
 
 
 def base_plate(name: str, axes: list[complex], holes: list[float], margin: float, thickness: float) -> Part:
@@ -93,7 +93,7 @@ def base_plate(name: str, axes: list[complex], holes: list[float], margin: float
             f"give bores and clearances of less than {2 * apart:.6g} mm together",
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
-    return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness)
+    return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
 
 
 def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, thickness: float) -> Part:
@@ -106,4 +106,4 @@ def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, 
     outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
     holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]
-    return Part("carrier", outline, tuple(holes), thickness)
+    return Part("carrier", outline, tuple(holes), thickness, body="carrier")

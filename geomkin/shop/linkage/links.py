@@ -22,7 +22,7 @@ def link_parts(motion: Motion, stock: LinkStock, stack: Stack | None = None) -> 
     parts = [_part(name, plate, stock, motion.linkage) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, body=motion.linkage.ground))
     return parts
 
 
@@ -42,4 +42,4 @@ def _part(name: str, plate: Plate, stock: LinkStock, linkage: Linkage) -> Part:
         Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
         for ends in dict.fromkeys(plate.openings.values())
     )
-    return Part(name, rounded_hull(plate.centres, stock.bar_width / 2), holes, stock.thickness)
+    return Part(name, rounded_hull(plate.centres, stock.bar_width / 2), holes, stock.thickness, body=plate.body)
