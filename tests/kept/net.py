@@ -20,7 +20,6 @@ from row to row, so that no two rows can change places unseen.
 import contextlib
 import csv
 import json
-import os
 import re
 import sys
 import tempfile
