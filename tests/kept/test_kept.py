@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from geomkin.recipe.kinds import KINDS as NAMES
-from tests.kept import net
+from tests.kept import calls, net
 
 KEPT = net.kept()
 RECIPES = net.recipes()
@@ -52,3 +52,16 @@ def test_kept_numbers_are_such_as_can_be(name):
             part["area_mm2"] * part["count"] for p in found["parts"].values() if (part := dict(itertools.pairwise(p)))
         )
         assert (right - left) * (high - low) > 0.9 * outlines
+
+
+CALLED = calls.kept()
+
+
+@pytest.mark.parametrize("call", calls.calls())
+def test_a_call_gives_what_was_kept_of_it(call):
+    found = json.loads(json.dumps(calls.outcome(call)))
+    assert "\n".join(calls.differences(CALLED[call], found)) == ""
+
+
+def test_every_call_has_its_kept_result():
+    assert list(CALLED) == calls.calls()
