@@ -85,7 +85,7 @@ def told(label, value, depth):
         yield f"{label}#", [len(value)]
         for k, held in enumerate(value):
             yield from told(f"{label}[{k}]", held, depth - 1)
-    elif hasattr(value, "_fields") or type(value).__name__ in gk.__dir__():
+    elif hasattr(value, "_fields") or type(value).__module__.startswith("geomkin"):
         yield from _of_members(label, value, depth, set())
 
 
@@ -130,8 +130,8 @@ def _of_members(label, value, depth, left_out):
 
 
 def differences(old, new):
-    """Lines that say what is no longer as it was kept."""
-    yield from net.differences({".call": old}, {".call": new})
+    """Lines that say what is no longer as it was kept; what a result has besides is new, and changes nothing."""
+    yield from net.differences({".call": old}, {".call": {label: row for label, row in new.items() if label in old}})
 
 
 def main():

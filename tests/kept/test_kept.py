@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from geomkin.recipe.kinds import KINDS as NAMES
+from geomkin.kinds import KINDS as NAMES
 from tests.kept import calls, net
 
 KEPT = net.kept()
