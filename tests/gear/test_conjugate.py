@@ -12,7 +12,7 @@ from geomkin.gear.conjugate.point_tooth import PointToothGear
 from geomkin.gear.conjugate.straight_sided import StraightSidedGear
 from geomkin.gear.conjugate.untouched import BEYOND, MISSES
 from geomkin.plane import region
-from geomkin.plane.cycloid import Cycloid
+from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.spline import Spline
 
 from .sweeping import inner_points, least_clearance

@@ -12,6 +12,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.arguments import sort_of
+from geomkin.plane.vec import Array, Complex, Mask, Real, Whole
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
 CRANK = gk.SliderCrank(30, 90, 5)
@@ -256,3 +257,17 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
 def test_how_long_a_row_must_be_is_told_where_it_must_be_so_long():
     assert sort_of(tuple[float, float]).allowed.startswith("a row of 2,")
     assert sort_of(tuple[float, ...]).allowed.startswith("a tuple,")
+
+
+def test_an_array_is_held_to_the_kind_of_number_that_it_is_declared_to_hold():
+    row = {"true": np.ones(2, bool), "whole": np.ones(2, int), "real": np.ones(2), "complex": np.ones(2, complex)}
+    taken = {"Array": Array, "Complex": Complex, "Real": Real, "Whole": Whole, "Mask": Mask}
+    numbers = {"whole", "real", "complex"}
+    assert {name: {kind for kind in row if sort_of(hint).fits(row[kind])} for name, hint in taken.items()} == {
+        "Array": numbers,
+        "Complex": numbers,
+        "Real": {"whole", "real"},
+        "Whole": {"whole"},
+        "Mask": {"true"},
+    }
+    assert not any(sort_of(hint).fits(row["real"].tolist()) for hint in taken.values())
