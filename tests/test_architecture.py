@@ -29,7 +29,7 @@ MAY = {
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"part", "check", "walls", "export"},
     "kinds": MECHANISMS | GEOMETRY | {"part", "check", "judge", "shop", "recipe"},
-    "build": {"part", "check", "export", "recipe", "kinds"},
+    "build": {"part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
     "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe"} | MECHANISMS | GEOMETRY,
@@ -40,7 +40,7 @@ ALONE = {
     "shapely": {"plane/region.py"},
     "ezdxf": {"export/dxf.py"},
     "trimesh": {"export/stl.py"},
-    "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/schema.py", "sizes.py"},
+    "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/schema.py", "recipe/settings.py", "sizes.py"},
     "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py"},
     "click": {"commands.py", "cli.py"},
     "highspy": {"cam/program/least_peak.py"},
