@@ -94,6 +94,11 @@ class Files:
     def __post_init__(self) -> None:
         check_sizes(self)
 
+    @property
+    def wants_parts(self) -> bool:
+        """Whether any of the formats is made of the parts."""
+        return any(WRITERS[ending].needs == "parts" for ending in self.write)
+
 
 @dataclass(frozen=True)
 class Drive:
