@@ -22,7 +22,7 @@ MAY = {
     "plane": set(),
     "part": {"plane"},
     "walls": {"plane", "part", "check"},
-    **{room: GEOMETRY for room in MECHANISMS},
+    **dict.fromkeys(MECHANISMS, GEOMETRY),
     "export": {"plane", "part", "table", "check"},
     "judge": MECHANISMS | {"check"},
     "shop": MECHANISMS | GEOMETRY | {"part"},

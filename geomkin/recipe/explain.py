@@ -184,7 +184,7 @@ def slip(text: str, complaint: str) -> Problem | None:
     above, line = lines[: int(found[1]) - 1], lines[int(found[1]) - 1]
     if len(line) > LONGEST_LINE:
         return None
-    if re.search("[“”„‟«»‘’‚]", line) and "=" in line:
+    if re.search("[“”„‟«»‘’‚]", line) and "=" in line:  # noqa: RUF001  # what word processors write
         return Problem(_key_at(above, line.partition("=")[0]), "found curly quotes", 'write straight ones: "')
     for key, value in PLAIN.findall(line):
         remedy = _remedy_for(key, value)

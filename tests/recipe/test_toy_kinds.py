@@ -21,7 +21,6 @@ from geomkin.recipe import AbstractGoal, AbstractRecipe, Files
 from geomkin.sizes import check_sizes, entry, quantity
 from tests.texts import parse, schema_of_all, template_of
 
-
 # What has been worked out, in order.
 ASKED: list[str] = []
 
