@@ -11,18 +11,18 @@ counterclockwise positive. Recipes need more than NumPy and are loaded only by `
 
 from typing import TYPE_CHECKING
 
-from .version import VERSION as __version__
+from .version import VERSION as __version__  # noqa: F401, N811
 
 if TYPE_CHECKING:
-    from . import cam
-    from . import export
-    from . import gear
-    from . import judge
-    from . import kinds
-    from . import linkage
-    from . import plane
-    from . import recipe
-    from . import shop
+    from . import cam as cam
+    from . import export as export
+    from . import gear as gear
+    from . import judge as judge
+    from . import kinds as kinds
+    from . import linkage as linkage
+    from . import plane as plane
+    from . import recipe as recipe
+    from . import shop as shop
     from .build import load as load
     from .build import make as make
     from .build import write as write
