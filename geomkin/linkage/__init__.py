@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .instant.centres import InstantCentre as InstantCentre
     from .instant.centres import instant_centre as instant_centre
     from .instant.centres import instant_centres as instant_centres
-    from .instant.centrode_curve import CentrodeCurve as CentrodeCurve
+    from .instant.centrodes import CentrodeCurve as CentrodeCurve
     from .instant.centrodes import Centrodes as Centrodes
     from .instant.curvature import PathCurvature as PathCurvature
     from .instant.curvature import crank_path as crank_path

@@ -10,9 +10,9 @@ from ...arguments import Points, Reals, checked
 from ...errors import DesignError, shown
 from ...plane.vec import Array, unit
 from ...sizes import rounded_up
-from ..solve.branch import Branch, chosen
 from ..limits import driver_limits
 from ..motion import Motion
+from ..solve.branch import Branch, chosen
 from ..solve.move import Named, OneLinkage, move
 
 # Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,

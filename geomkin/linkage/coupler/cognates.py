@@ -12,8 +12,8 @@ import numpy as np
 from ...arguments import checked
 from ...errors import DesignError
 from ...plane.vec import cross, direction_deg
-from ..named.four_bar import FourBar
 from ..linkage import Linkage
+from ..named.four_bar import FourBar
 from ..solve.move import Branch, move
 
 Link = Literal["crank", "coupler", "rocker"]
