@@ -74,6 +74,8 @@ def test_what_holds_arrays_is_itself_and_equals_nothing_else(classes):
     """By its values, comparing would fail and no cache could keep it."""
     arrays = ("Array", "Complex", "Mask", "Real", "Whole")
     holders = [
-        c for c in classes.values() if any(kind in str(field.type) for field in dataclasses.fields(c) for kind in arrays)
+        c
+        for c in classes.values()
+        if any(kind in str(field.type) for field in dataclasses.fields(c) for kind in arrays)
     ]
     assert len(holders) > 20 and [c.__name__ for c in holders if c.__dataclass_params__.eq] == []

@@ -12,7 +12,7 @@ import numpy as np
 from ..check import Check
 from ..judge.linkage import SAME_CURVE, collision_check, reached
 from ..linkage.coupler.cognates import cognates, roberts_linkage, third_pivot
-from ..linkage.coupler.curve import CouplerCurve
+from ..linkage.coupler.curves import CouplerCurve
 from ..linkage.motion import Motion
 from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move

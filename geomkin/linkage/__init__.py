@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .coupler.atlas import coupler_curves as coupler_curves
-    from .coupler.atlas import coupler_grid as coupler_grid
-    from .coupler.atlas import dashes as dashes
+    from .coupler.curves import coupler_curves as coupler_curves
+    from .coupler.curves import coupler_grid as coupler_grid
+    from .coupler.curves import dashes as dashes
     from .coupler.cognates import Cognate as Cognate
     from .coupler.cognates import cognates as cognates
     from .coupler.cognates import roberts_linkage as roberts_linkage
