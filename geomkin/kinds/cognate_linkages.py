@@ -21,8 +21,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Column, Table, xy_columns
 

@@ -29,8 +29,8 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Table
 from .branches import Branches, branch_of, branches_entry

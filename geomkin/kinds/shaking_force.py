@@ -27,8 +27,8 @@ from ..plane.primitives import Circle
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
 from ..sizes import NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 
