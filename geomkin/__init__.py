@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from .gear.pair import GearPair as GearPair
     from .gear.ring import RingGear as RingGear
     from .gear.spur import SpurGear as SpurGear
-    from .linkage.coupler.curve import CouplerCurve as CouplerCurve
+    from .linkage.coupler.curves import CouplerCurve as CouplerCurve
     from .linkage.limits import driver_limits as driver_limits
     from .linkage.linkage import Linkage as Linkage
     from .linkage.linkage import Slider as Slider

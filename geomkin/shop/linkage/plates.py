@@ -1,4 +1,4 @@
-"""A linkage as plates and pins: which bodies are cut, and what each pin goes through."""
+"""A linkage as plates and pins: what they are cut from, which bodies are cut, and what each pin goes through."""
 
 from __future__ import annotations
 
@@ -8,18 +8,44 @@ from itertools import combinations
 
 import numpy as np
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
-from ...plane.vec import Array, cross, direction_deg
+from ...plane.vec import Complex, cross, direction_deg
+from ...sizes import FARTHEST, check_sizes, quantity
+from ..bore import clearance as wider
 from .guides import guide_places
-from .stock import LinkStock
-from .sweep import Sweep, separation
+from .sweep import Sweep, path_in, separation
 
 # Places that differ by this share of their coordinates are one: less takes rounding for a second hole beside
 # the first, more makes one hole of two that were meant to be apart.
 EQUAL = 8 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class LinkStock:
+    """What links are cut from, and the pins that join them."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
+    bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
+    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
+    clearance: float = wider(0.2)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.bar_width <= self.hole_diameter:
+            raise DesignError(
+                "bar_width",
+                f"found {self.bar_width:g} mm, but the pin holes are {self.hole_diameter:g} mm wide",
+                "give wider bars or thinner pins",
+            )
+
+    @property
+    def hole_diameter(self) -> float:
+        """Diameter of a pin hole, mm."""
+        return self.pin_diameter + self.clearance
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +55,10 @@ class Plate:
     body: str
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
 
+    __repr__ = one_line
+
     @property
-    def centres(self) -> Array:
+    def centres(self) -> Complex:
         """What the plate is stretched round, complex mm."""
         return np.array([place for places in self.openings.values() for place in places])
 
@@ -57,6 +85,8 @@ class Pin:
     holes: tuple[str, ...]
     slots: tuple[str, ...]
 
+    __repr__ = one_line
+
     @property
     def plates(self) -> tuple[str, ...]:
         """All plates that it joins."""
@@ -78,8 +108,10 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
     sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
-    frames. Raises DesignError where there is no frame, or no room for guide pins.
+    frames. Raises DesignError where there is no frame, where there are many linkages at once, or no room for guide pins.
     """
+    if motion.linkage.many:
+        raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
     if not motion.closed.any():
         raise never_closed(motion)
     linkage = motion.linkage
@@ -109,15 +141,6 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
         if slider.name not in blocks:
             pins += _guide_pins(motion, slider, plates, stock)
     return Assembly(plates, tuple(pins))
-
-
-def path_in(motion: Motion, frame: str, body: str, places: complex | Array) -> Sweep:
-    """Paths of points of one body as seen from another."""
-    seen, moving = motion.bodies[frame], motion.bodies[body]
-    local = np.atleast_1d(np.asarray(places, dtype=complex))
-    world = moving.origin.position[:, None] + moving.direction[:, None] * local
-    here = (world - seen.origin.position[:, None]) * np.conj(seen.direction[:, None])
-    return Sweep(motion.drive, np.where(motion.closed[:, None], here, np.nan))
 
 
 def _block(linkage: Linkage, slider: Slider) -> str | None:
