@@ -63,5 +63,5 @@ KINDS = Kinds({
     "planetary": "planetary:PlanetaryRecipe",
     "straight-sided-gears": "conjugate_gears:StraightSidedGearsRecipe",
     "point-tooth-gears": "conjugate_gears:PointToothGearsRecipe",
-    "lantern-gears": "lantern_gears:LanternGearsRecipe",
+    "lantern-gears": "conjugate_gears:LanternGearsRecipe",
 })  # fmt: skip
