@@ -7,8 +7,8 @@ from dataclasses import fields, replace
 from typing import Any
 
 from ..cam.followers.flat import OscillatingFlat, TranslatingFlat
-from ..cam.program.program import Dwell, Program, Return, Rise
 from ..cam.followers.roller import OscillatingRoller, TranslatingRoller
+from ..cam.program.program import Dwell, Program, Return, Rise
 from ..cam.program.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolynomial, OptimisedSpline
 from ..recipe.template import example
 

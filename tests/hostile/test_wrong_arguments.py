@@ -113,7 +113,6 @@ GOOD = {
     "acceleration_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
-    "base_pitch": {"gear": GEAR},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
@@ -170,7 +169,7 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
+    "AbstractCurve", "AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractShaper", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {

@@ -15,9 +15,8 @@ from ...cam.undercut import Undercut, undercut
 from ...part import Part
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, shaft, widened
+from ..bore import bore, clearance, keyed_bore, shaft, widened
 from .cam_followers import CORNER, faced_arm, rounded, stemmed_face
-from ..keyway import keyed_bore
 from .timing import timing_marks
 
 
