@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import Numbers, checked
 
-# Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no.
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Whole = NDArray[np.int64]
+# Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no. They hold float64,
+# complex128, intp and bool; the wider names are what NumPy's own annotations give for `1j * x` or `abs(z)`.
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
+Whole = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 # Of whichever, where a function takes them alike.
 Array = NDArray[Any]
