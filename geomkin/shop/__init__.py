@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .cam.cams import CamStock as CamStock
-    from .cam.cams import cam_parts as cam_parts
+    from .cam import CamStock as CamStock
+    from .cam import cam_parts as cam_parts
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
     from .gear.gears import LanternStock as LanternStock

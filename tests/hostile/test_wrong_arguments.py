@@ -121,6 +121,7 @@ GOOD = {
     "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
     "cognates": {"four_bar": FOUR_BAR},
     "conjugate": {"tooth": GEAR.outline.piece, "teeth": 24, "pitch_radius": 24.0, "mate_teeth": 40, "addendum": 2.0, "internal": False},
+    "contact_travel": {"cam": gk.Cam(gk.TranslatingFlat(), PROGRAM, 60)},
     "convexity": {"curve": CIRCLE, "t": DRIVE},
     "coupler_curves": {"motion": MOTION, "points": np.array([1j, 2.0]), "body": "coupler"},
     "coupler_grid": {"length": 10.0, "height": 5.0, "rows": 2, "columns": 3, "centre": 1j},
@@ -169,7 +170,8 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractShaper", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
+    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {

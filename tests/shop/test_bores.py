@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.shop.bore import bore, keyed_bore
-from geomkin.shop.cam.cams import CamStock
+from geomkin.shop.cam import CamStock
 from geomkin.shop.gear.gears import GearStock, gear_parts
 from tests.texts import parse, template_of
 

@@ -1,15 +1,71 @@
-"""Splines of lift: through given values, and the piecewise polynomial that carries them."""
+"""Laws that are polynomials: one from conditions at its ends and between, or a spline through given values."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 
-from ...plane.vec import Array
+from ...errors import DesignError
+from ...plane.vec import Real, Whole
 
+# Conditions whose equations multiply rounding by more than this do not settle the polynomial: a slope without its
+# lift, or so many places between that it swings far beyond them. Larger lets such polynomials pass, smaller refuses
+# some of the fifteenth degree that are still good to a nanometre.
+WORST = 1e10
 # Slope and curvature at the start and at the end, by x; None for a spline that closes on itself.
 Ends = tuple[tuple[float, float], tuple[float, float]] | None
+
+
+@dataclass(frozen=True, eq=False)
+class ChebyshevLaw:
+    """A law as one polynomial. rows (degree + 1, 4): Chebyshev coefficients over 0 <= x <= 1 of f, f', f'', f'''.
+
+    Chebyshev's and not plain powers: at degree 15 those lose half their digits.
+    """
+
+    rows: Real
+
+    def __call__(self, x: Real) -> Real:
+        return np.asarray(chebyshev.chebval(2 * x - 1, self.rows), dtype=float)
+
+
+def chebyshev_law(series: Sequence[Real]) -> ChebyshevLaw:
+    """The law from the Chebyshev coefficients of f and its three derivatives over 0 <= x <= 1."""
+    rows = np.zeros((len(series[0]), 4))
+    for k, coefficients in enumerate(series):
+        rows[: len(coefficients), k] = coefficients
+    return ChebyshevLaw(rows)
+
+
+def derive(coefficients: Real, order: int) -> Real:
+    """Chebyshev coefficients of a derivative by x; columns are taken one by one."""
+    # x runs from 0 to 1 and a Chebyshev polynomial's own variable from -1 to 1.
+    return chebyshev.chebder(coefficients, order, scl=2) if order else coefficients
+
+
+def condition_row(x: ArrayLike, order: int, degree: int) -> Real:
+    """What each Chebyshev polynomial to `degree` adds to the derivative of that order at x (...): (degree + 1, ...)."""
+    return chebyshev.chebval(2 * np.asarray(x) - 1, derive(np.eye(degree + 1), order))
+
+
+def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> ChebyshevLaw:
+    """The polynomial of least degree that meets conditions (x, order of the derivative, its value by x)."""
+    degree = len(conditions) - 1
+    rows = np.array([condition_row(x, order, degree) for x, order, _ in conditions])
+    # A row of the third derivative is thousands of times one of the value.
+    size = np.abs(rows).max(axis=1)
+    if not size.all() or np.linalg.cond(rows / size[:, None]) > WORST:
+        raise DesignError(
+            "",
+            "its conditions do not settle one polynomial",
+            "give the lower derivatives before the higher ones, or fewer places between",
+        )
+    f = np.linalg.solve(rows / size[:, None], np.array([v for _, _, v in conditions]) / size)
+    return chebyshev_law([derive(f, k) for k in range(4)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,22 +75,23 @@ class PiecewisePolynomial:
     breaks: those places of x, 0 and 1 among them, where a derivative up to the third may jump.
     """
 
-    knots: Array
-    coefficients: Array
-    breaks: Array
+    knots: Real
+    coefficients: Real
+    breaks: Real
 
-    def __call__(self, x: Array) -> Array:
+    def __call__(self, x: Real) -> Real:
         piece = np.clip(np.searchsorted(self.knots, x, side="right") - 1, 0, len(self.knots) - 2)
         u = x - self.knots[piece]
-        value = np.zeros((4, *np.shape(x)))
+        value: Real = np.zeros((4, *np.shape(x)))
         for coefficient in self.coefficients[::-1]:
             # Horner for the Taylor coefficients, f^(k) / k!.
             value[1:] = value[1:] * u + value[:-1]
             value[0] = value[0] * u + coefficient[piece]
-        return value * np.array([1.0, 1, 2, 6]).reshape(4, *[1] * np.ndim(x))
+        factorials: Real = np.array([1.0, 1, 2, 6]).reshape(4, *[1] * np.ndim(x))
+        return value * factorials
 
 
-def spline_through(x: Array, values: Array, ends: Ends) -> PiecewisePolynomial:
+def spline_through(x: Real, values: Real, ends: Ends) -> PiecewisePolynomial:
     """Quintic spline through values (n + 1,) at rising x (n + 1,) from 0 to 1, with the slopes and curvatures `ends`.
 
     Of all curves through the values and ends the one with the least integral of squared jerk. The
@@ -44,18 +101,18 @@ def spline_through(x: Array, values: Array, ends: Ends) -> PiecewisePolynomial:
     return PiecewisePolynomial(x, _quintic(x, values[:, None], ends)[..., 0], np.array([0.0, 1.0]))
 
 
-def _times(a: Array, b: Array) -> Array:
+def _times(a: Real, b: Real) -> Real:
     """Products of 2 x 2 matrices with matrices of two rows, in a fixed order."""
     return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
 
 
-def _inverse(a: Array) -> Array:
+def _inverse(a: Real) -> Real:
     """Of a 2 x 2 matrix."""
     (p, q), (r, s) = a.tolist()
-    return np.array([[s, -q], [-r, p]]) / (p * s - q * r)
+    return np.array([[s, -q], [-r, p]]) / float(p * s - q * r)
 
 
-def _quintic(knots: Array, values: Array, ends: Ends) -> Array:
+def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
     """Coefficients (6, n, columns) of quintic splines through values (n + 1, columns).
 
     Unknown at each knot are slope and curvature; third and fourth derivatives on both sides of it
@@ -107,7 +164,7 @@ def _quintic(knots: Array, values: Array, ends: Ends) -> Array:
     return np.array([p / (h / scale) ** k for k, p in enumerate(powers)])
 
 
-def _links(width: Array, step: Array, i: Array) -> tuple[Array, Array, Array, Array]:
+def _links(width: Real, step: Real, i: Whole) -> tuple[Real, Real, Real, Real]:
     """What knots i ask of the states before, at and after them, (len(i), 2, 2) each, and the right side."""
     h, g = width[i - 1][:, None], width[i][:, None]
     third = [-24 / h**2, -3 / h, 36 / g**2 - 36 / h**2, 9 / h + 9 / g, 24 / g**2, -3 / g]

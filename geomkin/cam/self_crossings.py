@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..plane.curve import AbstractCurve
-from ..plane.vec import Array, cross
+from ..plane.vec import Complex, Real, Whole, cross
 
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
 # six are enough; where they touch each step only halves the gap.
@@ -14,7 +14,7 @@ STEPS = 60
 BLOCK = 1_000_000
 
 
-def crossings(curve: AbstractCurve, start: Array, low: Array, high: Array) -> Array:
+def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
     """Parameters (n, 2) at which a closed curve is in the same place, near `start` (n, 2), between `low` and `high`.
 
     nan where there are none: where chords cross, the curve itself may pass by.
@@ -40,7 +40,7 @@ def crossings(curve: AbstractCurve, start: Array, low: Array, high: Array) -> Ar
     return best
 
 
-def chord_crossings(z: Array, reach: float = np.inf) -> tuple[Array, Array, Array, Array]:
+def chord_crossings(z: Complex, reach: float = np.inf) -> tuple[Whole, Whole, Real, Real]:
     """Crossings of a closed polygon's chords: numbers i < j of the chords, and the share along each.
 
     Of chords that come nearer to the origin than `reach`; others may be left out.
@@ -62,7 +62,7 @@ def chord_crossings(z: Array, reach: float = np.inf) -> tuple[Array, Array, Arra
     return i[hit][order], j[hit][order], s[hit][order], t[hit][order]
 
 
-def _boxes_that_meet(a: Array, b: Array) -> tuple[Array, Array]:
+def _boxes_that_meet(a: Complex, b: Complex) -> tuple[Whole, Whole]:
     """Pairs of chords a to b whose upright boxes meet, once each.
 
     The chords are sorted along x within bands of y no higher than they are themselves, so that nearly all that

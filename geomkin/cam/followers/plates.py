@@ -1,14 +1,50 @@
-"""Plates of cam followers: a flat face on a stem, arms with a roller or a face."""
+"""Plates of cam followers in plane terms: rollers, a flat face on a stem, arms with a roller or a face."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import DesignError
+from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 
 # Radius of outer corners, mm: a sharp one cuts fingers and chips in a drop, and beams burn it.
 CORNER = 1.0
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What followers are cut from, mm: `CamStock` in shop tells what each is."""
+
+    bar_width: float
+    overhang: float
+    stem_length: float
+    pivot_bore: float
+    roller_bore: float
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A round hole for a pin or shaft of a diameter, mm, 0 for none.
+
+    key: what the stock calls the diameter. widest: width of the plate round it, mm. centre: in the plate's frame, mm.
+    """
+
+    key: str
+    diameter: float
+    widest: float
+    centre: complex = 0j
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """One plate of a follower: outline, mm, in the follower's own frame or, for a roller, about its centre."""
+
+    name: str
+    outline: AbstractCurve
+    holes: tuple[Hole, ...] = ()
 
 
 def rounded(outline: Polyline, radius: float) -> Polyline:

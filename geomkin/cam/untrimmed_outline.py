@@ -10,11 +10,10 @@ import numpy as np
 from ..plane.curve import AbstractCurve, just_before
 from ..plane.derived import Stretch
 from ..plane.joined import Path
-from ..plane.primitives import Arc, Segment
-from ..plane.vec import Array, dot
+from ..plane.pose import Pose
+from ..plane.vec import Real
 from .cam import Cam
-from .extremes import samples
-from .followers.follower import Roller
+from .maxima import samples
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
 # what joins them is a piece of the outline. Smaller makes pieces of what a law leaves of rounding at its ends;
@@ -26,7 +25,7 @@ CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 
 
 @dataclass(frozen=True, eq=False)
-class RawOutline:
+class UntrimmedOutline:
     """What a follower touches all the way round: the profile, and where it jumps what joins its ends.
 
     Where the programme's velocity jumps, the follower stands still while the contact runs along it: along
@@ -48,7 +47,7 @@ class RawOutline:
         pieces: list[AbstractCurve] = []
         first = 0
         for k in jumps.tolist():
-            joint = _joint(self.cam, breaks[k + 1], complex(before[k]), complex(after[k]))
+            joint = _joint(self.cam, float(breaks[k + 1]), complex(before[k]), complex(after[k]))
             pieces += [Stretch(profile, breaks[first : k + 2]), joint]
             first = k + 1
         return (*pieces, Stretch(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
@@ -59,11 +58,9 @@ class RawOutline:
 
         That is the pitch curve, or the feet of the perpendiculars from the axis to the face.
         """
-        angle = samples(self.cam.program.breaks)
-        if isinstance(self.cam.follower, Roller):
-            return float(np.abs(self.cam.pitch_curve.point(angle)).max())
-        contact = self.cam.contact(angle)
-        return float(dot(contact.normal, contact.point).max())
+        cam = self.cam
+        motion = cam.program.motion(samples(cam.program.breaks))
+        return float(cam.follower.covered_from(motion, cam.base_radius, cam.sense).max())
 
     @cached_property
     def curve(self) -> Path:
@@ -75,14 +72,14 @@ class RawOutline:
         k = min(int(t), len(self.pieces) - 1)
         if k % 2:
             return float(self.pieces[k - 1].breaks[-1])
-        first, last = self.pieces[k].breaks[[0, -1]].tolist()
+        first, last = map(float, self.pieces[k].breaks[[0, -1]])
         return first + (t - k) * (last - first)
 
     def parameter(self, angle: float, ending: bool) -> float:
         """Parameter of the curve at a cam angle; at a joint, that where it is reached if `ending`, else left."""
         ends = np.array([piece.breaks[-1] for piece in self.pieces[::2]])
         k = min(int(np.searchsorted(ends, angle, side="left" if ending else "right")), len(ends) - 1)
-        first, last = self.pieces[2 * k].breaks[[0, -1]].tolist()
+        first, last = map(float, self.pieces[2 * k].breaks[[0, -1]])
         return 2 * k + (angle - first) / (last - first)
 
     def between(self, start: float, end: float) -> list[AbstractCurve]:
@@ -97,22 +94,21 @@ class RawOutline:
         return parts
 
     @cached_property
-    def places(self) -> Array:
+    def places(self) -> Real:
         """Rising parameters whose chords are near enough to the curve to cross where it does, but for its loops."""
         return np.concatenate([k + self._shares(k) for k in range(len(self.pieces))])
 
-    def _shares(self, number: int) -> Array:
+    def _shares(self, number: int) -> Real:
         """From 0 to 1 along a piece, its end excluded."""
         b = self.pieces[number].breaks
         if number % 2:
             return np.linspace(0, 1, CHORDS_PER_SEGMENT + 1)[:-1]
         counts = np.maximum(CHORDS_PER_SEGMENT, CHORDS * np.diff(b) / (2 * np.pi)).astype(int).tolist()
         t = np.concatenate([np.linspace(first, last, n + 1)[:-1] for first, last, n in zip(b, b[1:], counts)])
-        return (t - b[0]) / (b[-1] - b[0])
+        shares: Real = (t - b[0]) / (b[-1] - b[0])
+        return shares
 
 
 def _joint(cam: Cam, angle: float, before: complex, after: complex) -> AbstractCurve:
-    if not isinstance(cam.follower, Roller):
-        return Segment(before, after)
-    centre = complex(cam.pitch_curve.point(angle))
-    return Arc(centre, before, float(np.angle((after - centre) / (before - centre))))
+    on_ground, to_cam = cam.follower_pose(angle), np.exp(-1j * cam.sense * angle)
+    return cam.follower.joint(Pose(to_cam * on_ground.origin, to_cam * on_ground.direction), before, after)

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import DesignError, shown
-from ...plane.vec import Array
+from ...plane.vec import Real
 from ...sizes import check_quantities
-from .lift_rows import MOST_ROWS, checked_rows, read_rows
+from .given_lifts import MOST_ROWS, checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
 # Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
@@ -23,7 +23,7 @@ MOST_SEGMENTS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
-class Span:
+class PlacedSegment:
     """A segment in its place. start, end: deg; lift, end_lift: mm, or deg where `oscillates`.
 
     oscillates: None where it fits both, as a dwell does. points: (n, 2) given angles and lifts, for a
@@ -37,13 +37,13 @@ class Span:
     lift: float
     end_lift: float
     oscillates: bool | None
-    points: Array
+    points: Real
 
     @property
     def radians(self) -> float:
         return float(np.radians(self.end) - np.radians(self.start))
 
-    def x(self, angle: Array) -> Array:
+    def x(self, angle: Real) -> Real:
         """0 at the start and 1 at the end, for angles in deg."""
         return (angle - self.start) / (self.end - self.start)
 
@@ -58,9 +58,9 @@ def naming(place: str) -> Iterator[None]:
         raise DesignError(field, error.problem, error.remedy) from None
 
 
-def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
+def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
     """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
-    made: list[Span] = []
+    made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
     if len(segments) > MOST_SEGMENTS:
         raise DesignError("program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}")
@@ -71,13 +71,15 @@ def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
                 raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise")
             check_quantities(segment)
             if isinstance(segment, Pointed):
-                span = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
+                placed = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
             else:
                 end = _end(segment, angle)
                 end_lift, oscillates = _end_lift(segment, lift)
-                span = Span(place, segment, angle, end, lift, end_lift, oscillates, _between(segment, angle, end))
-        made.append(span)
-        angle, lift = span.end, span.end_lift
+                placed = PlacedSegment(
+                    place, segment, angle, end, lift, end_lift, oscillates, _between(segment, angle, end)
+                )
+        made.append(placed)
+        angle, lift = placed.end, placed.end_lift
         rows += len(made[-1].points)
         if rows > MOST_ROWS:
             raise DesignError(place, f"with it, the programme has {rows:,} rows", f"give at most {MOST_ROWS:,} in all")
@@ -88,10 +90,10 @@ def spans(segments: Sequence[Segment], folder: str | Path | None) -> list[Span]:
     return [*made[:-1], replace(made[-1], end_lift=made[0].lift, points=last)]
 
 
-def _check_whole(made: list[Span], angle: float, lift: float) -> None:
+def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
     if abs(angle - 360) > SLIP:
         raise DesignError("program", f"the segments end at {angle:g} deg", "make the last one end at 360 deg")
-    swings = {span.oscillates: span.place for span in made if span.oscillates is not None}
+    swings = {placed.oscillates: placed.place for placed in made if placed.oscillates is not None}
     if len(swings) == 2:
         raise DesignError(
             "program",
@@ -160,14 +162,14 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     if isinstance(segment, Return) and end >= before:
         raise DesignError("end_lift", f"found {end:g} {unit}, not below its start", "use a rise to go up")
     if end < 0:
-        field = "rise" if getattr(segment, "rise", None) or getattr(segment, "rise_deg", None) else "end_lift"
+        field = "rise" if not isinstance(segment, Return) and (segment.rise or segment.rise_deg) else "end_lift"
         raise DesignError(field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more")
     return end, oscillates
 
 
 def _given(
     place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool
-) -> Span:
+) -> PlacedSegment:
     """A segment from its own points. lift: that of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
     # A row of a file is found by what it says.
@@ -202,7 +204,7 @@ def _given(
         problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
         raise DesignError(field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius")
     points[[0, -1], 0], points[0, 1] = (start, end), lift
-    return Span(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
+    return PlacedSegment(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
 
 
 def band(segment: Segment) -> float:
@@ -219,7 +221,7 @@ def band(segment: Segment) -> float:
     return 0.75 * 10.0**-segment.decimals if segment.decimals < 10 else 0.0
 
 
-def _between(segment: Timed, start: float, end: float) -> Array:
+def _between(segment: Timed, start: float, end: float) -> Real:
     if not isinstance(segment, LiftPolynomial):
         return np.zeros((0, 2))
     if isinstance(segment.through, (tuple, list)) and not segment.through:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..plane.vec import Array
+from ..plane.vec import Real
 
 # Places looked at in each segment. What a segment's law does between two of them is one hill at most.
 SAMPLES = 256
@@ -18,31 +18,31 @@ TOGETHER, FEWEST = 256 * 256, 48
 LOOKS, FINE = 7, 33
 
 
-def samples(breaks: Array) -> Array:
+def samples(breaks: Real) -> Real:
     """Places (segments, SAMPLES or fewer) that see every segment finely and every joint from both sides."""
     return _samples_between(breaks[:-1], breaks[1:])
 
 
-def _samples_between(low: Array, high: Array) -> Array:
+def _samples_between(low: Real, high: Real) -> Real:
     count = min(SAMPLES, max(FEWEST, TOGETHER // max(len(low), 1)))
     inside = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, count)
     inside[:, -1] = np.nextafter(high, -np.inf)
     return inside
 
 
-def highest(breaks: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
+def highest(breaks: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
     """The largest value of f in each segment, and where; at joints from the segment's own side."""
     return highest_between(breaks[:-1], breaks[1:], f)
 
 
-def highest_between(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
+def highest_between(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
     """The largest value of f, smooth there, between each `low` and `high`, and where; at `high` from below."""
     places = _samples_between(low, high)
     _, before, after = _hills(places, f(places))
     return climb(before, after, f)
 
 
-def _hills(places: Array, values: Array) -> tuple[Array, Array, Array]:
+def _hills(places: Real, values: Real) -> tuple[Real, Real, Real]:
     """What the top at the highest sample of each row stays below, and the places that it lies between."""
     top = values.argmax(axis=1)[:, None]
     sides = np.maximum(top - 1, 0), np.minimum(top + 1, places.shape[1] - 1)
@@ -54,7 +54,7 @@ def _hills(places: Array, values: Array) -> tuple[Array, Array, Array]:
         return 2 * most - np.minimum(one, other), before, after
 
 
-def climb(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, Array]:
+def climb(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
     """The top of the one hill of f between each `low` and `high`: its value and its place."""
     for _ in range(LOOKS):
         # The last of them may round to beyond `high`, where a joint lies.
@@ -66,7 +66,7 @@ def climb(low: Array, high: Array, f: Callable[[Array], Array]) -> tuple[Array, 
     return np.take_along_axis(values, top, 1)[:, 0], np.take_along_axis(places, top, 1)[:, 0]
 
 
-def largest(breaks: Array, f: Callable[[Array], Array]) -> tuple[float, float]:
+def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     """The largest value of f over all segments, and where."""
     places = samples(breaks)
     values = f(places)
