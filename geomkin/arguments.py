@@ -63,6 +63,7 @@ def check_fields(thing: Any) -> None:
 
 
 def refused(name: str, value: object, sort: Sort) -> DesignError:
+    """The error for an argument that is not of its sort."""
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 

@@ -28,6 +28,7 @@ class Part:
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
     body: str = ""
+
     __repr__ = one_line
 
     def __post_init__(self) -> None:
