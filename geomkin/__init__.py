@@ -55,8 +55,8 @@ if TYPE_CHECKING:
     from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
     from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
     from .linkage.named.four_bar import FourBar as FourBar
-    from .linkage.named.inverted_slider_crank import InvertedSliderCrank as InvertedSliderCrank
-    from .linkage.named.shaper import Shaper as Shaper
+    from .linkage.named.slider_crank import InvertedSliderCrank as InvertedSliderCrank
+    from .linkage.named.six_bars import Shaper as Shaper
     from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
     from .linkage.named.six_bars import WattSixBar as WattSixBar
     from .linkage.named.slider_crank import SliderCrank as SliderCrank

@@ -13,7 +13,8 @@ from ..check import Check
 from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
 from ..errors import DesignError
 from ..linkage.instant.centres import instant_centres
-from ..linkage.motion import Body, Motion
+from ..linkage.body_motion import Body
+from ..linkage.motion import Motion
 from ..linkage.openings import opening
 from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve.move import move

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve.plan import _Planner
-from geomkin.linkage.solve.trace import polished
+from geomkin.linkage.solve.plan import Planner
+from geomkin.linkage.solve.continuation import polished
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 
@@ -17,12 +17,12 @@ def posed(linkage, motion, carried=True):
     linkage = linkage.linkage
     pins = {pin: motion.point(pin).position[0] for pin in linkage.pins}
     same = replace(linkage, estimate=pins)
-    planner = _Planner(same, False)
+    planner = Planner(same, False)
     planner.drive()
     if carried:
         planner.carry()
     planner.rest()
-    same.__dict__["_plans"] = {False: planner.steps}
+    same.plans[False] = tuple(planner.placements)
     return same
 
 

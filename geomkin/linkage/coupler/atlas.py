@@ -13,7 +13,8 @@ from ...sizes import rounded_up
 from ..solve.branch import Branch, chosen
 from ..limits import driver_limits
 from ..motion import Motion
-from ..solve.move import Named, OneLinkage, move
+from ..linkage import AbstractLinkage, OneLinkage
+from ..solve.move import move
 
 # Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,
 # but 3 % too small; nearer to 1, such a chord may exceed the tolerance.
@@ -89,7 +90,7 @@ def _check_body(bodies: Collection[str], body: str) -> None:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(bodies)}")
 
 
-def _dash_limits(linkage: Named, steps: Array, branch: Branch) -> Array:
+def _dash_limits(linkage: AbstractLinkage, steps: Array, branch: Branch) -> Array:
     """Limits (dashes, 2) of the drive over which the linkage is closed, none across the limits of a step."""
     first, last = float(steps[0]), float(steps[-1])
     short = SHORT * np.spacing(max(abs(first), abs(last)))
@@ -102,7 +103,7 @@ def _dash_limits(linkage: Named, steps: Array, branch: Branch) -> Array:
 
 
 def _drawn(
-    linkage: Named, local: Array, limits: Array, tolerance: float, branch: Branch, body: str
+    linkage: AbstractLinkage, local: Array, limits: Array, tolerance: float, branch: Branch, body: str
 ) -> list[list[Array]]:
     found: list[dict[int, Array]] = [{} for _ in local]
     waiting, worst = np.arange(len(limits)), 0.0

@@ -14,7 +14,8 @@ from ...errors import DesignError
 from ...plane.vec import cross, direction_deg
 from ..named.four_bar import FourBar
 from ..linkage import Linkage
-from ..solve.move import Branch, move
+from ..solve.branch import Branch
+from ..solve.move import move
 
 Link = Literal["crank", "coupler", "rocker"]
 

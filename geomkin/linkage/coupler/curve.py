@@ -13,11 +13,14 @@ from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Array
 from ..limits import driver_limits
-from ..motion import Motion, PointMotion
-from ..solve.move import Branch, Named, OneLinkage, move
+from ..body_motion import PointMotion
+from ..linkage import AbstractLinkage, OneLinkage
+from ..motion import Motion
+from ..solve.branch import Branch
+from ..solve.move import move
 
 
-def moved_at(linkage: Named, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Array]:
+def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Array]:
     """The motion at drives of any shape and order, and which of its frames each of them is.
 
     A branch that is followed is followed from `start`, whatever drives are asked for.

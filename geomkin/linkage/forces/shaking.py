@@ -14,7 +14,8 @@ from ...plane.vec import Array, cross
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..motion import Motion
 from ..named.slider_crank import SliderCrank
-from ..solve.move import Branch, move
+from ..solve.branch import Branch
+from ..solve.move import move
 
 # kg mm/s2 in N.
 NEWTON = 1e-3

@@ -13,7 +13,8 @@ from ...plane.curve import AbstractCurve
 from ...plane.vec import Array
 from .centrodes import Centrodes
 from ..coupler.curve import moved_at
-from ..solve.move import Branch, OneLinkage
+from ..linkage import OneLinkage
+from ..solve.branch import Branch
 
 
 @dataclass(frozen=True, eq=False)

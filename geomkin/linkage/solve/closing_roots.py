@@ -1,13 +1,25 @@
-"""The two roots that decide whether a loop closes, with the digits they have near a toggle or a change point."""
+"""The roots that decide whether a loop closes, with the digits they have near a toggle or a change point.
+
+Real where it closes, zero where its two branches meet: a limit of the driver, or a change point.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
-from ...plane.vec import Array
+from ...plane.vec import Mask, Real, Whole
+
+
+class ClosingRoot(Protocol):
+    """The root of a loop over the frames."""
+
+    @property
+    def r(self) -> Real:
+        """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,14 +30,14 @@ class Gaps:
     its sign, and runs smoothly through it; change_1, change_2 tell for which of many linkages it is so.
     """
 
-    d1: Array
-    d2: Array
-    k: Array
-    change_1: Array | bool
-    change_2: Array | bool
+    d1: Real
+    d2: Real
+    k: Real
+    change_1: Mask | bool
+    change_2: Mask | bool
 
     @classmethod
-    def of(cls, d1: Array, d2: Array, k: Array, follow: bool) -> Gaps:
+    def of(cls, d1: Real, d2: Real, k: Real, follow: bool) -> Gaps:
         """Gaps with their change points found; False, the common case, costs nothing later."""
         changes = [d == 0 if follow and np.any(d == 0) else False for d in (d1, d2)]
         return cls(d1, d2, k, changes[0], changes[1])
@@ -36,40 +48,40 @@ class Roots:
     """The two roots over the frames. x = k cos v, y = k sin v; r = branch f1 f2, nan where the loop cannot close."""
 
     gaps: Gaps
-    x: Array
-    y: Array
-    branch: Array | int
+    x: Real
+    y: Real
+    branch: Whole | int
 
     @cached_property
-    def f1(self) -> Array:
+    def f1(self) -> Real:
         return _root(self.gaps.d1, self.x, self.gaps.change_1)
 
     @cached_property
-    def f2(self) -> Array:
+    def f2(self) -> Real:
         return _root(self.gaps.d2, self.y, self.gaps.change_2)
 
     @cached_property
-    def p1(self) -> Array:
+    def p1(self) -> Real:
         """x / f1."""
         share = self.x / self.f1
         return share if self.gaps.change_1 is False else np.where(self.gaps.change_1, 1.0, share)
 
     @cached_property
-    def p2(self) -> Array:
+    def p2(self) -> Real:
         """y / f2."""
         share = self.y / self.f2
         return share if self.gaps.change_2 is False else np.where(self.gaps.change_2, 1.0, share)
 
     @cached_property
-    def r(self) -> Array:
+    def r(self) -> Real:
         return self.branch * (self.f1 * self.f2)
 
     @cached_property
-    def tau(self) -> Array:
+    def tau(self) -> Real:
         """x y / r."""
         return self.branch * (self.p1 * self.p2)
 
-    def tau_rate(self) -> Array:
+    def tau_rate(self) -> Real:
         """Its derivative by t."""
         one = (self.branch * 0.5 * self.gaps.d2) * (self.p1 * self.x) / (self.f2 * self.f2 * self.f2)
         two = (self.branch * 0.5 * self.gaps.d1) * (self.p2 * self.y) / (self.f1 * self.f1 * self.f1)
@@ -79,7 +91,62 @@ class Roots:
         return one - two
 
 
-def _root(d: Array, x: Array, change: Array | bool) -> Array:
+@dataclass(frozen=True, eq=False)
+class StrokeRoot:
+    """r = branch f1 f2 of an actuator's dyad, f1^2 = most - x^2 and f2^2 = x^2 - least; most may be infinite.
+
+    change: where least is zero and followed, f2 is x with its sign, and r runs smoothly through zero.
+    """
+
+    x: Real
+    most: Real
+    least: Real
+    branch: Whole | int
+    follow: bool
+
+    @cached_property
+    def change(self) -> Mask | bool:
+        return self.least == 0 if self.follow and np.any(self.least == 0) else False
+
+    @cached_property
+    def f1(self) -> Real:
+        # With nothing to hold it back f1 is no factor.
+        bounded = np.isfinite(self.most)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(np.where(bounded, self.most - self.x * self.x, 1.0))
+
+    @cached_property
+    def f2(self) -> Real:
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(self.x * self.x - self.least)
+        return root if self.change is False else np.where(self.change, self.x, root)
+
+    @cached_property
+    def r(self) -> Real:
+        return self.branch * (self.f1 * self.f2)
+
+    @cached_property
+    def share(self) -> Real:
+        """x / f2, 1 at a change point."""
+        with np.errstate(all="ignore"):
+            share = self.x / self.f2
+        return share if self.change is False else np.where(self.change, 1.0, share)
+
+    @cached_property
+    def share_rate(self) -> Real:
+        """Its derivative by x."""
+        with np.errstate(all="ignore"):
+            rate = -self.least / (self.f2 * self.f2 * self.f2)
+        return rate if self.change is False else np.where(self.change, 0.0, rate)
+
+    def limits(self) -> list[float]:
+        """Places x at which r vanishes; none at a change point."""
+        squares = [float(self.most), float(self.least)]
+        ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
+        return [x for end in ends for x in (end, -end)]
+
+
+def _root(d: Real, x: Real, change: Mask | bool) -> Real:
     root = np.sqrt(x * x + d)
     return root if change is False else np.where(change, x, root)
 
@@ -94,7 +161,7 @@ def half_limits(gaps: Gaps) -> list[float]:
     return found
 
 
-def _sum_exact(*terms: Array) -> Array:
+def _sum_exact(*terms: Real) -> Real:
     """The sum of numbers as if added exactly and rounded about once: each addition's rounding is added back."""
     total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
     for term in terms[1:]:
@@ -105,7 +172,7 @@ def _sum_exact(*terms: Array) -> Array:
     return total + lost
 
 
-def gap_of(follow: bool, *terms: Array) -> Array:
+def gap_of(follow: bool, *terms: Real) -> Real:
     """A sum of lengths exactly; when followed, one that rounding of the lengths alone moved off zero is zero."""
     gap = _sum_exact(*terms)
     if not follow:

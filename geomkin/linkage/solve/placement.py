@@ -1,7 +1,7 @@
-"""The steps a linkage is solved by, and the simple ones: the driver, a body turned or carried along.
+"""How bodies are placed one after the other: what that is told by, and the placements without a choice.
 
-Every step writes the same three passes: where its bodies are, and the first and second derivatives of that
-by the drive q.
+A placement writes where its bodies are, and their first and second kinematic coefficients: the derivatives of that by
+the drive q, whatever the driver's speed (Uicker, Pennock, Shigley, Theory of Machines and Mechanisms, chapters 3, 4).
 """
 
 from __future__ import annotations
@@ -14,27 +14,37 @@ from typing import Any
 
 import numpy as np
 
-from ...plane.vec import Array, cross, dot
+from ...plane.vec import Complex, Real, Whole, cross, dot
 
 
 @dataclass(frozen=True, eq=False)
-class Pass:
-    """One order of the solution over a row of frames, in the fixed body's frame.
+class Coefficients:
+    """Kinematic coefficients of one order over a row of frames, in the fixed body's frame.
 
-    origin: places, mm, of the bodies' origins; turn: their directions, unit complex. In the passes of
-    derivatives: both by the drive, the turn as an angle. drive: q, rad or mm. kept: what a step worked
-    out and needs again. elsewhere: passes of order 0 and 1 at other drives, of the steps before one that looks between
-    the frames.
+    origin: of the bodies' origins, mm per unit of drive to that order; turn: of their angles, rad.
     """
 
-    origin: dict[str, Array] = field(default_factory=dict)
-    turn: dict[str, Array] = field(default_factory=dict)
-    drive: Array = field(default_factory=lambda: np.zeros(()))
-    kept: dict[Any, Any] = field(default_factory=dict)
-    elsewhere: Callable[[Array], list[Pass]] | None = None
+    origin: dict[str, Complex] = field(default_factory=dict)
+    turn: dict[str, Real] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where bodies are over a row of frames, in the fixed body's frame.
+
+    origin: places, mm, of the bodies' origins; turn: their directions, unit complex. drive: q, rad or mm. kept: what a
+    placement worked out and needs again. elsewhere: poses and first coefficients at other drives, of the placements
+    before one that looks between the frames.
+    """
+
+    origin: dict[str, Complex] = field(default_factory=dict)
+    turn: dict[str, Complex] = field(default_factory=dict)
+    drive: Real = field(default_factory=lambda: np.zeros(()))
+    kept: dict[Placement, Any] = field(default_factory=dict)
+    elsewhere: Callable[[Real], tuple[Poses, Coefficients]] | None = None
 
     @cached_property
-    def half(self) -> tuple[Array, Array]:
+    def half(self) -> tuple[Real, Real]:
         """Cosine and sine of q/2: the dearest numbers of a frame, worked out once."""
         half = 0.5 * self.drive
         return np.cos(half), np.sin(half)
@@ -45,29 +55,29 @@ class Anchor:
     """A point of a placed body, then along arms that turn with bodies: origin + turn place + sum(turn arm)."""
 
     body: str
-    place: complex
-    arms: tuple[tuple[str, complex], ...] = ()
+    place: complex | Complex
+    arms: tuple[tuple[str, complex | Complex], ...] = ()
 
     @cached_property
-    def _arms(self) -> list[tuple[str, complex]]:
+    def _arms(self) -> list[tuple[str, complex | Complex]]:
         return [(b, z) for b, z in ((self.body, self.place), *self.arms) if isinstance(z, np.ndarray) or z != 0]
 
-    def at(self, p0: Pass) -> Array:
+    def at(self, p0: Poses) -> Complex:
         """Its position, mm."""
         return _sum(p0.origin[self.body], [scaled(p0.turn[b], z) for b, z in self._arms])
 
-    def first(self, p0: Pass, p1: Pass) -> Array:
+    def first(self, p0: Poses, p1: Coefficients) -> Complex:
         """Its first derivative."""
         arms = [(1j * p1.turn[b]) * scaled(p0.turn[b], z) for b, z in self._arms]
         return _sum(p1.origin[self.body], arms)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> Array:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> Complex:
         """Its second derivative."""
         arms = [(1j * p2.turn[b] - p1.turn[b] ** 2) * scaled(p0.turn[b], z) for b, z in self._arms]
         return _sum(p2.origin[self.body], arms)
 
 
-def _sum(origin: Array, arms: list[Array]) -> Array:
+def _sum(origin: Complex, arms: list[Complex]) -> Complex:
     """Their sum; an origin at zero, as that of most grounds, is not added to every frame."""
     if arms and np.ndim(origin) == 0 and origin == 0:
         origin, arms = arms[0], arms[1:]
@@ -76,7 +86,7 @@ def _sum(origin: Array, arms: list[Array]) -> Array:
     return origin
 
 
-def scaled(z: Array, by: Array | complex) -> Array:
+def scaled(z: Complex, by: Complex | complex) -> Complex:
     """z times a constant, at a third of the price where that is real."""
     if isinstance(by, np.ndarray) and by.ndim:
         return z * by
@@ -88,66 +98,66 @@ class Rail:
     """A direction that turns with a body."""
 
     body: str
-    direction: complex
+    direction: complex | Complex
 
-    def at(self, p0: Pass) -> Array:
+    def at(self, p0: Poses) -> Complex:
         """The direction seen from the fixed body."""
         return p0.turn[self.body] * self.direction
 
 
-class Step(ABC):
-    """Places one or two bodies."""
+class Placement(ABC):
+    """Places one or two bodies, or what is left of them, on those that are placed already."""
 
     @abstractmethod
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         """Poses, on one branch of a dyad; nan where it cannot close."""
 
-    def reached(self, p0: Pass) -> Array | None:
+    def reached(self, p0: Poses) -> Complex | None:
         """What is nan where this step cannot place its bodies; None where it always can."""
         return None
 
     @abstractmethod
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         """First derivatives by the drive."""
 
     @abstractmethod
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         """Second derivatives by the drive."""
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array] | None:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex] | None:
         """Where a joint has two ways to go, those directions, of any length: parallel at a dead centre."""
         return None
 
-    def transmission_angle(self, p0: Pass) -> Array | None:
+    def transmission_angle(self, p0: Poses) -> Real | None:
         """Least acute angle between the ways in which a joint's two members let it move, rad; None where none has."""
         ways = self.meeting(p0)
         return None if ways is None else np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways)))
 
 
 @dataclass(frozen=True, eq=False)
-class Turned(Step):
+class Turned(Placement):
     """The driver where it is a body's angle: its direction is e^{iq}."""
 
     body: str
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         cosine, sine = p0.half
         turn = p0.turn[self.body] = np.empty(cosine.shape, dtype=complex)
         turn.real, turn.imag = (cosine - sine) * (cosine + sine), 2 * sine * cosine
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.body] = np.ones(())
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         p2.turn[self.body] = np.zeros(())
 
 
 @dataclass(frozen=True, eq=False)
-class Slid(Step):
+class Slid(Placement):
     """The driver where it slides: a body of known direction whose `local` point is q beyond `through` along `rail`."""
 
     body: str
-    local: complex
+    local: complex | Complex
     through: Anchor
     rail: Rail
 
@@ -155,14 +165,14 @@ class Slid(Step):
     def _anchor(self) -> Anchor:
         return Anchor(self.through.body, self.through.place, ((self.body, -self.local),))
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         p0.origin[self.body] = self._anchor.at(p0) + p0.drive * self.rail.at(p0)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         turn = p1.turn[self.rail.body]
         p1.origin[self.body] = self._anchor.first(p0, p1) + (1 + 1j * turn * p0.drive) * self.rail.at(p0)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         turn, turn_2 = p1.turn[self.rail.body], p2.turn[self.rail.body]
         # 2 i turn is the Coriolis term.
         gain = 2j * turn + (1j * turn_2 - turn**2) * p0.drive
@@ -170,55 +180,56 @@ class Slid(Step):
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn(Step):
+class Drawn(Placement):
     """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
 
     name: str
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
-        p0.origin[self.name], p0.turn[self.name] = p0.drive, np.ones(())
+    def place(self, p0: Poses, branch: Whole | int) -> None:
+        p0.origin[self.name], p0.turn[self.name] = p0.drive.astype(complex), np.ones((), dtype=complex)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
-        p1.origin[self.name], p1.turn[self.name] = np.ones(()), np.zeros(())
+    def first(self, p0: Poses, p1: Coefficients) -> None:
+        p1.origin[self.name], p1.turn[self.name] = np.ones((), dtype=complex), np.zeros(())
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
-        p2.origin[self.name], p2.turn[self.name] = np.zeros(()), np.zeros(())
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
+        p2.origin[self.name], p2.turn[self.name] = np.zeros((), dtype=complex), np.zeros(())
 
 
 @dataclass(frozen=True, eq=False)
-class Oriented(Step):
+class Oriented(Placement):
     """A body that turns with another: `turn` from its x axis."""
 
     body: str
     with_body: str
-    turn: complex
+    turn: complex | Complex
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         p0.turn[self.body] = p0.turn[self.with_body] * self.turn
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.body] = p1.turn[self.with_body]
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         p2.turn[self.body] = p2.turn[self.with_body]
 
 
 @dataclass(frozen=True, eq=False)
-class Carried(Step):
+class Carried(Placement):
     """A body whose direction is known, pinned at a point that is: its own `local` on `pin`."""
 
     body: str
-    local: complex
+    local: complex | Complex
     pin: Anchor
 
+    @cached_property
     def _anchor(self) -> Anchor:
         return Anchor(self.pin.body, self.pin.place, (*self.pin.arms, (self.body, -self.local)))
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
-        p0.origin[self.body] = self._anchor().at(p0)
+    def place(self, p0: Poses, branch: Whole | int) -> None:
+        p0.origin[self.body] = self._anchor.at(p0)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
-        p1.origin[self.body] = self._anchor().first(p0, p1)
+    def first(self, p0: Poses, p1: Coefficients) -> None:
+        p1.origin[self.body] = self._anchor.first(p0, p1)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
-        p2.origin[self.body] = self._anchor().second(p0, p1, p2)
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
+        p2.origin[self.body] = self._anchor.second(p0, p1, p2)
