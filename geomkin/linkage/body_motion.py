@@ -9,7 +9,8 @@ import numpy as np
 
 from ..brief import one_line, short
 from ..plane.vec import Complex, Real
-from .solve.solution import LinkageSolution, Numbers
+from .solve.placement import Numbers
+from .solve.solution import LinkageSolution
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,20 +46,23 @@ class PointMotion:
     def __repr__(self) -> str:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
 
-    @cached_property
+    # A fresh one each time: it is written over.
     def _arm(self) -> Complex:
         return self.body.direction * self.local
 
     @cached_property
     def position(self) -> Complex:
         """mm."""
-        return self.body.solution.origin(self.body.name, 0) + self._arm
+        place = self._arm()
+        place += self.body.solution.origin(self.body.name, 0)
+        return place
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient: dP/dq, mm per unit of drive."""
         with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
-            turned = self._arm * self.body.first
+            turned = self._arm()
+            turned *= self.body.first
             turned *= 1j
             turned += self.body.solution.origin(self.body.name, 1)
             return turned
@@ -67,9 +71,10 @@ class PointMotion:
     def second(self) -> Complex:
         """Second kinematic coefficient: d2P/dq2, mm per unit of drive squared."""
         with np.errstate(invalid="ignore"):
-            turned = np.empty(self._arm.shape, dtype=complex)
+            arm = self._arm()
+            turned = np.empty(arm.shape, dtype=complex)
             turned.real, turned.imag = -(self.body.first**2), self.body.second
-            turned *= self._arm
+            turned *= arm
             turned += self.body.solution.origin(self.body.name, 2)
             return turned
 

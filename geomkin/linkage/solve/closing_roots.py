@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ...plane.vec import Mask, Real, Whole
+from .placement import plus, times
 
 
 class ClosingRoot(Protocol):
@@ -83,8 +84,8 @@ class Roots:
 
     def tau_rate(self) -> Real:
         """Its derivative by t."""
-        one = (self.branch * 0.5 * self.gaps.d2) * (self.p1 * self.x) / (self.f2 * self.f2 * self.f2)
-        two = (self.branch * 0.5 * self.gaps.d1) * (self.p2 * self.y) / (self.f1 * self.f1 * self.f1)
+        one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / times(self.f2 * self.f2, self.f2)
+        two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / times(self.f1 * self.f1, self.f1)
         # What a vanished constant multiplies is finite in the limit, but 0/0 at the very point.
         one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
         two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
@@ -147,7 +148,7 @@ class StrokeRoot:
 
 
 def _root(d: Real, x: Real, change: Mask | bool) -> Real:
-    root = np.sqrt(x * x + d)
+    root = np.sqrt(plus(x * x, d))
     return root if change is False else np.where(change, x, root)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
-from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, scaled
+from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, plus, scaled, times
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,19 +110,21 @@ class DrivenRRR(Driven):
         x, y = roots.x, roots.y
         square = y * y
         over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
-        along, left = sizes.nearest + square * (0.5 / sizes.d), x * y * (-0.5 / sizes.d)
+        along, left = plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d)
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
         p0.kept[self] = roots, over, p
         bar = np.empty(p.shape, dtype=complex)
-        bar.real, bar.imag = p * along - r * left, p * left + r * along
+        np.subtract(p * along, r * left, out=bar.real)
+        np.add(p * left, r * along, out=bar.imag)
         if sizes.kite is not False:
             # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
             limit = 0.5 * (along + 1j * left) + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
         other = np.empty(p.shape, dtype=complex)
-        other.real, other.imag = bar.real - along, bar.imag - left
-        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0])
-        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1])
+        np.subtract(bar.real, along, out=other.real)
+        np.subtract(bar.imag, left, out=other.imag)
+        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0], used=True)
+        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1], used=True)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.kept[self]
@@ -130,7 +132,7 @@ class DrivenRRR(Driven):
         if sizes.kite is not False:
             p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
         tau = roots.tau
-        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - (1 - p) * tau, psi + p * tau
+        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - times(1 - p, tau), plus(p * tau, psi)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.kept[self]
@@ -139,7 +141,7 @@ class DrivenRRR(Driven):
         shared = (roots.x * roots.y) * (over * over) * (2 * sizes.difference - 4 * sizes.squares * roots.tau)
         if sizes.kite is not False:
             p, shared = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.0, shared)
-        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - (1 - p) * rate, shared + p * rate
+        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - times(1 - p, rate), plus(p * rate, shared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +225,7 @@ class DrivenRRP(Driven):
         roots = p0.kept[self] = self.roots(p0, branch)
         bar = np.empty(roots.r.shape, dtype=complex)
         bar.real, bar.imag = roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
-        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm)
+        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.dyad.body] = p0.kept[self].tau

@@ -13,7 +13,7 @@ from functools import reduce
 import numpy as np
 
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
-from .placement import Anchor, Coefficients, Placement, Poses, Rail
+from .placement import Anchor, Coefficients, Placement, Poses, Rail, times
 
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
@@ -68,7 +68,7 @@ class RRR(Dyad):
         with np.errstate(invalid="ignore", divide="ignore"):
             outer, inner = (b + c - s) * (b + c + s), (s - (b - c)) * (s + (b - c))
             r = _root(branch, outer, inner)
-            bar = w * ((s * s + (b - c) * (b + c)) + 1j * r) / (2 * s * s)
+            bar = times(1j * r + (s * s + (b - c) * (b + c)), w) / (2 * s * s)
         p0.turn[self.bodies[0]] = bar / self.arms[0]
         p0.turn[self.bodies[1]] = (bar - w) / self.arms[1]
 

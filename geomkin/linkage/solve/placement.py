@@ -10,11 +10,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ...plane.vec import Complex, Real, Whole, cross, dot
+from ...plane.vec import Array, Complex, Real, Whole, cross, dot
+
+Numbers = TypeVar("Numbers", Real, Complex)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,29 +70,47 @@ class Anchor:
 
     def first(self, p0: Poses, p1: Coefficients) -> Complex:
         """Its first derivative."""
-        arms = [(1j * p1.turn[b]) * scaled(p0.turn[b], z) for b, z in self._arms]
+        arms = [times(1j * p1.turn[b], scaled(p0.turn[b], z)) for b, z in self._arms]
         return _sum(p1.origin[self.body], arms)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> Complex:
         """Its second derivative."""
-        arms = [(1j * p2.turn[b] - p1.turn[b] ** 2) * scaled(p0.turn[b], z) for b, z in self._arms]
+        arms = [times(1j * p2.turn[b] - p1.turn[b] ** 2, scaled(p0.turn[b], z)) for b, z in self._arms]
         return _sum(p2.origin[self.body], arms)
 
 
 def _sum(origin: Complex, arms: list[Complex]) -> Complex:
-    """Their sum; an origin at zero, as that of most grounds, is not added to every frame."""
-    if arms and np.ndim(origin) == 0 and origin == 0:
-        origin, arms = arms[0], arms[1:]
-    for arm in arms:
-        origin = origin + arm
-    return origin
+    """Their sum, written over the arms; an origin at zero, as that of most grounds, is not added to every frame."""
+    if not arms:
+        return origin
+    total = arms[0] if np.ndim(origin) == 0 and origin == 0 else plus(arms[0], origin)
+    for arm in arms[1:]:
+        total = plus(total, arm)
+    return total
 
 
-def scaled(z: Complex, by: Complex | complex) -> Complex:
-    """z times a constant, at a third of the price where that is real."""
-    if isinstance(by, np.ndarray) and by.ndim:
-        return z * by
-    return z * by.real if by.imag == 0 else z * by
+# A new row of frames costs as much as what is calculated in it, so that rows nobody needs any more are written over.
+def plus(used: Array, other: Array) -> Array:
+    """used + other, written over `used` where it has the room."""
+    if other.shape and other.shape != used.shape:
+        return used + other
+    used += other
+    return used
+
+
+def times(used: Array, by: Array | complex) -> Array:
+    """used * by, written over `used` where it has the room."""
+    if isinstance(by, np.ndarray) and by.shape and by.shape != used.shape:
+        return used * by
+    used *= by
+    return used
+
+
+def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
+    """z times a constant, at a third of the price where that is real; `used`: written over z."""
+    real = not (isinstance(by, np.ndarray) and by.ndim) and by.imag == 0
+    factor = by.real if real else by
+    return times(z, factor) if used else z * factor
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -16,9 +15,8 @@ from .drive_range import DriveRange, change_points
 from .driver_dyads import Driven
 from .dyads import Dyad
 from .loops import Loops
-from .placement import Coefficients, Placement, Poses, Turned
+from .placement import Coefficients, Numbers, Placement, Poses, Turned
 
-Numbers = TypeVar("Numbers", Real, Complex)
 # Gap, as a share of the reach, below which rounding alone keeps it from zero: true meetings come out below 2e-16 behind
 # chains of five dyads. Larger takes a near miss for a meeting, smaller misses meetings behind a dyad at bad angles.
 ROUNDING = 1e-14
