@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .arguments import Found, check_fields
-from .brief import one_line
 
 
 @dataclass(frozen=True)
@@ -22,8 +21,6 @@ class Check:
     limit: Found
     unit: str = ""
     advice: str = ""
-
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)

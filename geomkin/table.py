@@ -8,7 +8,6 @@ from typing import Annotated
 import numpy as np
 
 from .arguments import Sort, check_fields
-from .brief import one_line
 from .errors import DesignError, shown
 
 Frames = Annotated[np.ndarray, Sort(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
@@ -28,8 +27,6 @@ class Column:
     values: Frames
     scale: float = 0.0
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -45,8 +42,6 @@ class Table:
     """Columns of equal length; the first one rises."""
 
     columns: tuple[Column, ...]
-
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
