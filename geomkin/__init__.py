@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from .build import make as make
     from .build import write as write
     from .cam.cam import Cam as Cam
-    from .cam.cam import pressure_angle as pressure_angle
-    from .cam.followers.follower import OscillatingFlat as OscillatingFlat
-    from .cam.followers.follower import OscillatingRoller as OscillatingRoller
-    from .cam.followers.follower import TranslatingFlat as TranslatingFlat
-    from .cam.followers.follower import TranslatingRoller as TranslatingRoller
-    from .cam.program.program import Dwell as Dwell
+    from .cam.measures import pressure_angle as pressure_angle
+    from .cam.followers.flat import OscillatingFlat as OscillatingFlat
+    from .cam.followers.roller import OscillatingRoller as OscillatingRoller
+    from .cam.followers.flat import TranslatingFlat as TranslatingFlat
+    from .cam.followers.roller import TranslatingRoller as TranslatingRoller
+    from .cam.program.segments import Dwell as Dwell
     from .cam.program.program import Program as Program
-    from .cam.program.program import Return as Return
-    from .cam.program.program import Rise as Rise
+    from .cam.program.segments import Return as Return
+    from .cam.program.segments import Rise as Rise
     from .cam.undercut import undercut as undercut
     from .check import Check as Check
     from .errors import DesignError as DesignError
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from .gear.pair import GearPair as GearPair
     from .gear.ring import RingGear as RingGear
     from .gear.spur import SpurGear as SpurGear
-    from .linkage.coupler.curve import CouplerCurve as CouplerCurve
+    from .linkage.coupler.curves import CouplerCurve as CouplerCurve
     from .linkage.limits import driver_limits as driver_limits
     from .linkage.linkage import Linkage as Linkage
     from .linkage.linkage import Slider as Slider

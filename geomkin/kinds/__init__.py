@@ -64,7 +64,7 @@ KINDS = Kinds({
     "planetary": "planetary:PlanetaryRecipe",
     "straight-sided-gears": "conjugate_gears:StraightSidedGearsRecipe",
     "point-tooth-gears": "conjugate_gears:PointToothGearsRecipe",
-    "lantern-gears": "lantern_gears:LanternGearsRecipe",
+    "lantern-gears": "conjugate_gears:LanternGearsRecipe",
 })  # fmt: skip
 
 

@@ -16,7 +16,6 @@ from ..judge.linkage import collision_check, hole_check, linkage_checks
 from ..linkage.limits import driver_limits
 from ..linkage.measures import grashof_type
 from ..linkage.motion import Motion
-from ..linkage.tables import motion_table
 from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.inverted_slider_crank import InvertedSliderCrank
@@ -25,17 +24,17 @@ from ..linkage.named.six_bars import StephensonSixBar, WattSixBar
 from ..linkage.named.slider_crank import SliderCrank
 from ..linkage.solve.branch import Branch
 from ..linkage.solve.move import Named, move
+from ..linkage.tables import motion_table
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Table
 from .branches import Branches, branch_of, branches_entry
 from .dyad_list import WITH_SLIDER, DyadList
-
 
 OnSide = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 

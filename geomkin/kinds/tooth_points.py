@@ -8,8 +8,8 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
-from ..sizes import WIDEST
 from ..recipe.settings import Files
+from ..sizes import WIDEST
 
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000

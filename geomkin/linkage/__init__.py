@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .coupler.atlas import coupler_curves as coupler_curves
-    from .coupler.atlas import coupler_grid as coupler_grid
-    from .coupler.atlas import dashes as dashes
+    from .coupler.curves import coupler_curves as coupler_curves
+    from .coupler.curves import coupler_grid as coupler_grid
+    from .coupler.curves import dashes as dashes
     from .coupler.cognates import Cognate as Cognate
     from .coupler.cognates import cognates as cognates
     from .coupler.cognates import roberts_linkage as roberts_linkage
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .instant.centres import InstantCentre as InstantCentre
     from .instant.centres import instant_centre as instant_centre
     from .instant.centres import instant_centres as instant_centres
-    from .instant.centrode_curve import CentrodeCurve as CentrodeCurve
+    from .instant.centrodes import CentrodeCurve as CentrodeCurve
     from .instant.centrodes import Centrodes as Centrodes
     from .instant.curvature import PathCurvature as PathCurvature
     from .instant.curvature import crank_path as crank_path

@@ -155,10 +155,12 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
 
 
 def tables_in(hint: Any) -> list[type]:
-    """Dataclasses that a type hint names; of one that is written as the list of its segments, those."""
+    """Dataclasses that a type hint names, or their table; of one that is written as the list of its segments, those."""
     if dataclasses.is_dataclass(hint):
         segments = "segments" in (f.name for f in dataclasses.fields(hint))
         return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
+    if isinstance(hint, type) and hasattr(hint, "KINDS"):
+        return list(hint.KINDS.values())
     return [table for part in get_args(hint) for table in tables_in(part)]
 
 

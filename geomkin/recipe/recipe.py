@@ -62,7 +62,9 @@ class AbstractRecipe(ABC):
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
-        return (*self.judged, *wall_checks(self.parts, self.files.kerf))
+        # Parts first: what cannot be made at all is told before what is poor.
+        walls = wall_checks(self.parts, self.files.kerf)
+        return (*self.judged, *walls)
 
     @property
     def scene(self) -> object | None:

@@ -7,8 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
-from geomkin.cam.limits import contact_travel
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.measures import contact_travel
 
 from .cams import CAMS, FOLLOWERS, LIFTS, SWINGS, depth, placed, programme, resting, rolls, seen_from_cam
 

@@ -11,7 +11,7 @@ import geomkin as gk
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import AbstractCurve
-from geomkin.plane.cycloid import Cycloid
+from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.pose import Pose

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomkin.errors import DesignError
-from geomkin.plane.cycloid import Cycloid
+from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import length
 from geomkin.plane.spline import Spline

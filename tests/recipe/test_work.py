@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.kinds import KINDS
 from geomkin.kinds.linkages import AbstractLinkageRecipe
-from geomkin.linkage.coupler import atlas
+from geomkin.linkage.coupler import curves
 from geomkin.linkage.tables import motion_table
 from geomkin.recipe import settings
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
@@ -117,23 +117,23 @@ def test_cells_of_an_atlas_are_counted():
 
 def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatch):
     linkage, points, steps = gk.FourBar(100, 30, 90, 70), [40 + 25j, 60, 20 - 50j], np.radians(np.arange(0, 361, 15))
-    monkeypatch.setattr(atlas, "MOST_POINTS", 2000)
-    looked, real = [], atlas.coupler_curves
-    monkeypatch.setattr(atlas, "coupler_curves", lambda *a: looked.append(real(*a)) or looked[-1])
+    monkeypatch.setattr(curves, "MOST_POINTS", 2000)
+    looked, real = [], curves.coupler_curves
+    monkeypatch.setattr(curves, "coupler_curves", lambda *a: looked.append(real(*a)) or looked[-1])
     with pytest.raises(gk.DesignError, match="tolerance: found 1e-09 mm") as caught:
-        atlas.dashes(linkage, points, steps, 1e-9)
-    assert max(curves.size for curves in looked) <= 2000
+        curves.dashes(linkage, points, steps, 1e-9)
+    assert max(paths.size for paths in looked) <= 2000
     least = advised(caught.value.remedy)
-    assert sum(map(len, atlas.dashes(linkage, points, steps, least))) == 3 * 12
+    assert sum(map(len, curves.dashes(linkage, points, steps, least))) == 3 * 12
     with pytest.raises(gk.DesignError, match="tolerance"):
-        atlas.dashes(linkage, points, steps, 0.999 * least)
+        curves.dashes(linkage, points, steps, 0.999 * least)
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
-    from geomkin.cam.program import lift_rows
+    from geomkin.cam.program import given_lifts
 
     (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
-    monkeypatch.setattr(lift_rows.csv, "reader", lambda *a: pytest.fail("taken apart"))
+    monkeypatch.setattr(given_lifts.csv, "reader", lambda *a: pytest.fail("taken apart"))
     (tmp_path / "r.toml").write_text(
         template_of("disk-cam", ["program=table"])
         .replace("rows = [", "# rows = [")
