@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from .build import make as make
     from .build import write as write
     from .cam.cam import Cam as Cam
-    from .cam.measures import pressure_angle as pressure_angle
     from .cam.followers.flat import OscillatingFlat as OscillatingFlat
-    from .cam.followers.roller import OscillatingRoller as OscillatingRoller
     from .cam.followers.flat import TranslatingFlat as TranslatingFlat
+    from .cam.followers.roller import OscillatingRoller as OscillatingRoller
     from .cam.followers.roller import TranslatingRoller as TranslatingRoller
-    from .cam.program.segments import Dwell as Dwell
+    from .cam.measures import pressure_angle as pressure_angle
     from .cam.program.program import Program as Program
+    from .cam.program.segments import Dwell as Dwell
     from .cam.program.segments import Return as Return
     from .cam.program.segments import Rise as Rise
     from .cam.undercut import undercut as undercut
@@ -55,10 +55,10 @@ if TYPE_CHECKING:
     from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
     from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
     from .linkage.named.four_bar import FourBar as FourBar
-    from .linkage.named.inverted_slider_crank import InvertedSliderCrank as InvertedSliderCrank
-    from .linkage.named.shaper import Shaper as Shaper
+    from .linkage.named.six_bars import Shaper as Shaper
     from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
     from .linkage.named.six_bars import WattSixBar as WattSixBar
+    from .linkage.named.slider_crank import InvertedSliderCrank as InvertedSliderCrank
     from .linkage.named.slider_crank import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move

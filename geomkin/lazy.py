@@ -26,7 +26,7 @@ def attach(package: str) -> tuple[Callable[[str], object], Callable[[], list[str
             return SimpleNamespace(**{name: (module, name) if level else True for name in names})
 
         seen: dict[str, Any] = {"__builtins__": {"__import__": note}}
-        exec(sys.modules[package].__spec__.loader.get_code(package), seen)  # type: ignore[union-attr]  # noqa: S102
+        exec(sys.modules[package].__spec__.loader.get_code(package), seen)  # type: ignore[union-attr]
         return {name: home for name, home in seen.items() if isinstance(home, tuple) and not name.startswith("_")}
 
     def load(name: str) -> object:

@@ -227,7 +227,8 @@ class KindTable(UserDict[str, type[T]]):
 
 class OneOfKinds:
     """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an
-    abstract class whose attribute `KINDS` is their table."""
+    abstract class whose attribute `KINDS` is their table.
+    """
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic import Discriminator

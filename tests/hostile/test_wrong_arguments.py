@@ -59,7 +59,7 @@ GOOD = {
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
     "Follow": {"start": -1},
-    "FollowerMotion": {name: DRIVE for name in ("lift", "velocity", "acceleration", "jerk")},
+    "FollowerMotion": dict.fromkeys(("lift", "velocity", "acceleration", "jerk"), DRIVE),
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
     "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
@@ -170,7 +170,7 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip

@@ -49,7 +49,7 @@ class Things(dict):
     def __missing__(self, name):
         if name not in _held()["things"]:
             raise KeyError(name)
-        self[name] = eval(_held()["things"][name], self)  # noqa: S307
+        self[name] = eval(_held()["things"][name], self)
         return self[name]
 
 
@@ -58,7 +58,7 @@ def outcome(call):
     things = Things({"gk": gk, "np": np})
     try:
         with np.errstate(all="ignore"):
-            value = eval(call, things)  # noqa: S307
+            value = eval(call, things)
     except gk.GeomkinError as error:
         return {"refused": [type(error).__name__, str(error)]}
     with np.errstate(all="ignore"):

@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.kinds import KINDS
 from geomkin.kinds.linkages import AbstractLinkageRecipe
 from geomkin.linkage.coupler import curves
-from geomkin.linkage.tables import motion_table
+from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
 from tests.texts import parse, template_of

@@ -103,7 +103,8 @@ class ToothContact:
 class Meeting(NamedTuple):
     """A touch and its root: b, the pitch point's distance along the normal from the foot of the gear's axis on it,
 
-    q that from the tooth's point, and the pitch point's direction."""
+    q that from the tooth's point, and the pitch point's direction.
+    """
 
     touch: TangentPoint
     b: Real

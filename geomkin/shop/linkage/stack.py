@@ -12,7 +12,7 @@ from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.motion import Motion
-from ...plane.vec import Complex, Real, direction_deg, dot
+from ...plane.vec import Complex, direction_deg, dot
 from .layers import Meetings, Order, Passing, Run, order
 from .plates import Assembly, LinkStock, Plate, assemble
 from .sweep import path_in

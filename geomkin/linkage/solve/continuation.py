@@ -1,16 +1,24 @@
-"""A path of poses followed by its own length, so that a limit of the driver is a point of it like any other."""
+"""Newton-Raphson, and paths of poses that are followed by it, past which a driver's limit is a point like any other.
+
+A path is followed by its own length and not by the drive (pseudo-arclength continuation: Keller, Numerical solution of
+bifurcation and nonlinear eigenvalue problems, 1977).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...plane.vec import Array
-from .newton import solved
+from ...arguments import Extended, checked
+from ...brief import one_line
+from ...errors import DesignError
+from ...plane.vec import Mask, Real
 
 # From points (k, n + 1), n unknowns and the drive, to conditions (k, n) and their slopes (k, n, n + 1).
-Equations = Callable[[Array], tuple[Array, Array]]
+Equations = Callable[[Real], tuple[Real, Real]]
 
 # Longest step, and the most that the path may turn in one, rad: more, and a step may land on another path beside.
 LONGEST, MOST_TURN = 0.1, 0.15
@@ -26,7 +34,65 @@ STEPS = 60
 MOST = 12_000
 
 
-def polished(equations: Equations, points: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+class Root:
+    """Where the iteration stopped. value: (n,); converged; residual: largest |f| there; path: (steps + 1, n)."""
+
+    value: Real
+    converged: bool
+    residual: float
+    path: Real
+
+    __repr__ = one_line
+
+
+@checked
+def newton_raphson(
+    f: Callable[[Real], ArrayLike],
+    jacobian: Callable[[Real], ArrayLike],
+    estimate: Extended,
+    tolerance: float = 1e-13,
+    steps: int = 50,
+) -> Root:
+    """Solve f(x) = 0 from an estimate, (n,) or a number, by x - J^-1 f with the jacobian J = df/dx, (n, n).
+
+    Newton's method in several unknowns (e.g. Press and others, Numerical Recipes, section 9.6), without damping.
+    Converged when a step is at most `tolerance` of the size of x (of 1 near zero). Where J is singular or f is
+    not finite it stops, not converged, and the value is where that happened: never trust it without looking.
+    """
+    if np.ndim(estimate) > 1 or not np.size(estimate):
+        raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)")
+    x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
+    path = [x]
+    converged = False
+    for _ in range(steps):
+        value = np.atleast_1d(np.asarray(f(x), dtype=float))
+        slope = np.asarray(jacobian(x), dtype=float).reshape(len(x), len(x))
+        try:
+            step = np.linalg.solve(slope, value)
+        except np.linalg.LinAlgError:
+            break
+        if not np.isfinite(step).all():
+            break
+        x = x - step
+        path.append(x)
+        if np.abs(step).max() <= tolerance * max(1.0, float(np.abs(x).max())):
+            converged = True
+            break
+    return Root(x, converged, float(np.abs(np.atleast_1d(np.asarray(f(x), dtype=float))).max()), np.array(path))
+
+
+def solved(matrices: Real, right: Real) -> Real:
+    """x with matrix x = right for every one of (k, n, n) and (k, n); nan where a matrix is singular or not finite."""
+    found = np.full(right.shape, np.nan)
+    known: Mask = np.logical_and(np.isfinite(matrices).all(axis=(1, 2)), np.isfinite(right).all(axis=1))
+    # A sign of zero is a pivot of zero, which `solve` would refuse all of them for.
+    known[known] = np.linalg.slogdet(matrices[known])[0] != 0
+    found[known] = np.linalg.solve(matrices[known], right[known][..., None])[..., 0]
+    return found
+
+
+def polished(equations: Equations, points: Real) -> Real:
     """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found."""
     points = points.copy()
     moving, last = np.arange(len(points)), np.full(len(points), np.inf)
@@ -53,7 +119,7 @@ class Trace:
     the start alone, so the limits do as well. Unknowns and drive are to be of like size.
     """
 
-    def __init__(self, equations: Equations, start: Array):
+    def __init__(self, equations: Equations, start: Real):
         self._equations = equations
         _, slopes = equations(start[None])
         # At a limit of a dyad before the loops no direction is known: there the path ends both ways.
@@ -61,7 +127,7 @@ class Trace:
         along = along * np.copysign(1.0, along[-1])
         self._arms = [_Arm(equations, start, slopes[0], way * along, way) for way in (-1, 1)]
 
-    def at(self, drive: Array) -> Array:
+    def at(self, drive: Real) -> Real:
         """Unknowns, (frames, n), at drives (frames,); nan beyond the limits."""
         for arm in self._arms:
             arm.follow(float(np.max(arm.way * drive)))
@@ -77,7 +143,7 @@ class Trace:
 class _Arm:
     """One way along the path, `way` +1 with rising drives: points, and the unit directions of the path there."""
 
-    def __init__(self, equations: Equations, start: Array, slopes: Array, along: Array, way: int):
+    def __init__(self, equations: Equations, start: Real, slopes: Real, along: Real, way: int):
         self.points, self.ways, self.way = [start], [along], way
         self._equations = equations
         self._side = _side(slopes, along)
@@ -107,7 +173,7 @@ class _Arm:
             self._step *= 0.5
             self._ended = self._step < SHORTEST or len(self.points) > MOST
 
-    def _is_next(self, point: Array, slopes: Array, along: Array) -> bool:
+    def _is_next(self, point: Real, slopes: Real, along: Real) -> bool:
         """Whether a point, with its slopes and the path's direction there, is the next one of this path."""
         step = point - self.points[-1]
         length, before = np.linalg.norm(step), self.ways[-1]
@@ -122,7 +188,7 @@ class _Arm:
         middle = 1.5 * self.way * step[-1] / length - 0.25 * (ends[0] + ends[1])
         return bool(ends[1] <= 0 or (middle > 0 and self.way * step[-1] > 0))
 
-    def _corrected(self, guess: Array, along: Array) -> tuple[Array, Array, Array] | None:
+    def _corrected(self, guess: Real, along: Real) -> tuple[Real, Real, Real] | None:
         """The point of the path straight beside a guess, its slopes and the path's direction; None if none is found."""
         point, unit, last = guess, np.append(np.zeros(len(guess) - 1), 1.0), np.inf
         for _ in range(10):
@@ -140,7 +206,7 @@ class _Arm:
                 return (point, slopes, ahead / np.linalg.norm(ahead)) if np.isfinite(ahead).all() else None
         return None
 
-    def _limit(self, beyond: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def _limit(self, beyond: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
         """The point between the last one and one beyond where the drive turns back.
 
         The drive is stationary there: a place on the path known to 1e-9 gives it to rounding.
@@ -165,12 +231,12 @@ class _Arm:
         return found
 
 
-def _side(slopes: Array, along: Array) -> float:
+def _side(slopes: Real, along: Real) -> float:
     """+1 or -1, the sign of the determinant of slopes over the path's direction."""
     return float(np.linalg.slogdet(np.vstack([slopes, along]))[0])
 
 
-def _between(points: Array, ways: Array, drive: Array) -> Array:
+def _between(points: Real, ways: Real, drive: Real) -> Real:
     """Points at drives by the cubics through neighbouring points, drive rising from point to point."""
     if len(points) == 1:
         return np.repeat(points, len(drive), axis=0)
@@ -178,10 +244,11 @@ def _between(points: Array, ways: Array, drive: Array) -> Array:
     one, two = points[k], points[k + 1]
     length = np.linalg.norm(two - one, axis=1)[:, None]
 
-    def cubic(s: Array) -> Array:
+    def cubic(s: Real) -> Real:
         s = s[:, None]
-        ends = one * (1 + 2 * s) * (1 - s) ** 2 + two * (3 - 2 * s) * s**2
-        return ends + length * s * (1 - s) * ((1 - s) * ways[k] - s * ways[k + 1])
+        ends: Real = one * (1 + 2 * s) * (1 - s) ** 2 + two * (3 - 2 * s) * s**2
+        bulge: Real = length * s * (1 - s) * ((1 - s) * ways[k] - s * ways[k + 1])
+        return ends + bulge
 
     low, high = np.zeros(len(drive)), np.ones(len(drive))
     for _ in range(50):

@@ -1,4 +1,4 @@
-"""Bodies that no dyad places: all their loop equations at once, from an estimate, continued from there."""
+"""Bodies that no dyad places: all their loop equations at once, from an estimate, followed from there."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from ...errors import DesignError
-from ...plane.vec import Array, direction_deg
+from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage
+from .continuation import Equations, Trace, polished, solved
 from .loop_equations import LoopEquations, State
-from .newton import solved
-from .steps import Pass, Step
-from .trace import Equations, Trace, polished
+from .placement import Coefficients, Placement, Poses
 
 # How far drives may be from the first one, rad, or sizes of the linkage where the driver slides: a path is followed
 # in steps of about a twentieth of that unit, a millisecond each.
@@ -21,7 +20,7 @@ FARTHEST = 80 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Loops(Step):
+class Loops(Placement):
     """`waiting` bodies by their joints to each other and to `placed` ones.
 
     turns: whether the driver does, rather than slide. follow: whether the placed bodies keep a smooth continuation.
@@ -59,7 +58,7 @@ class Loops(Step):
 
     def __getstate__(self) -> dict[str, object]:
         # A path holds functions, which no copy in another process can have.
-        return {name: value for name, value in self.__dict__.items() if name != "_traced"}
+        return {name: value for name, value in self.__dict__.items() if name != "_last_trace"}
 
     @cached_property
     def equations(self) -> LoopEquations:
@@ -75,9 +74,9 @@ class Loops(Step):
         """The drive's unit in a trace, rad or mm, in which it compares with the other unknowns."""
         return 1.0 if self.turns else self.equations.size
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         q = p0.drive
-        state = self.equations.gathered(p0, 0, len(q))
+        state = self.equations.gathered(p0, len(q))
         found = np.full((len(q), len(self.equations.columns)), np.nan)
         if len(q):
             far = float(np.abs(q - q[0]).max())
@@ -90,17 +89,20 @@ class Loops(Step):
             trace = self._trace(p0, state)
             if trace is not None:
                 found = trace.at(q / self._unit)
-        self._scatter(p0, *self.equations.posed(state, found))
+        origin, turn = self.equations.posed(state, found)
+        for name in self.waiting:
+            k = self.equations.names.index(name)
+            p0.origin[name], p0.turn[name] = origin[:, k], turn[:, k]
 
-    def _trace(self, p0: Pass, state: State) -> Trace | None:
+    def _trace(self, p0: Poses, state: State) -> Trace | None:
         """The path through the pose of the first frame; None where the estimate leads to no pose."""
         here = state[0][:1], state[1][:1]
         # Kept, and none but the last one: curves and searches ask for the same path hundreds of times. What is
         # followed to the first frame is known no further than the row goes.
         row = (float(p0.drive.min()), float(p0.drive.max())) if self.follow else ()
         key = (float(p0.drive[0]), here[0].tobytes(), here[1].tobytes(), *row)
-        if self.__dict__.get("_traced", (None,))[0] == key:
-            return self.__dict__["_traced"][1]
+        if key in self._last_trace:
+            return self._last_trace[key]
         equations, drive = self._between(p0), p0.drive[:1] / self._unit
         start = polished(equations, np.append(self._start(here), drive)[None])
         # Angles may have gone round and round on the way.
@@ -108,17 +110,22 @@ class Loops(Step):
         start[:, turning] = np.angle(np.exp(1j * start[:, turning]))
         start = polished(equations, np.append(start, drive)[None])
         trace = Trace(equations, np.append(start, drive)) if np.isfinite(start).all() else None
-        self.__dict__["_traced"] = key, trace
+        self._last_trace.clear()
+        self._last_trace[key] = trace
         return trace
 
-    def _between(self, p0: Pass) -> Equations:
+    @cached_property
+    def _last_trace(self) -> dict[tuple[object, ...], Trace | None]:
+        return {}
+
+    def _between(self, p0: Poses) -> Equations:
         """The conditions and their slopes by unknowns and drive, whatever the drive."""
         elsewhere = p0.elsewhere
         assert elsewhere is not None
 
-        def at(points: Array) -> tuple[Array, Array]:
+        def at(points: Real) -> tuple[Real, Real]:
             passes = elsewhere(points[:, -1] * self._unit)
-            states = [self.equations.gathered(p, k, len(points)) for k, p in enumerate(passes)]
+            states = [self.equations.gathered(p, len(points)) for p in passes]
             states[0] = self.equations.posed(states[0], points[:, :-1])
             by_drive = self._unit * self.equations.conditions(1, states)
             slopes = np.concatenate([self.equations.jacobian(states[0]), by_drive[..., None]], axis=-1)
@@ -135,7 +142,7 @@ class Loops(Step):
             points |= {p: complex(driven.seen(other, z, drive)) for p, z in self.linkage.bodies[other].items()}
         return points
 
-    def _start(self, state: State) -> Array:
+    def _start(self, state: State) -> Real:
         """Unknowns of the first frame from the estimate of the pins."""
         names, size = self.equations.names, self.equations.size
         ahead = direction_deg(self.linkage.ground_angle_deg)
@@ -158,27 +165,25 @@ class Loops(Step):
             values += [] if name in self.oriented else [float(np.angle(direction))]
         return np.array(values)
 
-    def reached(self, p0: Pass) -> Array | None:
+    def reached(self, p0: Poses) -> Complex | None:
         return p0.origin[self.waiting[0]]
 
-    def transmission_angle(self, p0: Pass) -> Array | None:
-        return self.equations.transmission_angle(self.equations.gathered(p0, 0, len(p0.origin[self.waiting[0]])))
+    def transmission_angle(self, p0: Poses) -> Real | None:
+        return self.equations.transmission_angle(self.equations.gathered(p0, len(p0.origin[self.waiting[0]])))
 
-    def _scatter(self, p: Pass, origin: Array, turn: Array) -> None:
+    def _derivative(self, poses: Poses, orders: tuple[Coefficients, ...]) -> None:
+        """The waiting bodies' derivatives: linear equations whose right side is what the others' motion does."""
+        known: tuple[Poses | Coefficients, ...] = (poses, *orders)
+        states = [self.equations.gathered(p, len(poses.drive)) for p in known]
+        right = -self.equations.conditions(len(orders), states)
+        moved = self.equations.moving(solved(self.equations.jacobian(states[0]), right))
         for name in self.waiting:
             k = self.equations.names.index(name)
-            p.origin[name] = origin[:, k]
-            p.turn[name] = turn[:, k]
+            orders[-1].origin[name] = states[-1][0][:, k] + moved[0][:, k]
+            orders[-1].turn[name] = states[-1][1][:, k] + moved[1][:, k]
 
-    def _derivative(self, order: int, passes: list[Pass]) -> None:
-        """The waiting bodies' derivatives: linear equations whose right side is what the others' motion does."""
-        states = [self.equations.gathered(p, k, len(passes[0].drive)) for k, p in enumerate(passes)]
-        right = -self.equations.conditions(order, states)
-        origin, turn = self.equations.moving(solved(self.equations.jacobian(states[0]), right))
-        self._scatter(passes[order], states[order][0] + origin, states[order][1] + turn)
+    def first(self, p0: Poses, p1: Coefficients) -> None:
+        self._derivative(p0, (p1,))
 
-    def first(self, p0: Pass, p1: Pass) -> None:
-        self._derivative(1, [p0, p1])
-
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
-        self._derivative(2, [p0, p1, p2])
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
+        self._derivative(p0, (p1, p2))
