@@ -28,8 +28,6 @@ class Part:
     marks: tuple[AbstractCurve, ...] = ()
     __repr__ = one_line
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
         check_fields(self)
         check_names("name", [self.name], "a part")
