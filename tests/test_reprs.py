@@ -1,5 +1,6 @@
 """What a shell shows of geomkin's things: one line of at most 120 characters that tells what it is."""
 
+import contextlib
 import dataclasses
 import inspect
 from collections.abc import Iterator
@@ -38,10 +39,8 @@ def offered(thing: object) -> Iterator[tuple[str, object]]:
         if not name.startswith("_") and not inspect.isfunction(member) and name != "optima":
             names.append(name)
     for name in dict.fromkeys(names):
-        try:
+        with contextlib.suppress(gk.GeomkinError):
             yield name, getattr(thing, name)
-        except gk.GeomkinError:
-            pass
 
 
 def found(thing: object, seen: dict[int, object], depth: int = 3) -> dict[int, object]:
