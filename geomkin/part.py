@@ -29,8 +29,6 @@ class Part:
     marks: tuple[AbstractCurve, ...] = ()
     body: str = ""
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
         check_fields(self)
         check_names("name", [self.name], "a part")

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from builtins import property as told
 else:
 
-    class told:
+    class told:  # noqa: N801  # stands as `property` does
         """What each class of a contract tells of itself, by a field or a property of this name."""
 
         def __init__(self, tell):
             self.__doc__ = tell.__doc__
 
 
-class _Contract(ABC):
+class _Contract(ABC):  # noqa: B024  # its heirs say what is asked
     """A class of which each heir tells all that is asked of it, or is refused when Python reads it.
 
     Heirs whose names begin with `Abstract` may leave things to their own heirs.
@@ -42,9 +42,9 @@ class _Contract(ABC):
             if name not in vars(cls) and hasattr(cls, name):
                 setattr(cls, name, dataclasses.field())
         asked = {name for name in dir(cls) if _is_asked(getattr(cls, name, None))}
-        if missing := sorted(asked - set(fields)):
-            if not cls.__name__.startswith(("Abstract", "_Abstract")):
-                raise TypeError(f"{cls.__name__} must tell {', '.join(missing)}")
+        missing = sorted(asked - set(fields))
+        if missing and not cls.__name__.startswith(("Abstract", "_Abstract")):
+            raise TypeError(f"{cls.__name__} must tell {', '.join(missing)}")
 
 
 def _is_asked(member: object) -> bool:
@@ -101,7 +101,7 @@ class AbstractGear(_AbstractToothed):
 
     @property
     def solid_rim(self) -> float | None:
-        """Thickness under the teeth, mm, where nothing is cut out: down to the axis; None of a ring, whose plate has it."""
+        """Thickness under the teeth, mm, where nothing is cut out: to the axis; None of a ring, whose plate has it."""
         return None if self.is_ring else self.root_radius
 
     @property

@@ -24,8 +24,9 @@ class SpanMeasure:
 
 @dataclass(frozen=True)
 class PinMeasure:
-    """diameter: over two pins in opposite spaces, mm, between them for a ring; pin: their diameter, mm;
+    """What two pins in opposite spaces measure.
 
+    diameter: over the two pins, mm, between them for a ring; pin: their diameter, mm;
     radius: of the circle through the pins' centres, mm; contact: of the circle on which they touch the flanks, mm.
     """
 

@@ -139,7 +139,7 @@ class RingGear(AbstractInvoluteGear):
         return RingTooth(self.teeth, self.module, self.profile_shift, self.cutter, self.addendum, self.thinning)
 
     def _wider(self, least: float) -> str:
-        """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make a ring."""
+        """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make one."""
         for step in (1e-9, *np.arange(0.05, 2, 0.05).tolist()):
             shift = rounded_up(least + step)
             if abs(float(shift)) <= FARTHEST_SHIFT and replace(self.tooth, profile_shift=float(shift)).stands:

@@ -141,7 +141,7 @@ class PolygonsRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Scales of the drawings, and every instant centre: its place, or the direction in which it lies at infinity."""
+        """Scales of the drawings, and every instant centre: its place, or its direction where it lies at infinity."""
         scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
         centres: dict[str, object] = {}
         for pair, centre in instant_centres(self.motion).items():

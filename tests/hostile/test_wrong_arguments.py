@@ -4,6 +4,7 @@ What comes of it is a GeomkinError that names the argument, or a sound result: n
 inside, and no warning.
 """
 
+import contextlib
 import dataclasses
 import inspect
 
@@ -229,10 +230,8 @@ def used(result):
     if isinstance(result, gk.cam.LiftTable | gk.cam.LiftSpline):
         gk.Program((result,)).motion([1.0, 2.0])
     if hasattr(type(result), "linkage") and not isinstance(result, gk.linkage.DirectContact):
-        try:
+        with contextlib.suppress(gk.DesignError):
             gk.move(result, [0.3])
-        except gk.DesignError:
-            pass
     return result
 
 

@@ -122,7 +122,7 @@ class AbstractFollower(ABC):
 
     @abstractmethod
     def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
-        """Least radius of curvature of the profile where it is convex, mm, in each piece between breaks, and where, rad.
+        """Least radius of curvature of the profile where convex, mm, in each piece between breaks, and where, rad.
 
         Infinite where it is nowhere convex, 0 or less where the follower undercuts.
         """

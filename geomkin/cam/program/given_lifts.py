@@ -54,6 +54,7 @@ def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, b
 
 
 def checked_rows(rows: object, field: str) -> Real:
+    """Rows of angle and lift as an array (n, 2). Raises DesignError for the field where they are not."""
     try:
         points = np.array(rows, dtype=float)
         fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS

@@ -101,9 +101,10 @@ class ToothContact:
 
 
 class Meeting(NamedTuple):
-    """A touch and its root: b, the pitch point's distance along the normal from the foot of the gear's axis on it,
+    """A touch and its root.
 
-    q that from the tooth's point, and the pitch point's direction.
+    b: the pitch point's distance along the normal from the foot of the gear's axis on it; q: that from the tooth's
+    point; then the pitch point's direction.
     """
 
     touch: TangentPoint
@@ -172,15 +173,17 @@ class ConjugateCurve(AbstractCurve):
 
     def _rate(self, u: Real) -> Real:
         """d tooth_parameter / dt."""
-        span = self.last - self.first
+        rate: Real
         match self.folds:
             case (True, True):
-                return span * np.pi / 2 * np.sin(np.pi * u)
+                rate = np.pi / 2 * np.sin(np.pi * u)
             case (True, False):
-                return 2 * span * u
+                rate = 2 * u
             case (False, True):
-                return 2 * span * (1 - u)
-        return np.full(np.shape(u), span)
+                rate = 2 * (1 - u)
+            case _:
+                rate = np.ones(np.shape(u))
+        return (self.last - self.first) * rate
 
     def _meeting(self, u: Real) -> Meeting:
         touch = self.side.touch(self.tooth_parameter(u))
@@ -192,7 +195,8 @@ class ConjugateCurve(AbstractCurve):
 
     def _phi(self, m: Meeting) -> Real:
         """Angle of the pitch point from +y in the gear's frame, rad."""
-        return np.angle(-1j * m.direction)
+        phi: Real = np.angle(-1j * m.direction)
+        return phi
 
     def _place(self, m: Meeting) -> Complex:
         """The point in the mate's frame."""

@@ -30,10 +30,10 @@ GRAZE = 1e-9
 # Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle. Fewer lose
 # such crossings, more only repeat what leads nowhere.
 MOST_STEPS = 8
-# BoundaryPiece of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
+# Step of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
 # crossing off its place, smaller goes on where rounding alone moves it.
 SETTLED = 1e-12
-# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many places as for one.
+# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many as for one.
 SHARES = np.linspace(0, 1, 33)
 # Curves that a walk follows before it is given up as going round in circles.
 MOST_CURVES = 400
@@ -185,7 +185,7 @@ def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius:
         raise DesignError("tooth", "no normal of it meets the pitch circle", "give another pitch_radius")
     # Along the tangent where b has the sign that a sound touch asks for.
     sense = [-c.root * int(np.sign(c.k)) for c in curves]
-    grids = [c.start + (c.end - c.start) * GRID for c in curves]
+    grids: list[Real] = [c.start + (c.end - c.start) * GRID for c in curves]
     points = [c.point(g) for c, g in zip(curves, grids)]
     return Swept(curves, sense, points, grids, abs(mate_radius))
 

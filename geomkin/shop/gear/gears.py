@@ -174,7 +174,8 @@ def base_plate(name: str, axes: list[complex], holes: list[float], margin: float
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
             "stock.bore",
-            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, meet in the plate",
+            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
+            "meet in the plate",
             f"give bores and clearances of less than {2 * apart:.6g} mm together",
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)

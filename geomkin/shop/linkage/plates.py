@@ -108,7 +108,7 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
     sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
-    frames. Raises DesignError where there is no frame, where there are many linkages at once, or no room for guide pins.
+    frames. Raises DesignError where there is no frame, for many linkages at once, and without room for guide pins.
     """
     if motion.linkage.many:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
