@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import checked
+from ..brief import one_line
 from ..errors import DesignError
 from ..sizes import Length, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
@@ -21,6 +22,8 @@ class SpanMeasure:
     length: float
     radius: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class PinMeasure:
@@ -34,6 +37,8 @@ class PinMeasure:
     radius: float
     contact: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class ChordMeasure:
@@ -43,6 +48,8 @@ class ChordMeasure:
     chord: float
     half_angle: float
     height: float
+
+    __repr__ = one_line
 
 
 @checked

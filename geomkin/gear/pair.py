@@ -13,7 +13,6 @@ from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
-from .contract import AbstractMesh
 from .interference import InternalMesh, tip_margin
 from .involute import inverse_involute, involute_function
 from .ring import RingGear
@@ -24,7 +23,7 @@ SEEN = 1e-5
 
 
 @dataclass(frozen=True)
-class GearPair(AbstractMesh):
+class GearPair:
     """A spur gear, and a spur gear or a ring gear that it drives.
 
     centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning; `axis_distance` is
@@ -33,6 +32,7 @@ class GearPair(AbstractMesh):
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
+    # What tables call the two.
     names = "first", "second"
 
     first: SpurGear = entry("the driving gear", example=SpurGear(20, 2))

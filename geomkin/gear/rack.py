@@ -13,7 +13,7 @@ from ..plane.pose import Pose
 from ..plane.primitives import Polyline
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
-from .contract import AbstractGear, AbstractMesh
+from .contract import AbstractGear
 from .cutters import RackCutter
 from .spur import SpurGear
 
@@ -142,7 +142,7 @@ class GearRack(AbstractGear):
 
 
 @dataclass(frozen=True)
-class RackPair(AbstractMesh):
+class RackPair:
     """A spur gear and the rack it drives.
 
     distance: of the gear's axis from the rack's reference line, mm; left out, the one without backlash, were it
@@ -151,6 +151,7 @@ class RackPair(AbstractMesh):
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
+    # What tables call the two.
     names = "pinion", "rack"
 
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))

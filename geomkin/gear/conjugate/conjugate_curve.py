@@ -140,6 +140,8 @@ class ConjugateCurve(AbstractCurve):
     start: float = 0.0
     end: float = 1.0
 
+    __repr__ = one_line
+
     @property
     def k(self) -> float:
         """Turn of the mate per turn of the line of centres, both seen from the gear."""

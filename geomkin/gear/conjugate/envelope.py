@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.derived import Stretch
@@ -47,6 +48,8 @@ class BoundaryPiece:
     start: float
     end: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True, eq=False)
 class Swept:
@@ -61,6 +64,8 @@ class Swept:
     points: list[Complex]
     grids: list[Real]
     size: float
+
+    __repr__ = one_line
 
     def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
         """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.

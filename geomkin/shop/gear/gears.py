@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arguments import Count, checked
+from ...brief import one_line
 from ...errors import DesignError
 from ...gear.conjugate.conjugate import Conjugate
 from ...gear.conjugate.lantern import LanternPinion
@@ -34,6 +35,8 @@ class GearStock:
     )
     clearance: float = clearance(0.0)
     web: Web | None = entry("openings between hub and rim; left out, none", default=None)
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
