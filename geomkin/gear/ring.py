@@ -28,8 +28,8 @@ class RingGear(AbstractInvoluteGear):
     shift then meshes at the distance of a pair without shift. More makes the teeth thinner at their root
     circle and the spaces wider. thinning: the cutter widens the spaces by going round turned to both sides by
     all angles up to thinning / (2 pitch_radius), so that each side of a tooth turns as a whole, root curve and
-    flank, and the bottom lands grow. The shift counts as in ISO 21771 for internal gears taken with positive numbers
-    of teeth; the root curve is derived here.
+    flank, and the bottom lands grow. ISO 21771 and DIN 3960, which count the teeth of internal gears as negative,
+    give the shift the other sign. The root curve is derived here.
     Raises DesignError where the cutter leaves no whole teeth, with sizes that do.
     """
 
