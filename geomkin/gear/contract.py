@@ -117,6 +117,16 @@ class AbstractTooth(_Contract):
 
     @told
     @abstractmethod
+    def tip_radius(self) -> float:
+        """Radius of the tips, mm."""
+
+    @told
+    @abstractmethod
+    def root_radius(self) -> float:
+        """Radius of the bottoms of the spaces, mm."""
+
+    @told
+    @abstractmethod
     def rolls(self) -> tuple[float, float]:
         """Roll angles of the involute at its two ends, the inner first, rad."""
 
@@ -183,6 +193,16 @@ class AbstractInvoluteGear(AbstractGear):
     def base_radius(self) -> float:
         """Radius of the circle from which the flanks unwind, mm."""
         return self.tooth.base_radius
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tips of the teeth, mm: of a ring the smallest."""
+        return self.tooth.tip_radius
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the bottoms of the spaces, mm: of a ring the largest."""
+        return self.tooth.root_radius
 
     @property
     def base_pitch(self) -> float:

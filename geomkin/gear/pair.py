@@ -26,7 +26,7 @@ SEEN = 1e-5
 class GearPair:
     """A spur gear, and a spur gear or a ring gear that it drives.
 
-    centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning; `axis_distance` is
+    centre_distance: mm; left out, the one at which teeth that are not thinned have no backlash; `axis_distance` is
     the one that holds. Lengths along the line of action are measured from the first gear's base circle. Distance,
     contact ratio and specific sliding as in ISO 21771 and DIN 3960.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.

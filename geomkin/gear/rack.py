@@ -145,9 +145,9 @@ class GearRack(AbstractGear):
 class RackPair:
     """A spur gear and the rack it drives.
 
-    distance: of the gear's axis from the rack's reference line, mm; left out, the one without backlash, were it
-    not for the teeth's thinning; `axis_distance` is the one that holds. Lengths along the line of action are
-    measured from the gear's base circle. The limits of ISO 21771's cylindrical pairs as one gear grows; derived here.
+    distance: of the gear's axis from the rack's reference line, mm; left out, the one at which teeth that are not
+    thinned have no backlash; `axis_distance` is the one that holds. Lengths along the line of action are measured
+    from the gear's base circle. Derived here, as the limit of a pair of gears of which one grows.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 

@@ -119,16 +119,6 @@ class RingGear(AbstractInvoluteGear):
         return self.cutter.pressure_angle
 
     @property
-    def tip_radius(self) -> float:
-        """Radius of the tooth tips, mm: the smallest of the gear."""
-        return self.tooth.tip_radius
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the bottom of the spaces, mm: the largest of the gear."""
-        return self.tooth.root_radius
-
-    @property
     def outline(self) -> Ring:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
         return toothed([with_land([self.root_curve, self.flank], self.tooth.half_land)], self.teeth)
