@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import checked
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..sizes import Length
 
-__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "told"]
+__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
 
 if TYPE_CHECKING:
     from builtins import property as told
@@ -244,6 +245,16 @@ class AbstractInvoluteGear(AbstractGear):
     def tip_edge(self) -> AbstractCurve | None:
         """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
         return self.tooth.tip_edge
+
+
+def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:
+    """Raise DesignError where what a gear drives, called `name` and made by its `tool`, has other teeth."""
+    if abs(driver.module - module) > 1e-9 * driver.module:
+        found = f"found {module:g} mm beside {driver.module:g} mm"
+        raise DesignError(f"{name}.module", found, f"give {driver.module:.10g}")
+    if abs(driver.pressure_angle - pressure_angle) > 1e-9:
+        found = f"found {np.degrees(pressure_angle):g} deg beside {np.degrees(driver.pressure_angle):g} deg"
+        raise DesignError(f"{name}.{tool}.pressure_angle_deg", found, "give both tools the same")
 
 
 class AbstractShaper(_AbstractToothed):

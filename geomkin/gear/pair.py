@@ -13,6 +13,7 @@ from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
+from .contract import check_alike
 from .interference import InternalMesh, tip_margin
 from .involute import inverse_involute, involute_function
 from .ring import RingGear
@@ -44,17 +45,8 @@ class GearPair:
     def __post_init__(self) -> None:
         check_sizes(self)
         first, second = self.first, self.second
-        if abs(first.module - second.module) > 1e-9 * first.module:
-            raise DesignError(
-                "second.module", f"found {second.module:g} mm beside {first.module:g} mm", f"give {first.module:.10g}"
-            )
-        if abs(first.pressure_angle - second.pressure_angle) > 1e-9:
-            angles = np.degrees([first.pressure_angle, second.pressure_angle])
-            raise DesignError(
-                "second.pressure_angle",
-                f"found {angles[1]:g} deg beside {angles[0]:g} deg",
-                "give both gears tools of one pressure angle",
-            )
+        tool = "cutter" if self.is_internal else "rack"
+        check_alike(first, second.module, second.pressure_angle, "second", tool)
         if self.is_internal and second.teeth <= first.teeth:
             raise DesignError(
                 "second.teeth",

@@ -13,7 +13,7 @@ from ..plane.pose import Pose
 from ..plane.primitives import Polyline
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
-from .contract import AbstractGear
+from .contract import AbstractGear, check_alike
 from .cutters import RackCutter
 from .spur import SpurGear
 
@@ -164,17 +164,8 @@ class RackPair:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        pinion, rack = self.pinion, self.rack
-        if abs(pinion.module - rack.module) > 1e-9 * pinion.module:
-            raise DesignError(
-                "rack.module", f"found {rack.module:g} mm beside {pinion.module:g} mm", f"give {pinion.module:.10g}"
-            )
-        if abs(pinion.pressure_angle - rack.pressure_angle) > 1e-9:
-            raise DesignError(
-                "rack.rack.pressure_angle_deg",
-                f"found {np.degrees(rack.pressure_angle):g} beside {np.degrees(pinion.pressure_angle):g} deg",
-                "give both the same",
-            )
+        pinion = self.pinion
+        check_alike(pinion, self.rack.module, self.rack.pressure_angle, "rack", "rack")
         if self.backlash < -1e-9 * pinion.module:
             least = self.axis_distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
             raise DesignError(
