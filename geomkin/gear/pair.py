@@ -87,18 +87,28 @@ class GearPair:
     @property
     def tight_distance(self) -> float:
         """Centre distance, mm, at which teeth that are not thinned have no backlash."""
-        slope = np.tan(self.first.pressure_angle)
-        x1, x2 = self.first.profile_shift, self.second.profile_shift
-        shift = x2 - x1 if self.is_internal else x1 + x2
-        angle = involute_function(slope) + 2 * slope * shift / self._teeth
+        angle = self._tight_involute(0.0)
         if angle < 0:
+            x1, x2, slope = self.first.profile_shift, self.second.profile_shift, np.tan(self.first.pressure_angle)
             least = -involute_function(slope) * self._teeth / (2 * slope)
             raise DesignError(
                 "second.profile_shift",
                 f"found {x2:g} with {x1:g}: no distance brings the teeth together",
-                f"give {self._nearest_shift(least + x2 - shift)}",
+                f"give {self._nearest_shift(least + x2 - self._shift)}",
             )
         return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
+
+    @property
+    def _shift(self) -> float:
+        """Profile shifts, modules, that bring the axes apart."""
+        x1, x2 = self.first.profile_shift, self.second.profile_shift
+        return x2 - x1 if self.is_internal else x1 + x2
+
+    def _tight_involute(self, thinning: float) -> float:
+        """Involute function of the working pressure angle, rad, without backlash; thinning: of both teeth, mm."""
+        slope, sign = np.tan(self.first.pressure_angle), 1 if self.is_internal else -1
+        apart = 2 * slope * self._shift + sign * thinning / self.first.module
+        return involute_function(slope) + float(apart) / self._teeth
 
     def _nearest_shift(self, least: float) -> str:
         """The least profile shift of the second gear, beyond one that brings the teeth together, with contact."""
@@ -281,11 +291,7 @@ class GearPair:
         thinning = self.first.thinning + self.second.thinning
         if thinning == 0:
             return self.tight_distance
-        sign = 1 if self.is_internal else -1
-        slope = np.tan(self.first.pressure_angle)
-        x1, x2 = self.first.profile_shift, self.second.profile_shift
-        shift = x2 - x1 if self.is_internal else x1 + x2
-        angle = involute_function(slope) + (2 * slope * shift + sign * thinning / self.first.module) / self._teeth
+        angle = self._tight_involute(thinning)
         return self._base_distance * float(np.hypot(1, inverse_involute(max(angle, 0.0))))
 
     def _too_far(self) -> tuple[str, str]:
