@@ -45,6 +45,7 @@ def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") ->
     rim = gear.solid_rim if rim is None else rim
     if rim is not None:
         where, advice = ("outside", "give a thicker rim") if gear.is_ring else ("under", "give a smaller bore")
+        advice = advice if gear.hole_room else "give a higher bar"
         checks.append(Check(f"{before}rim {where} the teeth", rim / module, "at least", LEAST_RIM, "modules", advice))
     return tuple(checks)
 

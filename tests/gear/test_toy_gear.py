@@ -167,3 +167,12 @@ def test_every_gear_has_a_plate_and_checks(gear, stock, name):
     checks = gk.judge.gear_checks(gear)
     assert checks and all(np.isfinite(check.value) for check in checks)
     assert gk.judge.gear_checks(gear, stock.rim_under(gear), "a")[-1].name.startswith("a rim")
+
+
+def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
+    """Teeth 1.25 modules deep in a bar 2 modules high leave 0.75 modules under them."""
+    rack, stock = gk.gear.GearRack(12, 2, height=2.0), gk.shop.GearStock(bore=8, web=gk.shop.Web(hub=20, rim=4))
+    (bar,) = gk.shop.gear_parts(rack, stock)
+    rim = gk.judge.gear_checks(rack, stock.rim_under(rack))[-1]
+    assert bar.holes == () and rim.value == pytest.approx(0.75) and rim.advice == "give a higher bar"
+    assert rim == gk.judge.gear_checks(rack)[-1]

@@ -55,8 +55,9 @@ class GearStock:
         """What holds a gear's teeth: the thickness under them, mm."""
         if gear.solid_rim is None:
             raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
-        hole = self.hole_reach if gear.hole_room else 0.0
-        return gear.solid_rim - hole if self.web is None else self.web.rim
+        if not gear.hole_room:
+            return gear.solid_rim
+        return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
         """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
