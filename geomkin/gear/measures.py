@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import checked
+from ..brief import one_line
 from ..errors import DesignError
 from ..sizes import Length, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
@@ -20,6 +21,8 @@ class SpanMeasure:
     teeth: int
     length: float
     radius: float
+
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class PinMeasure:
     radius: float
     contact: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class ChordMeasure:
@@ -44,6 +49,8 @@ class ChordMeasure:
     chord: float
     half_angle: float
     height: float
+
+    __repr__ = one_line
 
 
 @checked

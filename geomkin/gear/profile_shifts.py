@@ -36,7 +36,7 @@ def balanced_shifts(
 ) -> tuple[float, float]:
     """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
 
-    first, second: numbers of teeth; total: sum of the shifts, 0 for the centre distance of a pair without.
+    first, second: numbers of teeth; total: sum of the shifts; 0 keeps the centre distance of gears without.
     The largest specific sliding of each gear, at the tips of the other, becomes the same. Teeth reach the
     rack's addendum above their shifted reference lines. Derived here. Raises DesignError where tips of either gear meet
     the line of action outside the base circles whatever the shifts.

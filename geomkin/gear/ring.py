@@ -28,8 +28,8 @@ class RingGear(AbstractInvoluteGear):
     shift then meshes at the distance of a pair without shift. More makes the teeth thinner at their root
     circle and the spaces wider. thinning: the cutter widens the spaces by going round turned to both sides by
     all angles up to thinning / (2 pitch_radius), so that each side of a tooth turns as a whole, root curve and
-    flank, and the bottom lands grow. The shift counts as in ISO 21771 for internal gears taken with positive numbers
-    of teeth; the root curve is derived here.
+    flank, and the bottom lands grow. ISO 21771 and DIN 3960, which count the teeth of internal gears as negative,
+    give the shift the other sign. The root curve is derived here.
     Raises DesignError where the cutter leaves no whole teeth, with sizes that do.
     """
 
@@ -117,16 +117,6 @@ class RingGear(AbstractInvoluteGear):
     def pressure_angle(self) -> float:
         """Angle of the flanks at the reference circle, rad: the cutter's."""
         return self.cutter.pressure_angle
-
-    @property
-    def tip_radius(self) -> float:
-        """Radius of the tooth tips, mm: the smallest of the gear."""
-        return self.tooth.tip_radius
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the bottom of the spaces, mm: the largest of the gear."""
-        return self.tooth.root_radius
 
     @property
     def outline(self) -> Ring:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.derived import Stretch
@@ -47,6 +49,8 @@ class BoundaryPiece:
     start: float
     end: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True, eq=False)
 class Swept:
@@ -61,6 +65,8 @@ class Swept:
     points: list[Complex]
     grids: list[Real]
     size: float
+
+    __repr__ = one_line
 
     def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
         """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.
@@ -210,7 +216,7 @@ def _sound(
 ) -> list[ConjugateCurve]:
     """The parts of a side's two conjugate curves along which it touches the mate without cutting it."""
     b = side.breaks
-    grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(b, b[1:])]))
+    grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(b)]))
 
     def reach(t: Real) -> Real:
         touch = side.touch(t)
@@ -222,16 +228,16 @@ def _sound(
     grazing = b[np.abs(reach(b)) < GRAZE]
     near = 1e-6 * (b[-1] - b[0])
     limits = sorted({*(t for t in _changes(reach, grid) if (np.abs(t - grazing) > near).all()), *grazing, b[0], b[-1]})
-    for first, last in zip(limits, limits[1:]):
+    for first, last in pairwise(limits):
         if reach(np.array(0.5 * (first + last))) <= 0:
             continue
         folds = (_is_fold(side, first, pitch_radius), _is_fold(side, last, pitch_radius))
         for root in (-1, 1):
             whole = ConjugateCurve(side, pitch_radius, mate_radius, root, first, last, folds, turn)
             inner = whole.breaks
-            t = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(inner, inner[1:])]))
+            t = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(inner)]))
             edges = _changes(whole.sound, t)
-            for start, end in zip(edges, edges[1:]):
+            for start, end in pairwise(edges):
                 ways = np.diff(whole.point(np.array([start, 0.5 * (start + end), end])))
                 # Where the roots touch, rounding makes slivers.
                 if whole.sound(np.array(0.5 * (start + end))) < 0 and np.abs(ways).sum() > 0.1 * MEET * abs(

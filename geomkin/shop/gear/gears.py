@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arguments import Count, checked
+from ...brief import one_line
 from ...errors import DesignError
 from ...gear.conjugate.conjugate import Conjugate
 from ...gear.conjugate.lantern import LanternPinion
@@ -35,6 +36,8 @@ class GearStock:
     clearance: float = clearance(0.0)
     web: Web | None = entry("openings between hub and rim; left out, none", default=None)
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
@@ -52,8 +55,9 @@ class GearStock:
         """What holds a gear's teeth: the thickness under them, mm."""
         if gear.solid_rim is None:
             raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
-        hole = self.hole_reach if gear.hole_room else 0.0
-        return gear.solid_rim - hole if self.web is None else self.web.rim
+        if not gear.hole_room:
+            return gear.solid_rim
+        return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
         """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
