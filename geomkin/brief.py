@@ -17,9 +17,17 @@ def one_line(self: Any) -> str:
 
     A class takes it by `__repr__ = one_line`.
     """
-    fields = [f.name for f in dataclasses.fields(self) if f.repr]
-    text = ", ".join(f"{name}={short(getattr(self, name))}" for name in fields)
-    whole = f"{type(self).__name__}({text})"
+    return _told(self, [f.name for f in dataclasses.fields(self) if f.repr])
+
+
+def as_given(self: Any) -> str:
+    """The same with those fields alone that differ from what leaving them out means: for sizes with many of them."""
+    told = [f for f in dataclasses.fields(self) if f.name != "kind" and getattr(self, f.name) != f.default]
+    return _told(self, [f.name for f in told])
+
+
+def _told(self: Any, names: list[str]) -> str:
+    whole = f"{type(self).__name__}({', '.join(f'{name}={short(getattr(self, name))}' for name in names)})"
     return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 4]}...)"
 
 

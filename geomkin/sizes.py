@@ -215,6 +215,9 @@ class KindTable(UserDict[str, type[T]]):
         super().__delitem__(kind)
         KindTable.changes += 1
 
+    def __repr__(self) -> str:
+        return f"KindTable({', '.join(self)})"
+
 
 class OneOfKinds:
     """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import checked
-from ..brief import one_line
+from ..brief import as_given
 from ..cam.cam import Cam
 from ..cam.followers.plates import Bars, Plate
 from ..cam.maxima import samples
@@ -60,7 +60,7 @@ class CamStock:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    __repr__ = one_line
+    __repr__ = as_given
 
     @property
     def bars(self) -> Bars:

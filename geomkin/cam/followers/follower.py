@@ -72,6 +72,11 @@ class AbstractFollower(ABC):
         """Whether it swings about a pivot, so that its lifts are angles."""
 
     @property
+    def lift_unit(self) -> tuple[str, float]:
+        """Unit in which people are told its lifts, and how many of it are one mm or rad."""
+        return ("deg", 180 / np.pi) if self.oscillates else ("mm", 1.0)
+
+    @property
     @abstractmethod
     def size(self) -> float:
         """The largest of its own lengths, mm, 0 where it has none: a cam for it is of about that size or more."""
@@ -122,7 +127,7 @@ class AbstractFollower(ABC):
 
     @abstractmethod
     def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
-        """Least radius of curvature of the profile where it is convex, mm, in each piece between breaks, and where, rad.
+        """Least radius of curvature of each stretch of the profile where convex, mm, and the cam angle there, rad.
 
         Infinite where it is nowhere convex, 0 or less where the follower undercuts.
         """

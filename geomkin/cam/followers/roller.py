@@ -8,6 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
+from ...brief import as_given
 from ...errors import DesignError
 from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, rounded_hull
@@ -117,6 +118,8 @@ class TranslatingRoller(AbstractRoller):
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
 
+    __repr__ = as_given
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
@@ -179,6 +182,8 @@ class OscillatingRoller(AbstractRoller):
     side: Side = entry("side of the line from cam axis to pivot on which the roller rides", default="above")
     kind: Literal["oscillating-roller"] = "oscillating-roller"
     oscillates = True
+
+    __repr__ = as_given
 
     def __post_init__(self) -> None:
         check_sizes(self)
