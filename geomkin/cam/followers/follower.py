@@ -51,7 +51,7 @@ class AbstractFollower(ABC):
 
     A subclass is a frozen dataclass of its sizes with a field `kind`, a Literal with itself as default; with a row in
     `FOLLOWERS`, recipes, templates and the schema know it. Most roll (`AbstractRoller`) or have a flat face
-    (`AbstractFace`), which answer the half of these questions.
+    (`AbstractFace`); those two answer half of these questions.
 
     Throughout, `sense` is +1 for a cam that turns counterclockwise, -1 for clockwise, `base_radius` is in mm, and
     lifts, mm, or rad where it oscillates, are 0 on the base circle and positive away from the cam. Methods that take
@@ -153,7 +153,10 @@ class AbstractFollower(ABC):
 Follower = Annotated[
     AbstractFollower,
     OneOfKinds(),
-    Sort(lambda value: isinstance(value, AbstractFollower), "a follower, such as TranslatingRoller"),
+    Sort(
+        lambda value: isinstance(value, AbstractFollower),
+        "a follower, such as TranslatingRoller",
+    ),
 ]
 
 

@@ -105,7 +105,7 @@ class TranslatingRoller(AbstractRoller):
     The line passes the cam's axis at `offset`, mm, positive to +x. With the cam's sense times the offset above 0 the
     pressure angle is smaller on the rise and larger on the return.
 
-    Source: Rothbart, Cams (1956), offset radial follower; formulas derived here.
+    Source: Rothbart, Cams (1956), offset translating follower; formulas derived here.
     """
 
     offset: float = quantity(
