@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import UserDict
+from collections.abc import Callable
 from dataclasses import MISSING
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import reduce
@@ -86,6 +87,14 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if _is_tiny(value, about):
             least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
             raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+
+
+def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
+    """The size nearest to a bad one that still fits, from one that does: by halves, to rounding."""
+    for _ in range(60):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
+    return good
 
 
 # Digits of a number that is advised: fewer than are told in messages, more than are set in a workshop.
@@ -221,7 +230,8 @@ class KindTable(UserDict[str, type[T]]):
 
 class OneOfKinds:
     """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an
-    abstract class whose attribute `KINDS` is their table."""
+    abstract class whose attribute `KINDS` is their table.
+    """
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic import Discriminator

@@ -48,6 +48,16 @@ def test_defaults_and_limits_are_those_that_recipes_were_written_for(classes):
     assert found == {row[0]: row[1:] for row in rows[1:]}
 
 
+def test_what_counts_things_is_a_whole_number(classes):
+    counts = {
+        f"{name}.{field.name}": bool(field.metadata.get("whole"))
+        for name, made in classes.items()
+        for field in dataclasses.fields(made)
+        if "unit" in field.metadata and str(field.type).split(" | ")[0] == "int"
+    }
+    assert len(counts) > 15 and [name for name, whole in counts.items() if not whole] == []
+
+
 def test_what_is_left_out_of_a_recipe_or_a_call_means_what_it_meant(classes):
     """What quantities.csv does not tell: tables, words and places that are left out, and arguments of public calls."""
     rooms = (gk.plane, gk.linkage, gk.cam, gk.gear, gk.judge, gk.shop, gk)
@@ -72,5 +82,10 @@ def test_what_is_left_out_of_a_recipe_or_a_call_means_what_it_meant(classes):
 
 def test_what_holds_arrays_is_itself_and_equals_nothing_else(classes):
     """By its values, comparing would fail and no cache could keep it."""
-    holders = [c for c in classes.values() if any("Array" in str(field.type) for field in dataclasses.fields(c))]
+    arrays = ("Array", "Complex", "Mask", "Real", "Whole")
+    holders = [
+        c
+        for c in classes.values()
+        if any(kind in str(field.type) for field in dataclasses.fields(c) for kind in arrays)
+    ]
     assert len(holders) > 20 and [c.__name__ for c in holders if c.__dataclass_params__.eq] == []

@@ -11,8 +11,7 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import reached
-from ..linkage.instant.centrode_curve import CentrodeCurve
-from ..linkage.instant.centrodes import Centrodes
+from ..linkage.instant.centrodes import CentrodeCurve, Centrodes
 from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.branch import Branch
 from ..linkage.solve.move import move

@@ -12,20 +12,19 @@ import numpy as np
 from ..check import Check
 from ..judge.linkage import SAME_CURVE, collision_check, reached
 from ..linkage.coupler.cognates import cognates, roberts_linkage, third_pivot
-from ..linkage.coupler.curve import CouplerCurve
-from ..linkage.named.four_bar import FourBar
+from ..linkage.coupler.curves import CouplerCurve
 from ..linkage.motion import Motion
+from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move
 from ..part import Part
-from ..shop.drawing import PlateStock, engraved, skeleton
-from ..shop.linkage.links import link_parts
-from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
-from ..sizes import NotBoolean, entry
-from ..table import Column, Table, xy_columns
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
-
+from ..shop.drawing import PlateStock, engraved, skeleton
+from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stack import Stack, stack_links
+from ..sizes import NotBoolean, entry
+from ..table import Column, Table, xy_columns
 
 # What the three are called.
 NAMES = ("given", "left", "right")

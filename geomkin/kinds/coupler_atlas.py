@@ -10,22 +10,22 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ..check import Check
-from ..judge.linkage import reached
 from ..errors import DesignError
-from ..linkage.coupler.atlas import coupler_curves, coupler_grid, dashes
-from ..linkage.named.four_bar import FourBar
+from ..judge.linkage import reached
+from ..linkage.coupler.curves import coupler_curves, coupler_grid, dashes
 from ..linkage.motion import Motion
+from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..plane.vec import Array
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
 from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
-from ..recipe.recipe import AbstractRecipe
-from ..recipe.settings import Files, Turn
 
 # Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
 MOST_DASHES = 5_000

@@ -127,7 +127,7 @@ class DiskCamRecipe(AbstractRecipe):
         if follower.oscillates:
             values = vars(lift)
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
-            swung = {name: None for name in in_mm} | {f"{name}_deg": values[name] for name in in_mm}
+            swung = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
             lift = replace(lift, **swung)
         return {
             "cam.base_radius": follower.example_base_radius,

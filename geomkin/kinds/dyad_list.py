@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ..errors import DesignError
-from ..linkage.linkage import Linkage, Slider
+from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..names import check_names
 from ..sizes import PointXY, check_sizes, entry, quantity
 
@@ -44,7 +44,7 @@ class SliderTable:
 
 
 @dataclass(frozen=True)
-class DyadList:
+class DyadList(AbstractLinkage):
     """Bodies with their points, mm, each in a frame of its own; the first one is fixed."""
 
     bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(

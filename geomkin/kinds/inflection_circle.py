@@ -11,7 +11,7 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LARGEST_DRAWN
-from ..linkage.coupler.curve import CouplerCurve
+from ..linkage.coupler.curves import CouplerCurve
 from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle
 from ..linkage.motion import Motion

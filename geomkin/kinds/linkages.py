@@ -14,28 +14,25 @@ from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import collision_check, hole_check, linkage_checks
 from ..linkage.limits import driver_limits
+from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import grashof_type
-from ..linkage.motion import Motion
-from ..linkage.tables import motion_table
+from ..linkage.motion import Motion, motion_table
 from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.named.four_bar import FourBar
-from ..linkage.named.inverted_slider_crank import InvertedSliderCrank
-from ..linkage.named.shaper import Shaper
-from ..linkage.named.six_bars import StephensonSixBar, WattSixBar
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
+from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
 from ..linkage.solve.branch import Branch
-from ..linkage.solve.move import Named, move
+from ..linkage.solve.move import move
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
 from ..sizes import NotBoolean, entry
 from ..table import Table
 from .branches import Branches, branch_of, branches_entry
 from .dyad_list import WITH_SLIDER, DyadList
-
 
 OnSide = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 
@@ -43,7 +40,7 @@ OnSide = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 class AbstractLinkageRecipe(AbstractRecipe):
     """What recipes of linkages have in common: all of them are moved, judged and cut alike."""
 
-    linkage: Named
+    linkage: AbstractLinkage
     branch: OnSide
     branches: Branches
     drive: Turn
@@ -71,7 +68,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
         return self.stroke or self.drive
 
     @property
-    def design(self) -> Named:
+    def design(self) -> AbstractLinkage:
         return self.linkage
 
     @cached_property
@@ -140,7 +137,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
 
     kind: str
-    linkage: Named
+    linkage: AbstractLinkage
     branch: OnSide = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
@@ -153,7 +150,7 @@ class SlidRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns or slides."""
 
     kind: str
-    linkage: Named
+    linkage: AbstractLinkage
     branch: OnSide = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())

@@ -10,22 +10,23 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ..check import Check
-from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
 from ..errors import DesignError
+from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
+from ..linkage.body_motion import Body
 from ..linkage.instant.centres import instant_centres
-from ..linkage.motion import Body, Motion
-from ..linkage.openings import opening
 from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
+from ..linkage.motion import Motion
+from ..linkage.openings import opening
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.primitives import Circle
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
 from .branches import Branches, branch_of, branches_entry
 from .dyad_list import WITH_SLIDER, DyadList
-from ..recipe.recipe import AbstractRecipe
-from ..recipe.settings import Files
 
 # Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
 # would leave nothing else to be seen.

@@ -10,9 +10,8 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ..check import Check
-from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
 from ..errors import DesignError
-from ..linkage.motion import Motion
+from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
 from ..linkage.forces.shaking import (
     Counterbalance,
     SliderCrankMasses,
@@ -20,17 +19,18 @@ from ..linkage.forces.shaking import (
     judged_counterbalance,
     shaking_force,
 )
+from ..linkage.motion import Motion
 from ..linkage.named.slider_crank import SliderCrank
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.primitives import Circle
-from ..shop.linkage.links import link_parts
-from ..shop.linkage.stack import Stack, stack_links
-from ..shop.linkage.stock import LinkStock
-from ..sizes import NotBoolean, check_sizes, entry, quantity
-from ..table import Column, Table, xy_columns
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
+from ..shop.linkage.links import link_parts
+from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stack import Stack, stack_links
+from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..table import Column, Table, xy_columns
 
 
 @dataclass(frozen=True, kw_only=True)

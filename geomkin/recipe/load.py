@@ -13,9 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable, shown
 from ..sizes import KindTable
-from .explain import explain, nearest
+from .explain import explain, nearest, slip
 from .recipe import AbstractRecipe
-from .slips import slip
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
 LARGEST = 500_000

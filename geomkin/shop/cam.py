@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import checked
-from ..brief import as_given
+from ..brief import one_line
 from ..cam.cam import Cam
 from ..cam.followers.plates import Bars, Plate
 from ..cam.maxima import samples
@@ -16,8 +16,7 @@ from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Polyline, Segment
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .bore import bore, clearance, shaft, widened
-from .keyway import keyed_bore
+from .bore import bore, clearance, keyed_bore, shaft, widened
 
 # Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
 # runs across it.
@@ -60,7 +59,7 @@ class CamStock:
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     @property
     def bars(self) -> Bars:

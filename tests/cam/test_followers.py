@@ -305,7 +305,7 @@ def test_contact_travel_covers_every_contact(name):
 
 def test_a_flat_face_has_no_pitch_curve():
     with pytest.raises(gk.DesignError, match="pitch curve"):
-        gk.Cam(TranslatingFlat(), LIFTS, 40).pitch_curve  # noqa: B018
+        gk.Cam(TranslatingFlat(), LIFTS, 40).pitch_curve
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.arguments import sort_of
+from geomkin.plane.vec import Array, Complex, Mask, Real, Whole
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
 CRANK = gk.SliderCrank(30, 90, 5)
@@ -58,7 +59,7 @@ GOOD = {
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
     "Follow": {"start": -1},
-    "FollowerMotion": {name: DRIVE for name in ("lift", "velocity", "acceleration", "jerk")},
+    "FollowerMotion": dict.fromkeys(("lift", "velocity", "acceleration", "jerk"), DRIVE),
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
     "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
@@ -112,7 +113,6 @@ GOOD = {
     "acceleration_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
-    "base_pitch": {"gear": GEAR},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
@@ -170,7 +170,8 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractRoller", "FOLLOWERS", "Hole", "Plate", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
+    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
@@ -257,3 +258,17 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
 def test_how_long_a_row_must_be_is_told_where_it_must_be_so_long():
     assert sort_of(tuple[float, float]).allowed.startswith("a row of 2,")
     assert sort_of(tuple[float, ...]).allowed.startswith("a tuple,")
+
+
+def test_an_array_is_held_to_the_kind_of_number_that_it_is_declared_to_hold():
+    row = {"true": np.ones(2, bool), "whole": np.ones(2, int), "real": np.ones(2), "complex": np.ones(2, complex)}
+    taken = {"Array": Array, "Complex": Complex, "Real": Real, "Whole": Whole, "Mask": Mask}
+    numbers = {"whole", "real", "complex"}
+    assert {name: {kind for kind in row if sort_of(hint).fits(row[kind])} for name, hint in taken.items()} == {
+        "Array": numbers,
+        "Complex": numbers,
+        "Real": {"whole", "real"},
+        "Whole": {"whole"},
+        "Mask": {"true"},
+    }
+    assert not any(sort_of(hint).fits(row["real"].tolist()) for hint in taken.values())

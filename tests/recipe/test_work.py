@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.coupler import atlas
-from geomkin.recipe import settings
 from geomkin.kinds import KINDS
 from geomkin.kinds.linkages import AbstractLinkageRecipe
-from geomkin.linkage.tables import motion_table
+from geomkin.linkage.coupler import curves
+from geomkin.linkage.motion import motion_table
+from geomkin.recipe import settings
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
 from tests.texts import parse, template_of
 
@@ -117,16 +117,16 @@ def test_cells_of_an_atlas_are_counted():
 
 def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatch):
     linkage, points, steps = gk.FourBar(100, 30, 90, 70), [40 + 25j, 60, 20 - 50j], np.radians(np.arange(0, 361, 15))
-    monkeypatch.setattr(atlas, "MOST_POINTS", 2000)
-    looked, real = [], atlas.coupler_curves
-    monkeypatch.setattr(atlas, "coupler_curves", lambda *a: looked.append(real(*a)) or looked[-1])
+    monkeypatch.setattr(curves, "MOST_POINTS", 2000)
+    looked, real = [], curves.coupler_curves
+    monkeypatch.setattr(curves, "coupler_curves", lambda *a: looked.append(real(*a)) or looked[-1])
     with pytest.raises(gk.DesignError, match="tolerance: found 1e-09 mm") as caught:
-        atlas.dashes(linkage, points, steps, 1e-9)
-    assert max(curves.size for curves in looked) <= 2000
+        curves.dashes(linkage, points, steps, 1e-9)
+    assert max(paths.size for paths in looked) <= 2000
     least = advised(caught.value.remedy)
-    assert sum(map(len, atlas.dashes(linkage, points, steps, least))) == 3 * 12
+    assert sum(map(len, curves.dashes(linkage, points, steps, least))) == 3 * 12
     with pytest.raises(gk.DesignError, match="tolerance"):
-        atlas.dashes(linkage, points, steps, 0.999 * least)
+        curves.dashes(linkage, points, steps, 0.999 * least)
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):

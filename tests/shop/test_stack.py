@@ -11,13 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.shop.linkage.assembly import assemble
-from geomkin.shop.linkage.bridge import pile_places
-from geomkin.shop.linkage.contact import Contacts
+from geomkin.shop.linkage.layers import Meetings, Passing, order
 from geomkin.shop.linkage.links import link_parts
-from geomkin.shop.linkage.order import Passing, order
-from geomkin.shop.linkage.stack import stack_links
-from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.linkage.plates import LinkStock, assemble
+from geomkin.shop.linkage.stack import pile_places, stack_links
 from geomkin.shop.linkage.sweep import Sweep, separation
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
@@ -100,7 +97,7 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
     assert model.troubles() == {}
     assert 1 + max(stack.layers.values()) == layers
     assert ("bridge" in stack.layers) == bridge == (stack.spacers > 0)
-    assert stack.layers["ground"] == 0 and not bridge or stack.layers["bridge"] == layers - 1
+    assert (stack.layers["ground"] == 0 and not bridge) or stack.layers["bridge"] == layers - 1
 
 
 @pytest.mark.parametrize("thickness", [3.0, 5.0])
@@ -216,7 +213,7 @@ def test_nothing_slips_through_between_frames(step_deg):
         np.stack([gk.plane.xy(0 * motion.drive + 0j), gk.plane.xy(130 * np.exp(1j * drive))], axis=1)
     )
     assert shapely.distance(crank, shapely.Point(100, 0)).min() > 0.45
-    runs = Contacts(motion, thin, assemble(motion, thin)).pin_and_plate["rocker_pivot", "crank"]
+    runs = Meetings(motion, thin, assemble(motion, thin)).pin_and_plate["rocker_pivot", "crank"]
     assert any(np.isclose(np.degrees(b), 360 + step_deg / 2) for _, b in runs)
 
 

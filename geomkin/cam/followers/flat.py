@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...brief import as_given
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.pose import Pose
 from ...plane.primitives import Segment
@@ -95,7 +95,7 @@ class TranslatingFlat(AbstractFace):
     kind: Literal["translating-flat"] = "translating-flat"
     oscillates = False
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -175,7 +175,7 @@ class OscillatingFlat(AbstractFace):
     # A smaller cam is undercut.
     example_base_radius: ClassVar[float] = 60.0
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)

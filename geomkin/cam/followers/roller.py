@@ -8,7 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from ...brief import as_given
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, rounded_hull
@@ -118,7 +118,7 @@ class TranslatingRoller(AbstractRoller):
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -183,7 +183,7 @@ class OscillatingRoller(AbstractRoller):
     kind: Literal["oscillating-roller"] = "oscillating-roller"
     oscillates = True
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)

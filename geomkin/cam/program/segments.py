@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
 from ...arguments import check_fields
-from ...brief import as_given
+from ...brief import one_line
 from ...sizes import FARTHEST, OneOfKinds, entry, quantity
 from .laws import Law, LawName, NamedLaw
 
@@ -61,7 +61,7 @@ class Dwell:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Rise:
     rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Return:
     duration_deg: float | None = _angle("cam angle it takes")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class LiftPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class LiftSpline:
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class LiftTable:
     )
     kind: Literal["table"] = "table"
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ class OptimisedPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -258,7 +258,7 @@ class OptimisedSpline:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = as_given
+    __repr__ = one_line
 
 
 # Those that move to a lift, those whose start and end are given as angles, those that bring their own points.

@@ -10,11 +10,13 @@ from typing import Literal
 import numpy as np
 
 from ...arguments import checked
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.vec import cross, direction_deg
-from ..named.four_bar import FourBar
 from ..linkage import Linkage
-from ..solve.move import Branch, move
+from ..named.four_bar import FourBar
+from ..solve.branch import Branch
+from ..solve.move import move
 
 Link = Literal["crank", "coupler", "rocker"]
 
@@ -44,6 +46,8 @@ class Cognate:
     branch: int
     turns_with: Mapping[Link, Link]
 
+    __repr__ = one_line
+
 
 @checked
 def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
@@ -52,7 +56,8 @@ def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
     The second stands on the crank pivot and the third pivot, the third on the third pivot and the rocker
     pivot. Each is driven by the link that turns with the given linkage's driver, which need not be its crank.
     A coupler point on the line of the coupler is an ordinary case; at a pin one cognate shrinks to that pin's
-    pivot, which is a DesignError. Roberts 1875, Chebyshev 1878.
+    pivot, which is a DesignError. Roberts, On three-bar motion in plane space, Proc. London Math. Soc. 7, 1875;
+    Chebyshev 1878. Drivers and branches are derived here.
     """
     given, w = four_bar, _ratio(four_bar)
     same = MappingProxyType({link: link for link in LEFT})
@@ -66,7 +71,10 @@ def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
 
 @checked
 def third_pivot(four_bar: FourBar) -> complex:
-    """The fixed point, mm, at which the two cognates meet: it makes with the pivots the coupler's triangle."""
+    """The fixed point, mm, at which the two cognates meet: it makes with the pivots the coupler's triangle.
+
+    Roberts 1875, as in `cognates`.
+    """
     ground = four_bar.ground * direction_deg(four_bar.ground_angle_deg)
     return complex(four_bar.origin + four_bar.coupler_point / four_bar.coupler * ground)
 
@@ -80,7 +88,7 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
     left_rocker; right_crank, right_coupler, right_rocker; new pins left_pin, left_rocker_pin, right_crank_pin,
     right_pin, third_pivot. Its parallelograms pass change points: move it with branch "follow" from the
     drive `start`, rad, where the given linkage stands on `branch`. DesignError as for `cognates`, and where the
-    linkage is open at `start`.
+    linkage is open at `start`. The figure: Roberts 1875; that it runs through change points is derived here.
     """
     a, b, c, d = four_bar.crank, four_bar.coupler, four_bar.rocker, four_bar.ground
     w = _ratio(four_bar)

@@ -9,12 +9,14 @@ from typing import Annotated
 import numpy as np
 
 from ...arguments import checked
+from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Array, cross
+from ...plane.vec import Complex, Real, cross
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..motion import Motion
 from ..named.slider_crank import SliderCrank
-from ..solve.move import Branch, move
+from ..solve.branch import Branch
+from ..solve.move import move
 
 # kg mm/s2 in N.
 NEWTON = 1e-3
@@ -66,14 +68,17 @@ class Counterbalance:
 
     product: complex
     largest: float
-    angles: Array
+    angles: Real
+
+    __repr__ = one_line
 
 
 @checked
-def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: complex = 0.0) -> Array:
+def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: complex = 0.0) -> Complex:
     """Force of a slider-crank's moving parts on the frame, (frames,) complex, N: -sum m a of their centres of mass.
 
-    counterbalance: mass times radius, kg mm, as in `Counterbalance`. nan where the linkage is open.
+    counterbalance: mass times radius, kg mm, as in `Counterbalance`. nan where the linkage is open. DesignError for the
+    motion of anything else. Derived here.
     """
     if not {"crank", "coupler", "slider"} <= set(motion.bodies):
         raise DesignError("motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank")
@@ -84,7 +89,8 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
         (1.0, "crank", -counterbalance),
     )
     forces = [mass * motion.bodies[body].point(centre).acceleration for mass, body, centre in parts]
-    return -NEWTON * np.sum(forces, axis=0)
+    total: Complex = np.sum(forces, axis=0)
+    return -NEWTON * total
 
 
 @checked
@@ -93,7 +99,7 @@ def judged_counterbalance(
 ) -> Counterbalance:
     """A given counterbalance, kg mm, and the largest force it leaves: of all crank angles, not only sampled ones.
 
-    branch as of the slider-crank driven by its crank. DesignError where the crank does not turn fully.
+    branch as of the slider-crank driven by its crank. DesignError where the crank does not turn fully. Derived here.
     """
     angles, forces = _peaks(linkage, masses, product, branch)
     sizes = np.abs(forces + product)
@@ -110,7 +116,7 @@ def best_counterbalance(
     the crank the force at constant speed runs along a closed curve and a counterbalance shifts it, so the best
     one is less the centre of the smallest circle round the curve. Found by exchange: the circle round
     a few points exactly, then the curve's farthest points join them, until none lies outside. The largest force
-    is right to 1e-11 of the force without any. DesignError where the crank does not turn fully.
+    is right to 1e-11 of the force without any. DesignError where the crank does not turn fully. Derived here.
     """
     held = _peaks(linkage, masses, 0.0, branch)[1]
     size = float(np.abs(held).max())
@@ -125,14 +131,14 @@ def best_counterbalance(
     return judged_counterbalance(linkage, masses, product, branch)
 
 
-def _from_crank(linkage: SliderCrank, masses: SliderCrankMasses, angles: Array, branch: Branch) -> Array:
+def _from_crank(linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, branch: Branch) -> Complex:
     """sum m a in the crank's own frame at 1 rad/s, kg mm: a counterbalance adds its product to it."""
     motion = move(linkage, angles.ravel(), branch)
     force = shaking_force(motion, masses) / -NEWTON
     return (force * np.conj(motion.bodies["crank"].direction)).reshape(angles.shape)
 
 
-def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch) -> tuple[Array, Array]:
+def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch) -> tuple[Real, Complex]:
     """Crank angles at which the force has its largest maxima, and sum m a there, without the counterbalance."""
     if linkage.coupler <= linkage.crank + abs(linkage.offset):
         raise DesignError(
@@ -154,7 +160,7 @@ def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, br
     return angles[rows, top] % (2 * np.pi), forces[rows, top]
 
 
-def _centred(p: Array, turned: bool) -> complex:
+def _centred(p: Complex, turned: bool) -> complex:
     """The product u that makes the largest |p + u| least, real or complex: the exact optimum over a few points.
 
     It is decided by one, two or three of the points, at equal distance: all such choices are tried.

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import Places, checked
-from ...plane.vec import Array, dot, unit
+from ...brief import one_line
+from ...plane.vec import Complex, Real, dot, unit
 from .centres import InstantCentre, settled
 from .curvature import PathCurvature
 from .inflection import ROUNDING
@@ -34,18 +35,21 @@ class Bobillier:
     """
 
     instant_centre: InstantCentre
-    crossing: Array
-    axis: Array
-    axis_foot: Array
-    tangent: Array
-    tangent_foot: Array
+    crossing: Complex
+    axis: Complex
+    axis_foot: Complex
+    tangent: Complex
+    tangent_foot: Complex
+
+    __repr__ = one_line
 
 
 @checked
 def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
     """From the paths of two points, as two cranks or sliders give them, to the centrode tangent of their body.
 
-    nan where cranks and body lie in one line, which leaves the motion open.
+    nan where cranks and body lie in one line, which leaves the motion open. Bobillier's theorem: Dijksman, Motion
+    Geometry of Mechanisms, 1976; with what is at infinity, derived here.
     """
     base = np.asarray(one.position)
     pins = _point(one.position - base), _point(two.position - base)
@@ -67,6 +71,7 @@ def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, po
     tangent_foot: a point of the line, mm; tangent: its direction. The instant centre is where the line meets the
     crank. nan where `position` is in line with the crank: there the Euler-Savary equation gives the answer; and where
     the tangent lies along the crank, one end of which is the instant centre then: that says nothing of other points.
+    Source as of `bobillier`.
     """
     base = np.asarray(one.position)
     away = np.asarray(position) - base
@@ -75,7 +80,7 @@ def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, po
     crank = _line(one.tangent, one.position - base)
     extent = np.abs(away)
     centre = _settled(_crossing(crank, line, extent), extent)
-    ray = np.cross(centre, pins[1])
+    ray: Real = np.cross(centre, pins[1])
     with np.errstate(invalid="ignore"):
         ray = ray / np.hypot(ray[..., 0], ray[..., 1])[..., None]
     ray = np.where(np.isnan(_crossing(crank, ray, extent)), np.nan, ray)
@@ -88,33 +93,33 @@ def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, po
     return PathCurvature(base + away, run, curvature)
 
 
-def _point(place: Array, weight: ArrayLike = 1.0) -> Array:
+def _point(place: Complex, weight: ArrayLike = 1.0) -> Real:
     return np.stack(np.broadcast_arrays(place.real, place.imag, weight), axis=-1)
 
 
-def _line(normal: Array, place: Array) -> Array:
+def _line(normal: Complex, place: Complex) -> Real:
     """The line through a place, square to the unit vector `normal`."""
     return _point(np.asarray(normal), -dot(normal, place))
 
 
-def _centre(path: PathCurvature, base: Array) -> Array:
+def _centre(path: PathCurvature, base: Complex) -> Real:
     """The path's centre of curvature: at infinity where it is straight."""
     return _point((path.position - base) * path.curvature + 1j * np.asarray(path.tangent), path.curvature)
 
 
-def _crossing(one: Array, two: Array, extent: Array) -> Array:
+def _crossing(one: Real, two: Real, extent: Real) -> Real:
     """Where two lines of unit normal cross; nan where they are one line within rounding."""
     point = np.cross(one, two)
     apart = np.abs(point[..., 2]) * extent + np.hypot(point[..., 0], point[..., 1])
     return np.where((apart <= ROUNDING * extent)[..., None], np.nan, point)
 
 
-def _settled(point: Array, extent: Array) -> Array:
+def _settled(point: Real, extent: Real) -> Real:
     weight = settled(point[..., 2], np.hypot(point[..., 0], point[..., 1]), extent)
     return np.concatenate([point[..., :2], weight[..., None]], axis=-1)
 
 
-def _mirrored(line: Array, rays: tuple[Array, Array], pins: tuple[Array, Array]) -> Array:
+def _mirrored(line: Real, rays: tuple[Real, Real], pins: tuple[Real, Real]) -> Real:
     """A line through the crossing of two rays, mirrored in the line that halves the angle between the rays.
 
     With a and b the rays, of unit normal, the mirror takes x a + y b to y a + x b; x and y follow from where the
@@ -131,7 +136,7 @@ def _mirrored(line: Array, rays: tuple[Array, Array], pins: tuple[Array, Array])
     return np.concatenate([normal, first[..., 2:] + second[..., 2:]], axis=-1)
 
 
-def _beside(ray: Array, other: Array, pin: Array, extent: Array) -> Array:
+def _beside(ray: Real, other: Real, pin: Real, extent: Real) -> Real:
     """A point of a ray well away from the other ray: the pin, or one `extent` farther."""
     along = np.stack([-ray[..., 1], ray[..., 0], 0 * ray[..., 2]], axis=-1)
     farther = pin + extent[..., None] * along
@@ -139,15 +144,16 @@ def _beside(ray: Array, other: Array, pin: Array, extent: Array) -> Array:
     return np.where(near[..., None], farther, pin)
 
 
-def _dot(line: Array, point: Array) -> Array:
-    return np.sum(line * point, axis=-1)
+def _dot(line: Real, point: Real) -> Real:
+    product: Real = np.sum(line * point, axis=-1)
+    return product
 
 
-def _placed(point: Array, base: Array) -> InstantCentre:
+def _placed(point: Real, base: Complex) -> InstantCentre:
     return InstantCentre(base, point[..., 0] + 1j * point[..., 1], point[..., 2])
 
 
-def _drawn(line: Array, base: Array) -> tuple[Array, Array]:
+def _drawn(line: Real, base: Complex) -> tuple[Complex, Complex]:
     """Direction of a line and its point nearest to `base`."""
     normal = line[..., 0] + 1j * line[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):

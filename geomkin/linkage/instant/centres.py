@@ -10,8 +10,9 @@ from itertools import combinations
 import numpy as np
 
 from ...arguments import check_fields, checked
+from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Array, unit
+from ...plane.vec import Complex, Mask, Real, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
 
@@ -22,28 +23,30 @@ FAR = 1e12
 
 @dataclass(frozen=True, eq=False)
 class InstantCentre:
-    """A point that may lie at infinity, without loss of digits near it: `reference` + `arm` / `weight`.
+    """A point that may lie at infinity, without loss of digits near it: `reference` + `arm` / `weight`, mm.
 
-    reference: mm. arm: complex. weight: real, 0 where the point is at infinity. All (frames,).
+    weight: 0 where the point is at infinity. All (frames,), nan where there is no such point. Derived here: a point in
+    homogeneous coordinates about a place near the body.
     """
 
-    reference: Array
-    arm: Array
-    weight: Array
+    reference: Complex
+    arm: Complex
+    weight: Real
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
 
     @property
-    def position(self) -> Array:
+    def position(self) -> Complex:
         """mm; nan where at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(
-                self.weight != 0, self.reference + np.divide(self.arm, self.weight), complex(np.nan, np.nan)
-            )
+            near = self.reference + np.divide(self.arm, self.weight)
+        return np.where(self.weight != 0, near, complex(np.nan, np.nan))
 
     @property
-    def direction(self) -> Array:
+    def direction(self) -> Complex:
         """Direction in which the point lies where it is at infinity, unit complex; the opposite one is the same point.
 
         Elsewhere the line through `reference` in this direction leads to the point; nan where the two coincide.
@@ -58,7 +61,8 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
     Where a pin or a slider joins the two it is their pin, or infinity square to the line. Otherwise, with f the
     velocity of the first body's origin less that of the second body's point there, and w the difference of their
     rates of turning, the centre lies at the origin + i f / w. nan where the linkage is open and where the driver
-    stands at its own dead centre, where rates are infinite.
+    stands at its own dead centre, where rates are infinite. DesignError for a body that the linkage has not.
+    Derived here; Kennedy's theorem, that three bodies' centres lie in line, is the test.
     """
     for name in (body, other):
         if name not in motion.bodies:
@@ -69,11 +73,10 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
     pin, rail = pin_between(motion.linkage, body, other), slider_between(motion.linkage, body, other)
     if pin is not None:
         reference = one.point(motion.linkage.bodies[body][pin]).position
-        arm, weight = np.zeros(np.shape(reference), dtype=complex), np.ones(np.shape(reference))
+        arm, weight = np.zeros_like(reference), np.ones_like(reference.real)
     elif rail is not None:
         reference = one.origin.position
-        arm = 1j * motion.bodies[rail.along].direction * rail.direction
-        weight = np.zeros(np.shape(arm))
+        arm, weight = 1j * motion.bodies[rail.along].direction * rail.direction, np.zeros_like(reference.real)
     else:
         reference = one.origin.position
         with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
@@ -86,7 +89,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
                 turn = 1j * two.second - two.first**2
                 gain = 1j * (one.origin.second - two.origin.second - turn * apart)
                 arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)
-            weight = settled(weight, np.abs(arm), motion.linkage.size)
+            weight = settled(weight, abs(arm), motion.linkage.size)
     return InstantCentre(*(np.where(motion.closed, v, np.nan) for v in (reference, arm, weight)))
 
 
@@ -96,17 +99,17 @@ def instant_centres(motion: Motion) -> Mapping[tuple[str, str], InstantCentre]:
     return {(body, other): instant_centre(motion, body, other) for body, other in combinations(motion.bodies, 2)}
 
 
-def settled(weight: Array, arm: Array, size: Array) -> Array:
+def settled(weight: Real, arm: Real, size: Real) -> Real:
     """`weight`, but 0 where a point `arm` / `weight` away, mm, counts as at infinity; arm is a length."""
-    far = np.isfinite(arm) & (np.abs(weight) * size * FAR <= arm)
+    far = np.isfinite(arm) & (abs(weight) * size * FAR <= arm)
     return np.where(far, 0.0, weight)
 
 
-def _at_rest(motion: Motion, slide: Array, turn: Array) -> Array:
-    """Whether a relative motion is no more than the rounding of the linkage's liveliest body, bool, (frames,)."""
+def _at_rest(motion: Motion, slide: Complex, turn: Real) -> Mask:
+    """Whether a relative motion is no more than the rounding of the linkage's liveliest body, (frames,)."""
     extent = motion.linkage.size
-    liveliest = reduce(np.maximum, [np.abs(b.origin.first) + np.abs(b.first) * extent for b in motion.bodies.values()])
-    return (np.abs(slide) + np.abs(turn) * extent) * FAR <= liveliest
+    liveliest = reduce(np.maximum, [abs(b.origin.first) + abs(b.first) * extent for b in motion.bodies.values()])
+    return np.less_equal((abs(slide) + abs(turn) * extent) * FAR, liveliest)
 
 
 def pin_between(linkage: Linkage, body: str, other: str) -> str | None:

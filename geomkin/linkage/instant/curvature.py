@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments import Extended, Place, Places, RealArray, check_fields, checked
+from ...arguments import Extended, Place, Places, check_fields, checked
+from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Array, cross, dot, unit
-from .centres import pin_between, settled, slider_between
+from ...plane.vec import Complex, Real, cross, dot, unit
 from ..motion import Motion
+from .centres import pin_between, settled, slider_between
 
 # Share of its terms from which a sum is rounding. Smaller, and a slider's pin gets a centre of curvature and a cusp a
 # radius; larger, and flat paths and sharp bends are lost.
@@ -30,24 +31,27 @@ class PathCurvature:
     """A point on its path to second order; any shape.
 
     position: mm. tangent: unit complex, nan at a cusp. curvature: 1/mm, positive where the path turns left along
-    `tangent`; 0 where straight, inf at a cusp.
+    `tangent`; 0 where straight, inf at a cusp. Derived here.
     """
 
-    position: Array
-    tangent: Array
-    curvature: RealArray
+    position: Complex
+    tangent: Complex
+    curvature: Real
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
 
     @property
-    def radius(self) -> Array:
+    def radius(self) -> Real:
         """Radius of curvature, mm, signed as the curvature; inf where straight, 0 at a cusp."""
         with np.errstate(divide="ignore"):
-            return 1 / np.abs(self.curvature) * np.where(np.asarray(self.curvature) < 0, -1, 1)
+            size = np.divide(1, np.abs(self.curvature))
+        return size * np.where(np.asarray(self.curvature) < 0, -1, 1)
 
     @property
-    def centre(self) -> Array:
+    def centre(self) -> Complex:
         """Centre of curvature, mm; nan where straight, the point itself at a cusp."""
         with np.errstate(invalid="ignore"):
             centre = self.position + 1j * np.asarray(self.tangent) * self.radius
@@ -57,7 +61,7 @@ class PathCurvature:
 
 @checked
 def crank_path(pin: Places, pivot: Places) -> PathCurvature:
-    """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape.
+    """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape. Derived here.
 
     The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
     """
@@ -73,7 +77,8 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     With V and A its first and second kinematic coefficients the curvature is V x A / |V|^3; a body joined to the
     ground, and a pin that it shares with others, turns about a pivot or runs along a slide. nan where the linkage is
     open, where the driver stands at its own dead centre, where all points of the body turn back, and for points so
-    near the instant centre that the digits do not tell a straight path from a bent one.
+    near the instant centre that the digits do not tell a straight path from a bent one. DesignError for a body that
+    the linkage has not, and for several points that are not one for each frame. Derived here.
     """
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
@@ -112,7 +117,7 @@ def _guided(motion: Motion, body: str, local: complex) -> tuple[str, complex]:
     return body, local
 
 
-def second_order(motion: Motion, body: str) -> tuple[Array, Array, Array, Array]:
+def second_order(motion: Motion, body: str) -> tuple[Complex, Complex, Real, Real]:
     """First and second coefficients of a body's origin, then of its angle; nan where second order is lost.
 
     A turn that is rounding is 0.
@@ -120,27 +125,25 @@ def second_order(motion: Motion, body: str) -> tuple[Array, Array, Array, Array]
     moved, extent = motion.bodies[body], motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
         velocity, acceleration, turn, turn_rate = moved.origin.first, moved.origin.second, moved.first, moved.second
-        speed = np.abs(velocity) + np.abs(turn) * extent
-        gain = np.abs(acceleration) + np.abs(turn_rate) * extent
+        speed = abs(velocity) + abs(turn) * extent
+        gain = abs(acceleration) + abs(turn_rate) * extent
         lost = (speed**2 <= TURNING_BACK * gain * extent) | ~np.isfinite(gain)
-        turn = settled(turn, np.abs(velocity), extent)
-        turn_rate = settled(turn_rate, np.abs(acceleration), extent)
-    velocity, acceleration, turn, turn_rate = (
-        np.where(lost, np.nan, part) for part in (velocity, acceleration, turn, turn_rate)
-    )
-    return velocity, acceleration, turn, turn_rate
+        turn = settled(turn, abs(velocity), extent)
+        turn_rate = settled(turn_rate, abs(acceleration), extent)
+    kept = [np.where(lost, np.nan, part) for part in (velocity, acceleration, turn, turn_rate)]
+    return kept[0], kept[1], kept[2], kept[3]
 
 
 def path_in(
-    position: Array, arm: Array, velocity: Array, acceleration: Array, turn: Array, turn_rate: Array
+    position: Complex, arm: Complex, velocity: Complex, acceleration: Complex, turn: Real, turn_rate: Real
 ) -> PathCurvature:
     """The path of a body's point, an arm away from a place with this velocity and acceleration."""
     v, a = (velocity, 1j * turn * arm), (acceleration, (1j * turn_rate - turn**2) * arm)
     first, second = v[0] + v[1], a[0] + a[1]
-    speed, bend = np.abs(first), cross(first, second)
+    speed, bend = abs(first), cross(first, second)
     # How much of speed and bend may be rounding of their terms.
-    speed_terms, gain_terms = np.abs(v[0]) + np.abs(v[1]), np.abs(a[0]) + np.abs(a[1])
-    lost = np.abs(bend) <= ROUNDING * (speed_terms * np.abs(second) + speed * gain_terms)
+    speed_terms, gain_terms = abs(v[0]) + abs(v[1]), abs(a[0]) + abs(a[1])
+    lost = abs(bend) <= ROUNDING * (speed_terms * abs(second) + speed * gain_terms)
     straight = np.where(speed > SLOW * speed_terms, 0.0, np.nan)
     cusp = speed <= ROUNDING * speed_terms
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -155,7 +158,7 @@ def euler_savary(
     point: Extended | None = None,
     centre: Extended | None = None,
     inflection: Extended | None = None,
-) -> Array:
+) -> Real:
     """The fourth of four places on a ray through the instant centre, from the other three.
 
     All are signed distances along the ray from one origin, mm, arrays of any shapes that broadcast: the instant
@@ -165,7 +168,8 @@ def euler_savary(
     own centres of curvature O_M and O_F are such a pair A and C with j = D.
 
     Point, centre and inflection may be inf (a slider; one infinity at both ends of the ray). The instant centre has
-    two answers, (2, ...), the greater first; nan where there is none. nan also where the three do not say.
+    two answers, (2, ...), the greater first; nan where there is none. nan also where the three do not say. DesignError
+    unless exactly three are given. Both forms: Hall, Kinematics and Linkage Design, 1961, on path curvature.
     """
     places = {"instant_centre": instant_centre, "point": point, "centre": centre, "inflection": inflection}
     missing = [name for name, place in places.items() if place is None]
@@ -187,7 +191,7 @@ def euler_savary(
         return np.where((bottom == 0) & (top != 0), np.inf, base + top / bottom)
 
 
-def _instant_centres(point: Array, centre: Array, inflection: Array) -> Array:
+def _instant_centres(point: Real, centre: Real, inflection: Real) -> Real:
     product = (point - inflection) * (point - centre)
     root = np.where(np.isinf(product), np.inf, np.sqrt(product))
     # A point at infinity has its centre and its inflection point equally far on both sides of one instant centre.

@@ -8,9 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from ...arguments import Place, RealArray, check_fields
+from ...arguments import Place, check_fields
+from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Array, dot
+from ...plane.vec import Complex, Real, dot, unit
 from ..linkage import Linkage, Slider
 from ..solve.move import move
 
@@ -30,15 +31,18 @@ class DirectContact:
     is straight a slider on it takes the place of the bar. Hence the follower's velocity and acceleration need
     the curvature at the contact and not the curve's equation. They are not finite where the follower cannot give way
     along the normal, and where the two surfaces have one centre of curvature. DesignError if both are straight.
+    Derived here, after the equivalent linkage of the textbooks.
     """
 
     point: Place
     normal: Place
-    driver_radius: RealArray
-    follower_radius: RealArray
+    driver_radius: Real
+    follower_radius: Real
     driver_pivot: Place = 0j
     follower_pivot: Place | None = None
     follower_direction: Place | None = None
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -49,33 +53,33 @@ class DirectContact:
             raise DesignError("follower_radius", "both surfaces are straight", "give at least one a finite radius")
 
     @property
-    def driver_centre(self) -> Array:
+    def driver_centre(self) -> Complex:
         """Centre of curvature of the driver's surface, mm; not finite where it is straight."""
         return self._centre(-np.asarray(self.driver_radius))
 
     @property
-    def follower_centre(self) -> Array:
+    def follower_centre(self) -> Complex:
         """Centre of curvature of the follower's surface, mm; not finite where it is straight."""
         return self._centre(np.asarray(self.follower_radius))
 
-    def _centre(self, along: Array) -> Array:
+    def _centre(self, along: Real) -> Complex:
         with np.errstate(invalid="ignore"):
             return np.asarray(self.point) + along * self._normal
 
     @property
-    def first(self) -> Array:
+    def first(self) -> Real:
         """Follower's first kinematic coefficient: rad per rad of the driver, or mm per rad where it slides."""
         with np.errstate(invalid="ignore", divide="ignore"):
             return dot(self._normal, self._driver_way) / dot(self._normal, self._way)
 
     @property
-    def sliding(self) -> Array:
+    def sliding(self) -> Real:
         """How fast the follower's surface slides on the driver's, mm per rad, positive to the left of the normal."""
         with np.errstate(invalid="ignore"):
             return dot(1j * self._normal, self.first * self._way - self._driver_way)
 
     @property
-    def second(self) -> Array:
+    def second(self) -> Real:
         """Follower's second kinematic coefficient: rad, or mm where it slides, per rad squared of the driver."""
         n, f, point = self._normal, self.first, np.asarray(self.point)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -84,7 +88,7 @@ class DirectContact:
                 along = along + f**2 * dot(n, point - self.follower_pivot)
             return along / dot(n, self._way)
 
-    def _curving(self, h: Array) -> Array:
+    def _curving(self, h: Real) -> Real:
         """What the two curvatures add along the normal: r1 + h^2 r2 - (r1 + r2) k^2, k the turning of the bar.
 
         r1, r2 the radii, s the sliding, h the follower's turning: (r1 + r2) k = s + r1 + h r2. As a radius goes to
@@ -147,19 +151,18 @@ class DirectContact:
         return complex(self.point if self.follower_pivot is None else self.follower_pivot)
 
     @cached_property
-    def _normal(self) -> Array:
-        n = np.asarray(self.normal, dtype=complex)
-        return n / np.abs(n)
+    def _normal(self) -> Complex:
+        return unit(self.normal)
 
     @property
-    def _driver_way(self) -> Array:
+    def _driver_way(self) -> Complex:
         """Where the driver's point of contact goes, mm per rad of the driver."""
         return 1j * (np.asarray(self.point) - self.driver_pivot)
 
     @property
-    def _way(self) -> Array:
+    def _way(self) -> Complex:
         """Where the follower's point of contact goes, mm per rad or mm of the follower."""
-        if self.follower_pivot is None:
-            g = np.asarray(self.follower_direction, dtype=complex)
-            return g / np.abs(g)
-        return 1j * (np.asarray(self.point) - self.follower_pivot)
+        if self.follower_direction is not None:
+            return unit(self.follower_direction)
+        arm: Complex = np.asarray(self.point) - np.asarray(self.follower_pivot)
+        return 1j * arm

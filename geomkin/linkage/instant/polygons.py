@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arguments import checked
+from ...brief import one_line
 from ...errors import DesignError
 from ..linkage import Slider
 from ..motion import Motion
@@ -31,6 +32,8 @@ class Vector:
     tip: complex
     value: complex
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class VectorPolygon:
@@ -39,13 +42,15 @@ class VectorPolygon:
     scale: mm on the drawing per mm/s or mm/s2. points: where each named point's vector from the pole ends, mm;
     fixed points lie at the pole, and so does `POLE` itself. vectors: absolute ones first. images: for each moving
     body of two points or more, its points in order; they span its image, a figure similar to the body: turned
-    by 90 deg and omega times as large for velocities, |i alpha - omega^2| times for accelerations.
+    by 90 deg and omega times as large for velocities, |i alpha - omega^2| times for accelerations (Mehmke's theorem).
     """
 
     scale: float
     points: Mapping[str, complex]
     vectors: tuple[Vector, ...]
     images: Mapping[str, tuple[str, ...]]
+
+    __repr__ = one_line
 
 
 # Name of the pole, where everything at rest is.
@@ -61,7 +66,7 @@ def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale:
     scale, mm per mm/s, is the largest of 1, 2, 5, 10, ... that keeps both sides of the polygon within `size`
     mm, unless given. Where a slider's guide moves, the guide's point under the slider is named "slide on guide"
     after both; the sliding velocity leads from there to the slider's point. DesignError where the linkage is open
-    or its velocities are not finite, and where nothing moves and no scale is given.
+    or its velocities are not finite, and where nothing moves and no scale is given. Derived here.
     """
     return _polygon(motion, frame, 1, size, scale)
 
@@ -74,6 +79,7 @@ def acceleration_polygon(
 
     The acceleration of one point of a body against another is made of its normal part, -omega^2 r, then its
     tangential part, i alpha r; from a moving guide's point lead the Coriolis part, 2 i omega v, then the sliding part.
+    DesignError as for `velocity_polygon`. Derived here.
     """
     return _polygon(motion, frame, 2, size, scale)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ...plane.vec import Array
+from ...plane.vec import Complex, Mask
 from .sweep import separation
 
 # Least distance of the two guide pins in widths of the bar. Nearer, the play of the pins in their slot lets the
@@ -62,7 +62,7 @@ def guide_places(
     return (complex(point + one[best] * direction), complex(point + two[best] * direction)), ((a, b), (c, d))
 
 
-def _clear(places: Array, taken: Sequence[Array], width: float) -> Array:
+def _clear(places: Complex, taken: Sequence[Complex], width: float) -> Mask:
     """Whether openings (n, 1 or 2) keep their distance from all that are taken."""
     clear = np.ones(len(places), dtype=bool)
     # Rounding must not choose between places exactly at the distance.

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from ...arguments import checked
 from ...errors import DesignError
 from ...linkage.linkage import Linkage
 from ...linkage.motion import Motion
 from ...part import Part
 from ...plane.primitives import Circle, rounded_hull, slot
-from .assembly import Plate, assemble
+from .plates import LinkStock, Plate, assemble
 from .stack import Stack
-from .stock import LinkStock
 
 
-def link_parts(motion: Motion, stock: LinkStock, stack: Stack | None = None) -> list[Part]:
+@checked
+def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | None = None) -> tuple[Part, ...]:
     """The plates of a linkage, each in its body's own frame: holes for pins and traced points, slots for slides.
 
-    Slots are as long as the travel over the motion's frames. stack: how the plates lie on each other; with a
-    bridge it adds that plate, and the discs that hold it up. Raises DesignError where openings meet.
+    motion: over the whole way that the linkage is to go; slots are as long as the travel over its frames. stack:
+    `stack_links(motion, stock)`, where the plates are to lie on each other so that nothing collides: a bridge that it
+    needs is one more plate, and the discs that hold the bridge up are the part `spacer`, as many as its count says.
+    Without it, the fixed body is one plate. Raises DesignError where no frame closes, where openings run into each
+    other, where guide pins find no room, and for many linkages at once. Derived here.
     """
     plates = stack.plates if stack else assemble(motion, stock).plates
     parts = [_part(name, plate, stock, motion.linkage) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
         parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
-    return parts
+    return tuple(parts)
 
 
 def _part(name: str, plate: Plate, stock: LinkStock, linkage: Linkage) -> Part:

@@ -1,23 +1,28 @@
-"""Which plate of a linkage lies in which layer, so that nothing collides."""
+"""How the plates of a linkage lie on each other so that nothing collides, with a bridge over them where need be."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from itertools import combinations
 
 import numpy as np
 
+from ...arguments import checked
+from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.motion import Motion
-from .assembly import Plate, assemble
-from .bridge import Way, pile_places, split, ways
-from .contact import Contacts, Run
-from .order import Order, Passing, order
-from .stock import LinkStock
+from ...plane.vec import Complex, direction_deg, dot
+from .layers import Meetings, Order, Passing, Run, order
+from .plates import Assembly, LinkStock, Plate, assemble
+from .sweep import path_in
 
 # Moving plates that the search takes. Each more triples its time: the worst case of 15 takes five seconds.
 LARGEST = 15
+# Directions tried for the two piles that hold up a bridge, in half a turn: fewer make it longer than need be.
+DIRECTIONS = 36
+# Joints that the bridge carries.
+Way = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,8 @@ class PinSpan:
     holes: tuple[str, ...]
     slots: tuple[str, ...]
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class Collision:
@@ -41,6 +48,8 @@ class Collision:
     first: float
     last: float
     unit: str
+
+    __repr__ = one_line
 
     def __str__(self) -> str:
         return f"pin {self.pin} meets {self.plate} from {self.first:.4g} to {self.last:.4g} {self.unit}"
@@ -61,7 +70,9 @@ class Stack:
     plates: Mapping[str, Plate]
     spacers: int = 0
 
-    def summary(self) -> dict[str, Any]:
+    __repr__ = one_line
+
+    def summary(self) -> dict[str, object]:
         """The same as plain lists for a file, layers from the bottom up."""
         rows: list[list[str]] = [[] for _ in range(1 + max(self.layers.values()))]
         for name, layer in self.layers.items():
@@ -79,93 +90,131 @@ class Stack:
         return {"layers": rows, "pins": pins, "collisions": [str(c) for c in self.collisions]}
 
 
-def stack_links(motion: Motion, stock: LinkStock) -> Stack:
+@checked
+def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     """The plates of a linkage in the fewest layers, and among those with the least total length of pins.
 
     The ground at the bottom carries all fixed pivots and slots. Where that cannot be, a second fixed plate on
     top, the bridge, carries some of them: again the fewest layers, then the fewest carried. Two piles of
     discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
     `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
-    collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, or where no
-    frame closes.
+    collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, where no frame
+    closes, and for many linkages at once. Derived here.
     """
     found = assemble(motion, stock)
-    contacts = Contacts(motion, stock, found)
-    if len(contacts.moving) > LARGEST:
+    meetings = Meetings(motion, stock, found)
+    if len(meetings.moving) > LARGEST:
         raise DesignError(
-            "bodies", f"found {len(contacts.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
+            "bodies", f"found {len(meetings.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
         )
-    # Where openings meet whatever the bridge carries, `link_parts` says which.
-    fitting: list[Way] = [way for way in ways(found, contacts.ground) if _fits(contacts, way)] or [()]
+    # Where openings run into each other whatever the bridge carries, `link_parts` says which.
+    fitting: list[Way] = [way for way in ways(found, meetings.ground) if _fits(meetings, way)] or [()]
     for some in ([way for way in fitting if not way], [way for way in fitting if way]):
-        clean = [(way, best) for way in some if (best := _order(contacts, way))]
+        clean = [(way, best) for way in some if (best := _order(meetings, way))]
         if clean:
-            return _stack(contacts, *min(clean, key=lambda c: (len(c[1].layers), len(c[0]), c[1].length)))
-    least = _order(contacts, fitting[0], clean=False)
+            return _stack(meetings, *min(clean, key=lambda c: (len(c[1].layers), len(c[0]), c[1].length)))
+    least = _order(meetings, fitting[0], clean=False)
     assert least is not None
-    return _stack(contacts, fitting[0], least)
+    return _stack(meetings, fitting[0], least)
 
 
-def _fits(contacts: Contacts, way: Way) -> bool:
+def _fits(meetings: Meetings, way: Way) -> bool:
     """Whether no openings of the ground, or of the bridge, run into each other."""
-    plates = split(contacts.assembly, contacts.ground, way)
-    return not any(True for plate in plates for _ in plate.crossings(contacts.stock))
+    plates = split(meetings.assembly, meetings.ground, way)
+    return not any(True for plate in plates for _ in plate.crossings(meetings.stock))
 
 
-def _order(contacts: Contacts, way: Way, clean: bool = True) -> Order | None:
+def _order(meetings: Meetings, way: Way, clean: bool = True) -> Order | None:
     """The best order of the moving plates when the bridge carries the joints of `way`."""
-    ground, pins = contacts.ground, contacts.assembly.pins
-    bits = {name: 1 << k for k, name in enumerate(contacts.moving)}
-    meets = [sum(b for other, b in bits.items() if frozenset((name, other)) in contacts.plates) for name in bits]
+    ground, pins = meetings.ground, meetings.assembly.pins
+    bits = {name: 1 << k for k, name in enumerate(meetings.moving)}
+    meets = [sum(b for other, b in bits.items() if frozenset((name, other)) in meetings.plates) for name in bits]
     passing = [
         Passing(
             joins=sum(bits[name] for name in pin.plates if name != ground),
             bottom=ground in pin.plates and pin.joint not in way,
             top=ground in pin.plates and pin.joint in way,
-            hits=sum(bit for name, bit in bits.items() if (pin.name, name) in contacts.pin_and_plate),
+            hits=sum(bit for name, bit in bits.items() if (pin.name, name) in meetings.pin_and_plate),
         )
         for pin in pins
     ]
     return order(meets, passing, clean)
 
 
-def _stack(contacts: Contacts, way: Way, best: Order) -> Stack:
-    ground, stock = contacts.ground, contacts.stock
+def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
+    ground, stock = meetings.ground, meetings.stock
     top = 1 + len(best.layers)
-    plates, layers = dict(contacts.assembly.plates), {ground: 0}
-    for k, name in enumerate(contacts.moving):
+    plates, layers = dict(meetings.assembly.plates), {ground: 0}
+    for k, name in enumerate(meetings.moving):
         layers[name] = next(1 + n for n, row in enumerate(best.layers) if row >> k & 1)
     bridge = "bridge"
     while bridge in plates:
         bridge += "_"
     spans = []
-    for pin in contacts.assembly.pins:
+    for pin in meetings.assembly.pins:
         fixed = bridge if pin.joint in way else ground
         holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
         ends = [top if name == bridge else layers[name] for name in holes + slots]
         length = (max(ends) - min(ends) + 1) * stock.thickness
         spans.append(PinSpan(pin.name, min(ends), max(ends), length, holes, slots))
-    collisions = tuple(_collisions(contacts, spans, layers))
+    collisions = tuple(_collisions(meetings, spans, layers))
     if not way:
         return Stack(layers, tuple(spans), collisions, plates)
-    plates[ground], plates[bridge] = split(contacts.assembly, ground, way)
+    plates[ground], plates[bridge] = split(meetings.assembly, ground, way)
     layers[bridge] = top
-    for k, place in enumerate(pile_places(contacts.motion, contacts.assembly, stock.bar_width + contacts.play)):
+    for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
         name = f"spacer_{k + 1}"
         plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
         spans.append(PinSpan(name, 0, top, (top + 1) * stock.thickness, (ground, bridge), ()))
     return Stack(layers, tuple(spans), collisions, plates, spacers=2 * (top - 1))
 
 
-def _collisions(contacts: Contacts, spans: list[PinSpan], layers: Mapping[str, int]) -> Iterator[Collision]:
-    for (name, plate), runs in contacts.pin_and_plate.items():
+def _collisions(meetings: Meetings, spans: list[PinSpan], layers: Mapping[str, int]) -> Iterator[Collision]:
+    for (name, plate), runs in meetings.pin_and_plate.items():
         pin = next(span for span in spans if span.name == name)
         if pin.first <= layers[plate] <= pin.last:
-            yield from _told(contacts, name, plate, runs)
+            yield from _told(meetings, name, plate, runs)
 
 
-def _told(contacts: Contacts, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
-    slides = contacts.motion.linkage.driven_slider is not None
+def _told(meetings: Meetings, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
+    slides = meetings.motion.linkage.driven_slider is not None
     for run in runs:
         first, last = run if slides else np.degrees(run)
         yield Collision(pin, other, float(first), float(last), "mm" if slides else "deg")
+
+
+def ways(assembly: Assembly, ground: str) -> list[Way]:
+    """All choices of joints for the bridge, the fewest first; the first is none."""
+    fixed = list(dict.fromkeys(pin.joint for pin in assembly.pins if ground in pin.plates))
+    # All of them on the bridge would be the same stack upside down.
+    return [way for size in range(max(1, len(fixed))) for way in combinations(fixed, size)]
+
+
+def split(assembly: Assembly, ground: str, way: Way) -> tuple[Plate, Plate]:
+    """Ground and bridge, each with its own openings."""
+    joints = {pin.name: pin.joint for pin in assembly.pins}
+    plates = Plate(ground), Plate(ground)
+    for name, places in assembly.plates[ground].openings.items():
+        plates[joints.get(name, name) in way].openings[name] = places
+    return plates
+
+
+def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[complex, complex]:
+    """Places in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
+
+    The two sides are those between which the mechanism is narrowest.
+    """
+    ground = motion.linkage.ground
+    still = assembly.plates[ground].centres
+    moving = [path_in(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground]
+    middle = complex(still.mean())
+
+    def out(direction: Complex) -> float:
+        reach = max(float(dot(direction, still).max()), *(path.reach(complex(direction)) for path in moving))
+        return reach - float(dot(direction, middle)) + near
+
+    directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
+    widths = [out(u) + out(-u) for u in directions]
+    # Ten digits: the last bit must not choose between two sides that are alike.
+    best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
+    return middle + complex(best) * out(best), middle - complex(best) * out(-best)

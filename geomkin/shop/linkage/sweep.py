@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...plane.vec import Array, dot, unit
+from ...linkage.motion import Motion
+from ...plane.vec import Complex, Real, Whole, dot, unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,23 +20,23 @@ class Sweep:
     between two frames.
     """
 
-    drive: Array
-    points: Array
+    drive: Real
+    points: Complex
 
     @cached_property
-    def frames(self) -> Array:
+    def frames(self) -> Whole:
         """Frames at which a step starts: the closed ones. The step of a frame before an open one stands still."""
         return np.flatnonzero(np.isfinite(self.points).all(axis=1))
 
     @cached_property
-    def ends(self) -> tuple[Array, Array]:
+    def ends(self) -> tuple[Complex, Complex]:
         """The points where each step starts and where it ends, (steps, n)."""
         following = np.append(self.points[1:], np.full_like(self.points[:1], np.nan), axis=0)
         start, end = self.points[self.frames], following[self.frames]
         return start, np.where(np.isfinite(end), end, start)
 
     @cached_property
-    def bulge(self) -> Array:
+    def bulge(self) -> Real:
         """How far the paths leave their chords at most, mm, (steps, n).
 
         A path of second derivative P'' over a step h leaves its chord by |P''| h^2 / 8. P'' is the second
@@ -57,17 +58,27 @@ class Sweep:
         start, end = (dot(direction, z) for z in self.ends)
         return float((np.maximum(start, end) + self.bulge).max())
 
-    def gap(self, corners: Array) -> Array:
+    def gap(self, corners: Complex) -> Real:
         """Least distance, mm, (steps,), between the points' convex hull and that of `corners` (m,), which stand still.
 
         A lower bound: the hull of a step's two ends holds all chords between them. It falls short by the bulge,
         and beside the middle of a turning bar by half of what the bar's ends travel. 0 or less where they meet.
         """
         still = np.broadcast_to(np.asarray(corners, dtype=complex), (len(self.frames), len(corners)))
-        return separation(np.concatenate(self.ends, axis=1), still) - self.bulge.max(axis=1)
+        bulge: Real = self.bulge.max(axis=1)
+        return separation(np.concatenate(self.ends, axis=1), still) - bulge
 
 
-def separation(a: Array, b: Array) -> Array:
+def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> Sweep:
+    """Paths of points of one body as seen from another."""
+    seen, moving = motion.bodies[frame], motion.bodies[body]
+    local = np.atleast_1d(np.asarray(places, dtype=complex))
+    world = moving.origin.position[:, None] + moving.direction[:, None] * local
+    here = (world - seen.origin.position[:, None]) * np.conj(seen.direction[:, None])
+    return Sweep(motion.drive, np.where(motion.closed[:, None], here, np.nan))
+
+
+def separation(a: Complex, b: Complex) -> Real:
     """Distance, mm, (...,), between the convex hulls of points a (..., n) and b (..., m); 0 or less where they meet.
 
     Two convex shapes are as far apart as the widest strip between them. Its sides stand square to the line
@@ -78,10 +89,11 @@ def separation(a: Array, b: Array) -> Array:
     directions = unit(np.concatenate([across, *normals, *(-n for n in normals)], axis=-1))[..., None]
     strip = dot(directions, b[..., None, :]).min(axis=-1) - dot(directions, a[..., None, :]).max(axis=-1)
     # Points that fall together have no direction between them.
-    return np.where(np.isfinite(strip), strip, -np.inf).max(axis=-1)
+    widest: Real = np.where(np.isfinite(strip), strip, -np.inf).max(axis=-1)
+    return widest
 
 
-def _pairs(z: Array) -> Array:
+def _pairs(z: Complex) -> Complex:
     """Differences of all pairs of points."""
     one, two = np.triu_indices(z.shape[-1], 1)
     return z[..., two] - z[..., one]

@@ -1,0 +1,231 @@
+"""A linkage as plates and pins: what they are cut from, which bodies are cut, and what each pin goes through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from ...brief import one_line
+from ...errors import DesignError
+from ...linkage.linkage import Linkage, Slider
+from ...linkage.motion import Motion
+from ...linkage.openings import never_closed
+from ...plane.vec import Complex, cross, direction_deg
+from ...sizes import FARTHEST, check_sizes, quantity
+from ..bore import clearance as wider
+from .guides import guide_places
+from .sweep import Sweep, path_in, separation
+
+# Places that differ by this share of their coordinates are one: less takes rounding for a second hole beside
+# the first, more makes one hole of two that were meant to be apart.
+EQUAL = 8 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class LinkStock:
+    """What links are cut from, and the pins that join them."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
+    bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
+    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
+    clearance: float = wider(0.2)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.bar_width <= self.hole_diameter:
+            raise DesignError(
+                "bar_width",
+                f"found {self.bar_width:g} mm, but the pin holes are {self.hole_diameter:g} mm wide",
+                "give wider bars or thinner pins",
+            )
+
+    @property
+    def hole_diameter(self) -> float:
+        """Diameter of a pin hole, mm."""
+        return self.pin_diameter + self.clearance
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """A plate in the frame of a body. openings: by pin or point, one place, mm, for a hole, two for a slot's ends."""
+
+    body: str
+    openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
+
+    __repr__ = one_line
+
+    @property
+    def centres(self) -> Complex:
+        """What the plate is stretched round, complex mm."""
+        return np.array([place for places in self.openings.values() for place in places])
+
+    def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float]]:
+        """Pairs of openings that would run into each other, and how far apart their centres are, mm."""
+        for (one, a), (two, b) in combinations(self.openings.items(), 2):
+            apart = max(0.0, float(separation(np.array(a), np.array(b))))
+            # Two guide pins may share one slot.
+            if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
+                yield one, two, apart
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """A pin that moves as the point `place`, mm, of a body. holes: plates it turns in; slots: plates it runs in.
+
+    joint: the pin's own name, or that of the sliding joint that it guides together with another.
+    """
+
+    name: str
+    joint: str
+    body: str
+    place: complex
+    holes: tuple[str, ...]
+    slots: tuple[str, ...]
+
+    __repr__ = one_line
+
+    @property
+    def plates(self) -> tuple[str, ...]:
+        """All plates that it joins."""
+        return self.holes + self.slots
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Plates by name, in the order of the linkage's bodies, and the pins that join them."""
+
+    plates: Mapping[str, Plate]
+    pins: tuple[Pin, ...]
+
+
+def assemble(motion: Motion, stock: LinkStock) -> Assembly:
+    """The plates and pins of a linkage that moves as in `motion`.
+
+    Each body is a plate with a hole for each of its points. A block, which is a sliding body with one pin on the
+    slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
+    sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
+    body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
+    frames. Raises DesignError where there is no frame, where there are many linkages at once, or no room for guide pins.
+    """
+    if motion.linkage.many:
+        raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
+    if not motion.closed.any():
+        raise never_closed(motion)
+    linkage = motion.linkage
+    blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
+    axes = _axes(linkage)
+    plates = {body: Plate(body) for body in linkage.bodies if body not in blocks.values()}
+    for name, places in axes.items():
+        for body, place in places.items():
+            if body in plates:
+                plates[body].openings[name] = (place,)
+    riding: dict[str, list[str]] = {name: [] for name in axes}
+    for slider in linkage.sliders:
+        if slider.name in blocks:
+            block = blocks[slider.name]
+            name = next(name for name, places in axes.items() if block in places)
+            guide = slider.along if block == slider.body else slider.body
+            path = path_in(motion, guide, block, axes[name][block])
+            plates[guide].openings[name] = _travel(path, _line(slider, guide))
+            riding[name].append(guide)
+    pins = []
+    for name, places in axes.items():
+        holes = tuple(body for body in places if body in plates)
+        if len(holes) + len(riding[name]) > 1:
+            body = next(iter(holes or places))
+            pins.append(Pin(name, name, body, places[body], holes, tuple(riding[name])))
+    for slider in linkage.sliders:
+        if slider.name not in blocks:
+            pins += _guide_pins(motion, slider, plates, stock)
+    return Assembly(plates, tuple(pins))
+
+
+def _block(linkage: Linkage, slider: Slider) -> str | None:
+    """The one of the two bodies that is no more than a pin; the one with fewer points where both could be."""
+    sides = [body for body in (slider.body, slider.along) if _is_block(linkage, slider, body)]
+    return min(sides, key=lambda body: len(linkage.bodies[body]), default=None)
+
+
+def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
+    points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
+    # What is driven by its angle, or as half of an actuator, needs a plate to hold it by.
+    driven = body == linkage.driver or slider is linkage.driven_slider
+    if body == linkage.ground or (driven and other != linkage.ground):
+        return False
+    joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
+    if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:
+        return False
+    # On a fixed shaft, moved only by what slides on it, it is a hub: the shaft is what it is there to turn.
+    if joined == {linkage.ground} and not any(point in linkage.pins for point in linkage.bodies[other]):
+        return False
+    first = next(iter(points.values()))
+    if not all(_equal(first, place) for place in points.values()):
+        return False
+    start = slider.point if body == slider.body else slider.through
+    return bool(abs(cross(_line(slider, body), first - start)) <= EQUAL * (abs(first) + abs(start)))
+
+
+def _equal(one: complex, two: complex) -> bool:
+    return bool(abs(one - two) <= EQUAL * max(abs(one), abs(two)))
+
+
+def _line(slider: Slider, body: str) -> complex:
+    """Direction of a slide line in the frame of either of its bodies."""
+    return complex(slider.direction if body == slider.along else direction_deg(-slider.angle_deg))
+
+
+def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
+    """Places where pins or points are, each by body; points that fall together in a body are one."""
+    axes: dict[str, dict[str, complex]] = {}
+    names = dict.fromkeys([*linkage.pins, *(point for points in linkage.bodies.values() for point in points)])
+    for name in names:
+        own = {body: complex(points[name]) for body, points in linkage.bodies.items() if name in points}
+        same = [
+            other
+            for other, places in axes.items()
+            if any(body in places and _equal(places[body], place) for body, place in own.items())
+        ]
+        # The first keeps its name and its place in the order.
+        for other in same[:0:-1]:
+            own = axes.pop(other) | own
+        axes[same[0] if same else name] = (axes[same[0]] if same else {}) | own
+    return axes
+
+
+def _travel(path: Sweep, direction: complex) -> tuple[complex, complex]:
+    """Ends of a straight path along a direction."""
+    ahead, behind = path.reach(direction), -path.reach(-direction)
+    start = complex(path.points[path.frames[0], 0])
+    level = 1j * float(cross(direction, start))
+    return (behind + level) * direction, (ahead + level) * direction
+
+
+def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], stock: LinkStock) -> list[Pin]:
+    """The two guide pins of a sliding plate; their holes and slots are added to the plates."""
+    plate, guide = plates[slider.body], plates[slider.along]
+    path = path_in(motion, slider.along, slider.body, slider.point)
+    ahead, direction = _line(slider, slider.along), _line(slider, slider.body)
+    found = guide_places(
+        stock.bar_width,
+        _travel(path, ahead),
+        ahead,
+        slider.point,
+        direction,
+        plate.openings.values(),
+        guide.openings.values(),
+    )
+    if found is None:
+        raise DesignError(
+            "bar_width",
+            f"the {slider.along} has no room on the slide line for the guide pins of the {slider.body}",
+            "give narrower bars, or move the pins that lie on the line",
+        )
+    pins = []
+    for number, place, slot in zip((1, 2), *found):
+        name = f"{slider.name}_guide_{number}"
+        plate.openings[name], guide.openings[name] = (place,), slot
+        pins.append(Pin(name, slider.name, slider.body, place, (slider.body,), (slider.along,)))
+    return pins
