@@ -38,9 +38,7 @@ class BaseCircle:
     """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
 
     limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even the smallest will do, and
-    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame.
-
-    Source: derived here.
+    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame. Derived here.
     """
 
     radius: float

@@ -73,9 +73,7 @@ def polar_radius(outline: AbstractCurve, angle: Reals) -> Real:
     """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; any shape.
 
     Where the outline passes a direction more than once, the farthest point counts: what a probe from outside meets,
-    so that a cam can be cut on a dividing head and inspected.
-
-    Source: derived here.
+    so that a cam can be cut on a dividing head and inspected. Derived here.
     """
     directions = np.exp(1j * np.asarray(angle, dtype=float).ravel())
     breaks = outline.breaks

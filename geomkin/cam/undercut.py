@@ -46,9 +46,7 @@ class Undercut:
     outline: closed, what the follower leaves as a cutter: all that it covers nowhere, round the cam's axis. The
     cam's own profile where there is no undercut. spans: (n, 2), cam angles, rad, from and to, between which the
     follower does not touch where it should, in order; the last may end beyond one turn. corners: (n,) complex,
-    mm, on the cam: the sharp points on which it rests meanwhile.
-
-    Source: derived here.
+    mm, on the cam: the sharp points on which it rests meanwhile. Derived here.
     """
 
     cam: Cam

@@ -55,9 +55,7 @@ class AbstractFollower(ABC):
 
     Throughout, `sense` is +1 for a cam that turns counterclockwise, -1 for clockwise, `base_radius` is in mm, and
     lifts, mm, or rad where it oscillates, are 0 on the base circle and positive away from the cam. Methods that take
-    a `motion` answer at each of its cam angles, those that take the `program` for the whole turn.
-
-    Source: derived here.
+    a `motion` answer at each of its cam angles, those that take the `program` for the whole turn. Derived here.
     """
 
     kind: str

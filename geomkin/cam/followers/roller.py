@@ -86,9 +86,7 @@ def on_roller(
 
     way: unit direction in which the centre moves as the lift grows. sign: +1 or -1, of the pressure angle. With B the
     centre, the pitch curve E B has the velocity E u, u = B' - i sgn B, and the roller lies to the left of it for
-    sgn = +1.
-
-    Source: derived here.
+    sgn = +1. Derived here.
     """
     u = slope - 1j * sense * centre
     speed = np.abs(u)

@@ -57,6 +57,7 @@ def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, b
 
 
 def checked_rows(rows: object, field: str) -> Real:
+    """The rows as an array (n, 2); refused under the field's name where they are none."""
     try:
         points = np.array(rows, dtype=float)
         fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS

@@ -39,9 +39,7 @@ class Optimum:
     """A motion of least peak acceleration within its family, over an angle.
 
     law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
-    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below.
-
-    Source: derived here.
+    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below. Derived here.
     """
 
     law: Law
