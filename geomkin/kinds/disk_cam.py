@@ -112,7 +112,7 @@ class DiskCamRecipe(AbstractRecipe):
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _undercut(self) -> Mapping[str, object]:
-        (unit, size), (lost, at) = ("deg", 180 / np.pi) if self.cam.follower.oscillates else ("mm", 1.0), self.cut.worst
+        (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
         return {
             f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
             "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
@@ -121,7 +121,7 @@ class DiskCamRecipe(AbstractRecipe):
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Follower and programme of the kinds asked for; an arm's lifts are angles, as many deg as the others mm."""
+        """Follower and programme of the kinds asked for; an arm is lifted by as many degrees as others by mm."""
         follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
         lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
         if follower.oscillates:
