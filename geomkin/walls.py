@@ -13,7 +13,7 @@ from .plane.curve import AbstractCurve, reach
 from .plane.flatten import flatten
 from .plane.joined import Ring
 from .plane.primitives import Circle
-from .plane.vec import Array, cross
+from .plane.vec import Complex, cross
 
 # Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 of it between holes and to an
 # edge; below the least of them none takes the part.
@@ -61,7 +61,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     return round(found, digits)
 
 
-def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Array:
+def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Complex:
     """Chords of a boundary with the material on their left; sense: +1 for an outline, -1 for a hole.
 
     Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.

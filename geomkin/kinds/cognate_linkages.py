@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, stack_links
-from ..sizes import NotBoolean, entry
+from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .linkage_tables import Side
 
 # What the three are called.
 NAMES = ("given", "left", "right")
@@ -36,9 +37,7 @@ class CognatesRecipe(AbstractRecipe):
 
     kind: Literal["cognates"] = "cognates"
     linkage: FourBar = entry("the given four-bar", example=FourBar(100, 30, 90, 70, 50 + 45j))
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
-        "1 or -1: rocker pin left or right of the line to its pivot", default=1
-    )
+    branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
     drive: Turn = entry("how the driver turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
