@@ -20,9 +20,8 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
-from ..shop.linkage.stack import Stack, stack_links
+from ..shop.linkage.stack import Stack, link_parts, stack_links
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -114,13 +113,7 @@ class CognatesRecipe(AbstractRecipe):
 
 
 def _sizes(linkage: FourBar) -> Mapping[str, object]:
-    lengths = {
-        "ground": linkage.ground,
-        "crank": linkage.crank,
-        "coupler": linkage.coupler,
-        "rocker": linkage.rocker,
-        "ground_angle_deg": linkage.ground_angle_deg,
-    }
+    lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker", "ground_angle_deg")}
     return {name: float(f"{length:.10g}") for name, length in lengths.items()} | {
         "driver": linkage.driver,
         "coupler_point": _pair(linkage.coupler_point),

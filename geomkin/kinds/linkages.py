@@ -28,9 +28,8 @@ from ..linkage.tables import motion_table
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
-from ..shop.linkage.stack import Stack, stack_links
+from ..shop.linkage.stack import Stack, link_parts, stack_links
 from ..sizes import entry
 from ..table import Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry

@@ -24,8 +24,8 @@ from ..linkage.solve.branch import Branch
 from ..part import Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stack import link_parts
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

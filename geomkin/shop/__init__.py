@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from .gear.gears import rack_part as rack_part
     from .gear.gears import ring_part as ring_part
     from .gear.spokes import Web as Web
-    from .linkage.links import link_parts as link_parts
     from .linkage.plates import LinkStock as LinkStock
     from .linkage.stack import Stack as Stack
+    from .linkage.stack import link_parts as link_parts
     from .linkage.stack import stack_links as stack_links
 else:
     from ..lazy import attach

@@ -13,6 +13,8 @@ from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
+from ...part import Part
+from ...plane.primitives import Circle, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from ...sizes import FARTHEST, check_sizes, quantity
 from ..bore import clearance as wider
@@ -69,6 +71,25 @@ class Plate:
             # Two guide pins may share one slot.
             if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
                 yield one, two, apart
+
+    def part(self, name: str, stock: LinkStock, linkage: Linkage) -> Part:
+        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet."""
+        for one, two, apart in self.crossings(stock):
+            traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
+            kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
+            raise DesignError(
+                traced[0] if traced else self.body,
+                f"the {kinds[0]} and the {kinds[1]} in the {name} are {apart:.4g} mm apart, "
+                f"and they are {stock.hole_diameter:g} mm wide",
+                "change the sizes that bring them together, or give a smaller pin_diameter",
+            )
+        radius = stock.hole_diameter / 2
+        # Two guide pins may share one slot.
+        holes = tuple(
+            Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
+            for ends in dict.fromkeys(self.openings.values())
+        )
+        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,8 +245,8 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], sto
             "give narrower bars, or move the pins that lie on the line",
         )
     pins = []
-    for number, place, slot in zip((1, 2), *found):
+    for number, place, ends in zip((1, 2), *found):
         name = f"{slider.name}_guide_{number}"
-        plate.openings[name], guide.openings[name] = (place,), slot
+        plate.openings[name], guide.openings[name] = (place,), ends
         pins.append(Pin(name, slider.name, slider.body, place, (slider.body,), (slider.along,)))
     return pins
