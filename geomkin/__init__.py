@@ -11,31 +11,31 @@ counterclockwise positive. Recipes need more than NumPy and are loaded only by `
 
 from typing import TYPE_CHECKING
 
-from .version import VERSION as __version__
+from .version import VERSION as __version__  # noqa: F401, N811
 
 if TYPE_CHECKING:
-    from . import cam
-    from . import export
-    from . import gear
-    from . import judge
-    from . import kinds
-    from . import linkage
-    from . import plane
-    from . import recipe
-    from . import shop
+    from . import cam as cam
+    from . import export as export
+    from . import gear as gear
+    from . import judge as judge
+    from . import kinds as kinds
+    from . import linkage as linkage
+    from . import plane as plane
+    from . import recipe as recipe
+    from . import shop as shop
     from .build import load as load
     from .build import make as make
     from .build import write as write
     from .cam.cam import Cam as Cam
-    from .cam.cam import pressure_angle as pressure_angle
-    from .cam.followers.follower import OscillatingFlat as OscillatingFlat
-    from .cam.followers.follower import OscillatingRoller as OscillatingRoller
-    from .cam.followers.follower import TranslatingFlat as TranslatingFlat
-    from .cam.followers.follower import TranslatingRoller as TranslatingRoller
-    from .cam.program.program import Dwell as Dwell
+    from .cam.followers.flat import OscillatingFlat as OscillatingFlat
+    from .cam.followers.flat import TranslatingFlat as TranslatingFlat
+    from .cam.followers.roller import OscillatingRoller as OscillatingRoller
+    from .cam.followers.roller import TranslatingRoller as TranslatingRoller
+    from .cam.measures import pressure_angle as pressure_angle
     from .cam.program.program import Program as Program
-    from .cam.program.program import Return as Return
-    from .cam.program.program import Rise as Rise
+    from .cam.program.segments import Dwell as Dwell
+    from .cam.program.segments import Return as Return
+    from .cam.program.segments import Rise as Rise
     from .cam.undercut import undercut as undercut
     from .check import Check as Check
     from .errors import DesignError as DesignError
@@ -55,10 +55,10 @@ if TYPE_CHECKING:
     from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
     from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
     from .linkage.named.four_bar import FourBar as FourBar
-    from .linkage.named.inverted_slider_crank import InvertedSliderCrank as InvertedSliderCrank
-    from .linkage.named.shaper import Shaper as Shaper
+    from .linkage.named.six_bars import Shaper as Shaper
     from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
     from .linkage.named.six_bars import WattSixBar as WattSixBar
+    from .linkage.named.slider_crank import InvertedSliderCrank as InvertedSliderCrank
     from .linkage.named.slider_crank import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move

@@ -13,7 +13,7 @@ from functools import cache, wraps
 from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import DesignError, shown
 
@@ -33,7 +33,7 @@ class Sort:
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
-    names = function.__code__.co_varnames  # type: ignore[attr-defined]
+    names = function.__code__.co_varnames
     kept: dict[str, Sort] = {}
 
     @wraps(function)
@@ -63,6 +63,7 @@ def check_fields(thing: Any) -> None:
 
 
 def refused(name: str, value: object, sort: Sort) -> DesignError:
+    """The error for an argument that is not of its sort."""
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 
@@ -180,7 +181,7 @@ def is_complex(value: Any) -> bool:
     return is_real(value)
 
 
-def numbers(value: Any, kinds: str = "iufc") -> np.ndarray | None:
+def numbers(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
     """The value as an array of numbers of these NumPy kinds, nan allowed; None where it is none."""
     if isinstance(value, np.ndarray):
         return value if value.dtype.kind in kinds else None
@@ -193,12 +194,12 @@ def numbers(value: Any, kinds: str = "iufc") -> np.ndarray | None:
     return array if array.dtype.kind in kinds else None
 
 
-def _whole(value: Any, kinds: str = "iufc") -> np.ndarray | None:
+def _whole(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
     """The same of what can be added to and multiplied, as a list cannot."""
     return None if isinstance(value, (list, tuple)) else numbers(value, kinds)
 
 
-def _bounded(array: np.ndarray | None, gaps: bool = False) -> bool:
+def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
     """Whether all is finite and of bearable size; `gaps`: or nan."""
     if array is None:
         return False
@@ -259,17 +260,19 @@ Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "n
 # Of a field that is one place, or one for each of many linkages.
 Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
 # The points that a curve is made of, in a row.
-RealRow = Annotated[np.ndarray, Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers")]
+RealRow = Annotated[
+    NDArray[np.floating[Any]],
+    Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers"),
+]
 Row = Annotated[
-    np.ndarray, Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj")
+    NDArray[np.complexfloating[Any, Any]],
+    Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj"),
 ]
 Count = Annotated[int, Sort(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
 Positive = Annotated[float, Sort(lambda value: is_real(value) and value > 0, "a number above 0")]
 # What a number was found to be, which may be nothing.
 Found = Annotated[float, Sort(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")]
-RealArray = Annotated[
-    np.ndarray, Sort(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them")
-]
+RealArray = NDArray[np.floating[Any]]
 # Places over the frames, nan where there is none.
 Places = Annotated[ArrayLike, Sort(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")]
 Points = Annotated[ArrayLike, Sort(are_points, "finite points as complex numbers x + yj, one or an array")]

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from .arguments import checked
+from .arguments import Sort, checked
+from .brief import one_line
 from .check import Check
 from .errors import DesignError, Problem, RecipeError, printable
 from .export.files import remove, write_whole
-from .export.job import Job
+from .export.job import Job, Loose, Source
 from .export.summary import NAME, files_told, summary
 from .export.writers import WRITERS
 from .kinds import KINDS
@@ -21,10 +21,13 @@ from .names import file_name_flaw
 from .part import Part
 from .recipe import load as reading
 from .recipe.recipe import AbstractRecipe
-from .recipe.settings import Files
+from .recipe.settings import Files, Format
+from .table import Table
 
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
+# A file, a TOML text, or a table as TOML gives it.
+Readable = str | Path | Annotated[Mapping[str, Any], Sort(lambda value: isinstance(value, Mapping), "a table")]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,13 +38,17 @@ class Made:
     checks: tuple[Check, ...]
     files: Mapping[Path, int]
 
+    __repr__ = one_line
 
-def load(source: str | Path | Mapping[str, Any]) -> AbstractRecipe:
+
+@checked
+def load(source: Readable) -> AbstractRecipe:
     """The recipe in a file, in a TOML text, or in a table as TOML gives it.
 
-    source: a path; a text that has a line break is taken for the recipe itself. Files that a text or a table names lie
-    in the working folder or below. Raises FileError where a file cannot be read, and RecipeError with every problem,
-    key by key.
+    source: a path; a text that has a line break is taken for the recipe itself. A recipe from a file is called as the
+    file is, another one as its kind. Files that a recipe names lie in its own folder or below; those that a text or a
+    table names, in the working folder or below. Raises FileError where a file cannot be read, and RecipeError with
+    every problem, key by key.
     """
     if isinstance(source, Mapping):
         return reading.told(KINDS, source)
@@ -50,24 +57,15 @@ def load(source: str | Path | Mapping[str, Any]) -> AbstractRecipe:
     return reading.read(KINDS, Path(source))
 
 
-def check_recipe(recipe: AbstractRecipe | str | Path) -> Made:
-    """Validate a recipe and judge its design without writing."""
-    file, recipe = _opened(recipe)
-    with _naming(file, recipe):
-        checks = recipe.checks
-        job = _job(recipe)
-        for ending in recipe.files.write:
-            if WRITERS[ending].needs == "parts":
-                _ = job.flats if WRITERS[ending].flat else job.solids
-    return Made(_name(file, recipe), checks, {})
+@checked
+def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Sequence[Format] | None = None) -> Made:
+    """Make a recipe, or what `load` finds: its files go to `out`/<name>/.
 
-
-def make(recipe: AbstractRecipe | str | Path, out: str | Path = "out", only: Sequence[str] | None = None) -> Made:
-    """Make a recipe, or the one in a file: its files go to `out`/<name>/.
-
-    The name is the file's, that which `called` gave, or the kind. only: formats to write of those the recipe asks for;
-    all of them unless given, and then files of parts that the recipe had when it was last made here, and has no more,
-    are removed. Raises RecipeError or FileError; then nothing of this recipe has been written, or what was is whole.
+    The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
+    another one that was made under its name. only: formats to write of those the recipe asks for; all of them unless
+    given, and then files of parts that the recipe had when it was last made here, and has no more, are removed.
+    Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
+    of this recipe has been written, or what was is whole.
     """
     file, recipe = _opened(recipe)
     wanted = [ending for ending in recipe.files.write if only is None or ending in only]
@@ -76,7 +74,7 @@ def make(recipe: AbstractRecipe | str | Path, out: str | Path = "out", only: Seq
         raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
     name = _name(file, recipe)
     with _naming(file, recipe):
-        checks, job = recipe.checks, _job(recipe)
+        checks, job = recipe.checks, _job(name, recipe, recipe.files)
         written = {ending: WRITERS[ending].write(job) for ending in WRITERS if ending in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
         contents = {name: content for files in written.values() for name, content in files.items()}
@@ -89,98 +87,109 @@ def make(recipe: AbstractRecipe | str | Path, out: str | Path = "out", only: Seq
     return Made(name, checks, {folder / path: len(content) for path, content in contents.items()})
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Loose:
-    """Parts that come of no recipe."""
-
-    parts: tuple[Part, ...]
-
-    @property
-    def table(self) -> Any:
-        raise DesignError("path", "parts have no table", "write the table of a recipe, or of a motion")
-
-    @property
-    def scene(self) -> None:
-        return None
+@checked
+def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
+    """Judge a recipe's design and work out what its files are made of, without writing. Raises what `make` does."""
+    file, recipe = _opened(recipe)
+    name = _name(file, recipe)
+    with _naming(file, recipe):
+        checks, job = recipe.checks, _job(name, recipe, recipe.files)
+        for writer in (WRITERS[ending] for ending in recipe.files.write):
+            if writer.needs == "parts":
+                _ = job.flats if writer.flat else job.solids
+            else:
+                _ = job.table if writer.needs == "table" else job.scene
+    return Made(name, checks, {})
 
 
 @checked
 def write(
-    parts: Part | Sequence[Part],
+    source: AbstractRecipe | Table | Part | Sequence[Part],
     path: str | Path,
-    tolerance: float = 0.005,
-    kerf: float = 0.0,
-    curves: Literal["chords", "arcs"] = "chords",
+    tolerance: float | None = None,
+    kerf: float | None = None,
+    curves: Literal["chords", "arcs"] | None = None,
 ) -> dict[Path, int]:
-    """Write parts to a file, or for formats of one part a file to files beside it; path to size in bytes.
+    """Write parts, a table, or what a recipe has of either, to a file; path to size in bytes.
 
-    The ending of `path` picks the format; an STL is written for each part, named after it where there are several.
-    tolerance: largest distance, mm, between a curve and what is written. kerf: width of the cut, mm: drawings move
-    outlines out and holes in by half of it. curves: outlines in drawings as chords or as arcs. Raises DesignError for
-    parts that cannot be cut so, and FileError; then nothing has been written, or what was is whole.
+    The ending of `path` picks the format. One that has a file for each part, such as STL, writes several beside
+    `path`, named after the parts. tolerance: largest distance, mm, between a curve and what is written. kerf: width of
+    the cut, mm: drawings move outlines out and holes in by half of it. curves: outlines in drawings as chords or as
+    arcs. What is left out of the three is as the recipe says, or as it is in a recipe without `files`: 0.005 mm, no
+    kerf, chords. Raises DesignError for what cannot be written so, and FileError; then nothing has been written, or
+    what was is whole.
     """
     path = Path(path)
     ending = path.suffix[1:].lower()
-    if ending not in WRITERS or WRITERS[ending].needs != "parts":
-        endings = [name for name, writer in WRITERS.items() if writer.needs == "parts"]
+    files = source.files if isinstance(source, AbstractRecipe) else Files()
+    held, needs = _held(source)
+    if ending not in WRITERS or WRITERS[ending].needs not in needs:
+        endings = [name for name, writer in WRITERS.items() if writer.needs in needs]
         raise DesignError("path", f"found {printable(path)}", f"give a name that ends in {' or '.join(endings)}")
-    files = Files(write=(ending,), tolerance=tolerance, kerf=kerf, curves=curves)
-    loose = _Loose((parts,) if isinstance(parts, Part) else tuple(parts))
-    if not loose.parts:
-        raise DesignError("parts", "there are none", "give at least one")
-    contents = WRITERS[ending].write(Job(path.stem, loose, files.tolerance, files.kerf, files.curves == "arcs"))
+    given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
+    changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    job = _job(path.stem, held, dataclasses.replace(files, write=(ending,), **changes))
+    contents = WRITERS[ending].write(job)
     if len(contents) == 1:
         contents = {path.name: next(iter(contents.values()))}
     write_whole(path.parent, contents)
     return {path.parent / name: len(content) for name, content in contents.items()}
 
 
-def _opened(recipe: AbstractRecipe | str | Path) -> tuple[str, AbstractRecipe]:
+def _held(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Source, Collection[str]]:
+    """What is to be written as writers take it, and which of their needs it can meet."""
+    if isinstance(source, AbstractRecipe):
+        return source, ("parts", "table", "scene")
+    if isinstance(source, Table):
+        return Loose(table=source), ("table",)
+    parts = (source,) if isinstance(source, Part) else tuple(source)
+    if not parts:
+        raise DesignError("source", "there are no parts", "give at least one")
+    return Loose(parts), ("parts",)
+
+
+def _opened(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
     """What messages call a recipe, and itself."""
     if isinstance(recipe, AbstractRecipe):
         return recipe.name or recipe.kind, recipe
-    return str(recipe), load(Path(recipe))
+    found = load(recipe)
+    # Only what a file holds has a name by itself.
+    return str(recipe) if found.name else found.kind, found
 
 
-def _job(recipe: AbstractRecipe) -> Job:
-    files = recipe.files
-    return Job(recipe.name or recipe.kind, recipe, files.tolerance, files.kerf, files.curves == "arcs")
+def _job(name: str, source: Source, files: Files) -> Job:
+    return Job(name, source, files.tolerance, files.kerf, files.curves == "arcs")
 
 
 def _name(file: str, recipe: AbstractRecipe) -> str:
     """The recipe's name, which names its folder and files."""
     name = recipe.name or recipe.kind
-    flaw = file_name_flaw(name)
-    if flaw and len(os.fsencode(name)) <= LONGEST_NAME:
-        problem = f"its name cannot name a folder and files: {flaw}"
-        raise RecipeError(file, [Problem("", problem, "rename the file")])
-    if len(os.fsencode(name)) > LONGEST_NAME:
+    if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
         raise RecipeError(file, [Problem("", "its name is too long for the files named after it", "shorten it")])
+    if flaw := file_name_flaw(name):
+        problem = f"its name cannot name a folder and files: {flaw}"
+        raise RecipeError(file, [Problem("", problem, "rename the file, or call the recipe otherwise")])
     return name
 
 
-class _naming:
-    """Turns a design's error into one that names the recipe's file."""
+@contextmanager
+def _naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
+    """Turns a design's error into one that names the recipe's file and key."""
+    try:
+        yield
+    except DesignError as error:
+        raise RecipeError(file, [Problem(_key(recipe, error.field), error.problem, error.remedy)]) from None
 
-    def __init__(self, file: str, recipe: AbstractRecipe):
-        self.file, self.recipe = file, recipe
 
-    def __enter__(self) -> None: ...
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if isinstance(error, DesignError):
-            raise RecipeError(self.file, [Problem(self.key(error.field), error.problem, error.remedy)]) from None
-
-    def key(self, field: str) -> str:
-        """The recipe's key for a field: those of its tables as they are, else of `files`, else of the mechanism."""
-        tables = [f.name for f in dataclasses.fields(self.recipe)]  # type: ignore[arg-type]
-        if field.split(".")[0] in tables:
-            return field
-        if field in (f.name for f in dataclasses.fields(self.recipe.files)):
-            return f"files.{field}"
-        # The table of the mechanism follows `kind`; a part may have a link's name, or none that a key has.
-        mechanism = tables[1]
-        named = field in (f.name for f in dataclasses.fields(getattr(self.recipe, mechanism)))
-        return f"{mechanism}.{field}" if named else mechanism
+def _key(recipe: AbstractRecipe, field: str) -> str:
+    """The recipe's key for a field: one of its own, else of `files`, else of the mechanism, its table after `kind`."""
+    own = [f.name for f in dataclasses.fields(recipe)]
+    if field.split(".")[0] in own:
+        return field
+    if field in (f.name for f in dataclasses.fields(recipe.files)):
+        return f"files.{field}"
+    # A part may have a link's name, or none that a key has.
+    mechanism = next(name for name in own if name != "kind")
+    table = getattr(recipe, mechanism)
+    named = dataclasses.is_dataclass(table) and field in (f.name for f in dataclasses.fields(table))
+    return f"{mechanism}.{field}" if named else mechanism

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .arguments import Found, check_fields
+from .brief import clipped
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,11 @@ class Check:
     def passed(self) -> bool:
         """False also for nan: what could not be measured has not passed."""
         return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else "FAILED"
+        unit = f" {self.unit}" if self.unit else ""
+        return clipped(f"Check({verdict}: {self.name} {self.value:.6g}{unit}, limit {self.side} {self.limit:.6g})")
 
     def __str__(self) -> str:
         # A value close to its limit is printed in full, or "14 should be at least 14" comes out.

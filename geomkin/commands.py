@@ -7,26 +7,26 @@ import signal
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
 from .export.writers import WRITERS
+
+if TYPE_CHECKING:
+    from .build import Made
 
 _recipes = click.argument(
     "recipes", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path), metavar="RECIPE_OR_FOLDER..."
 )
 
 
-class _Formats(click.ParamType):
-    name = "FORMAT,..."
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        chosen = [part.strip() for part in value.split(",")]
-        unknown = [c for c in chosen if c not in WRITERS]
-        if unknown:
-            self.fail(f"unknown format {unknown[0]!r}; choose of {', '.join(WRITERS)}")
-        return chosen
+def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
+    """The endings in a list with commas."""
+    chosen = None if value is None else [part.strip() for part in value.split(",")]
+    if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
+        raise click.BadParameter(f"unknown format {unknown[0]!r}; choose of {', '.join(WRITERS)}")
+    return chosen
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -38,7 +38,10 @@ def cli() -> None:
 @cli.command()
 @_recipes
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
-@click.option("--only", type=_Formats(), help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).")
+@click.option(
+    "--only", callback=_formats, metavar="FORMAT,...",
+    help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).",
+)  # fmt: skip
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/."""
     from .build import make
@@ -141,11 +144,12 @@ def _refuse_twins(files: list[Path]) -> None:
         raise click.UsageError(f"{named} would write the same folder; run them with another --out")
 
 
-def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], int]:
+def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made], int]:
     """Results of those that worked, and how many did not; each failure is told when all is done."""
     from .errors import GeomkinError, printable
 
-    results, failures = [], []
+    results: list[Made] = []
+    failures: list[str] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
     if not hidden:
         # The bar hides the cursor, and only code of ours brings it back.
@@ -173,19 +177,19 @@ def _each(files: list[Path], action: Callable[[Path], Any]) -> tuple[list[Any], 
     return results, len(failures)
 
 
-def _is_terminal(stream: Any) -> bool:
+def _is_terminal(stream: TextIO | None) -> bool:
     """Whether someone watches; a closed stream is None."""
     return stream is not None and stream.isatty()
 
 
-def _leave(*_: Any) -> None:
+def _leave(*_: object) -> None:
     """End at once on Ctrl-C, with the cursor back."""
     sys.stderr.write("\x1b[?25h\n")
     sys.stderr.flush()
     os._exit(130)
 
 
-def _row(result: Any) -> tuple[str, str, str, str]:
+def _row(result: Made) -> tuple[str, str, str, str]:
     """Where a recipe's files are, their endings, how large, how its checks came out."""
     from .errors import printable
 
@@ -196,13 +200,13 @@ def _row(result: Any) -> tuple[str, str, str, str]:
     return printable(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed"
 
 
-def _line(result: Any) -> str:
+def _line(result: Made) -> str:
     """A recipe in a line of its own, for files and other programs."""
     folder, endings, size, checks = _row(result)
     return f"{folder}: {endings}, {size}, checks {checks}"
 
 
-def _report(made: list[Any]) -> str:
+def _report(made: list[Made]) -> str:
     """One row for each recipe, under a heading."""
     rows = [("recipe", "files", "size", "checks"), *map(_row, made)]
     widths = [max(len(row[k]) for row in rows) for k in range(4)]

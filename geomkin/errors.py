@@ -35,6 +35,9 @@ class Problem:
     problem: str
     remedy: str
 
+    def __repr__(self) -> str:
+        return printable(f"Problem({self})", 120)
+
     def __str__(self) -> str:
         return harmless(f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}")
 

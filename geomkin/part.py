@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .arguments import check_fields
+from .brief import one_line
 from .names import check_names
 from .plane.curve import AbstractCurve
 
@@ -25,6 +26,9 @@ class Part:
     layer: str = "CUT"
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
+    __repr__ = one_line
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)

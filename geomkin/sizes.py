@@ -8,14 +8,20 @@ recipe is validated from the same declaration without importing pydantic here.
 from __future__ import annotations
 
 import dataclasses
+from collections import UserDict
+from collections.abc import Callable
 from dataclasses import MISSING
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from typing import Annotated, Any, Literal
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 
 from .arguments import Sort, between, check_fields, is_place, numbers
 from .errors import DesignError, shown
+
+T = TypeVar("T")
 
 
 def quantity(
@@ -81,6 +87,14 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if _is_tiny(value, about):
             least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
             raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+
+
+def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
+    """The size nearest to a bad one that still fits, from one that does: by halves, to rounding."""
+    for _ in range(60):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
+    return good
 
 
 # Digits of a number that is advised: fewer than are told in messages, more than are set in a workshop.
@@ -191,10 +205,34 @@ class SignOrPlace:
         )
 
 
+class KindTable(UserDict[str, type[T]]):
+    """kind -> dataclass of tables that a recipe tells apart by their `kind`; recipes read it anew when it changes.
+
+    A class that leaves out what its contract asks for is refused at its row, with the names of what is missing.
+    """
+
+    # Of all tables together.
+    changes = 0
+
+    def __setitem__(self, kind: str, table: type[T]) -> None:
+        if missing := getattr(table, "__abstractmethods__", None):
+            raise TypeError(f"{table.__name__} leaves out {', '.join(sorted(missing))}")
+        super().__setitem__(kind, table)
+        KindTable.changes += 1
+
+    def __delitem__(self, kind: str) -> None:
+        super().__delitem__(kind)
+        KindTable.changes += 1
+
+
 class OneOfKinds:
-    """Marks a union of dataclasses told apart by their `kind`, so that errors speak of the right one."""
+    """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an
+    abstract class whose attribute `KINDS` is their table.
+    """
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic import Discriminator
 
-        return Discriminator("kind").__get_pydantic_core_schema__(source, handler)
+        kinds = getattr(source, "KINDS", None)
+        union = reduce(or_, kinds.values()) if kinds else source
+        return Discriminator("kind").__get_pydantic_core_schema__(union, handler)

@@ -1,8 +1,9 @@
 """Names that people choose: what is plain and what is refused, for bodies and for files."""
 
-import geomkin as gk
 import numpy as np
 import pytest
+
+import geomkin as gk
 from geomkin.export.files import write_whole
 from geomkin.names import check_names, file_name_flaw
 from geomkin.part import Part

@@ -48,6 +48,16 @@ def test_defaults_and_limits_are_those_that_recipes_were_written_for(classes):
     assert found == {row[0]: row[1:] for row in rows[1:]}
 
 
+def test_what_counts_things_is_a_whole_number(classes):
+    counts = {
+        f"{name}.{field.name}": bool(field.metadata.get("whole"))
+        for name, made in classes.items()
+        for field in dataclasses.fields(made)
+        if "unit" in field.metadata and str(field.type).split(" | ")[0] == "int"
+    }
+    assert len(counts) > 15 and [name for name, whole in counts.items() if not whole] == []
+
+
 def test_what_is_left_out_of_a_recipe_or_a_call_means_what_it_meant(classes):
     """What quantities.csv does not tell: tables, words and places that are left out, and arguments of public calls."""
     rooms = (gk.plane, gk.linkage, gk.cam, gk.gear, gk.judge, gk.shop, gk)

@@ -1,7 +1,7 @@
 """Recipes as texts, of the kinds that geomkin has."""
 
 from geomkin.kinds import KINDS
-from geomkin.recipe import load, schema, template, variants
+from geomkin.recipe import load, schema, template
 
 
 def parse(text, file="recipe", folder="."):
@@ -21,4 +21,4 @@ def schema_of_all():
 
 def choices_of(name):
     """Tables of which a template shows one kind or none, by dotted key."""
-    return variants.choices(KINDS[name])
+    return template.choices(KINDS[name])

@@ -9,11 +9,13 @@ from typing import Literal
 import numpy as np
 
 from ..arguments import checked
+from ..brief import one_line
 from ..errors import DesignError
-from ..plane.vec import Array
-from .cam import Cam, check_lifts
-from .extremes import largest, samples
-from .followers.follower import Follower, Roller, TranslatingFlat
+from ..plane.vec import Mask, Real
+from .cam import Cam, Direction, check_lifts, turning_sense
+from .followers.flat import TranslatingFlat
+from .followers.follower import AbstractFollower, Follower
+from .maxima import largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
@@ -35,6 +37,8 @@ class BaseCircle:
 
     limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even the smallest will do, and
     the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame.
+
+    Source: derived here.
     """
 
     radius: float
@@ -42,20 +46,25 @@ class BaseCircle:
     limit: Limit
     cam_angle: float
 
+    __repr__ = one_line
+
 
 @checked
 def least_base_circle(
     follower: Follower,
     program: Program,
-    direction: Literal["counterclockwise", "clockwise"] = "counterclockwise",
+    direction: Direction = "counterclockwise",
     pressure_angle_deg: float = 30.0,
     least_radius: float = 0.0,
 ) -> BaseCircle:
     """The least base circle whose cam leans on its follower by no more than `pressure_angle_deg`, to either side,
     is undercut nowhere, and where convex has no radius of curvature below `least_radius`, mm.
 
-    Where good radii lie between bad ones it is the lower end of the uppermost such stretch. Raises DesignError
-    where no base circle will do.
+    `pressure_angle_deg` is above 0 and at most 90. Where good radii lie between bad ones it is the lower end of the
+    uppermost such stretch. Raises DesignError where no base circle will do.
+
+    Source: the two limits that size a cam are those of Norton, Cam Design and Manufacturing Handbook; the search for
+    the least radius within them is made here.
     """
     if not 0 < pressure_angle_deg <= 90:
         raise DesignError("pressure_angle_deg", f"found {pressure_angle_deg}", "give more than 0 and at most 90 deg")
@@ -66,18 +75,18 @@ def least_base_circle(
     motion = program.motion(places)
     low, high = follower.base_radii(float(motion.lift.max()))
     scale = max(float(np.abs(v).max()) for v in (motion.lift, motion.velocity, motion.acceleration))
-    scale = max(scale, 1e-3, *(abs(v) for v in vars(follower).values() if isinstance(v, float | int)))
-    sense = 1 if direction == "counterclockwise" else -1
-    follower.check(0.5 * (low + high) if np.isfinite(high) else low + scale, program, sense)
+    scale = max(scale, 1e-3, follower.size)
+    sense = turning_sense(direction)
+    follower.check(program, 0.5 * (low + high) if np.isfinite(high) else low + scale, sense)
     rules = _rules(follower, sense, np.radians(pressure_angle_deg), least_radius)
 
-    def excess(radii: Array) -> Array:
+    def excess(radii: Real) -> Real:
         """By how much each rule is broken on the samples, (rules, radii)."""
         return np.array([[rule(motion, radius).max() for radius in radii] for rule in rules.values()])
 
     tried = _tried(low, high, scale, excess)
     seen = excess(tried)
-    good = np.asarray((seen <= 0).all(axis=0))
+    good: Mask = np.asarray((seen <= 0).all(axis=0))
     if not good.any():
         raise _hopeless(rules, seen, pressure_angle_deg)
     last = len(good) - 1 - int(good[::-1].argmax())
@@ -85,8 +94,8 @@ def least_base_circle(
     most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
     if first:
         radius, limit, angle = _border(program, rules, *tried[[first, first - 1]].tolist())
-        if limit == "undercut" and isinstance(follower, TranslatingFlat):
-            radius = flat_face_base_radius(program, least_radius, follower.tilt_deg)
+        exact = follower.least_base_radius(program, least_radius)
+        radius = exact if limit == "undercut" and exact is not None else radius
     else:
         radius, limit, angle = low, "reach" if low else "nothing", np.nan
     return _uncrossed(follower, program, direction, BaseCircle(radius, most, limit, angle), scale)
@@ -96,42 +105,30 @@ def least_base_circle(
 def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg: float = 0.0) -> float:
     """Least base radius, mm, for which a translating flat face leaves no radius of curvature below `least_radius`.
 
-    rho = Rb + (s + s'') cos(tilt), so it is least_radius - min(s + s'') cos(tilt), exactly. Below 0 any will do.
+    It is least_radius - min(s + s'') cos(tilt), exactly. Below 0 any will do.
+
+    Source: Rothbart, Cams (1956), flat-faced follower; the tilted face derived here.
     """
-
-    def below(angle: Array) -> Array:
-        motion = program.motion(angle)
-        return -motion.lift - motion.acceleration
-
-    return least_radius + float(np.cos(np.radians(tilt_deg))) * largest(program.breaks, below)[0]
+    return TranslatingFlat(tilt_deg).least_base_radius(program, least_radius)
 
 
-Rule = Callable[[FollowerMotion, float], Array]
+# By how much a rule is broken at each cam angle of a motion, with a base radius in mm; above 0 where it is.
+Rule = Callable[[FollowerMotion, float], Real]
 
 
-def _rules(follower: Follower, sense: int, steepest: float, least_radius: float) -> dict[Limit, Rule]:
+def _rules(follower: AbstractFollower, sense: int, steepest: float, least_radius: float) -> dict[Limit, Rule]:
     """What may not exceed 0 anywhere: functions of a motion and a base radius."""
 
-    def leaning(motion: FollowerMotion, radius: float) -> Array:
+    def leaning(motion: FollowerMotion, radius: float) -> Real:
         return np.abs(follower.contact(motion, radius, sense).pressure_angle) - steepest * (1 + 1e-12)
 
-    return {"pressure angle": leaning, "undercut": _convex_rule(follower, sense, least_radius)}
+    def sharp(motion: FollowerMotion, radius: float) -> Real:
+        return follower.excess(motion, radius, sense, least_radius)
+
+    return {"pressure angle": leaning, "undercut": sharp}
 
 
-def _convex_rule(follower: Follower, sense: int, least_radius: float) -> Rule:
-    if isinstance(follower, Roller):
-        # A profile with this radius left is one that a roller larger by as much just does not undercut.
-        larger = replace(follower, roller_radius=follower.roller_radius + least_radius)
-        return lambda motion, radius: -larger.contact(motion, radius - least_radius, sense).advance
-
-    def face(motion: FollowerMotion, radius: float) -> Array:
-        contact = follower.contact(motion, radius, sense)
-        return least_radius * np.abs(contact.turn) - contact.advance
-
-    return face
-
-
-def _tried(low: float, high: float, scale: float, excess: Callable[[Array], Array]) -> Array:
+def _tried(low: float, high: float, scale: float, excess: Callable[[Real], Real]) -> Real:
     """Rising base radii, mm, over all that the follower allows."""
     if np.isfinite(high):
         return low + (high - low) * (np.arange(TRIED) + 0.5) / TRIED
@@ -162,9 +159,8 @@ def _largest(program: Program, rule: Rule, radius: float) -> tuple[float, float]
 
 
 def _uncrossed(
-    follower: Follower, program: Program, direction: Literal["counterclockwise", "clockwise"], found: BaseCircle,
-    scale: float,
-) -> BaseCircle:  # fmt: skip
+    follower: AbstractFollower, program: Program, direction: Direction, found: BaseCircle, scale: float
+) -> BaseCircle:
     """The same, or a larger one where flanks of the profile cross or its velocity jumps."""
 
     def crossed(radius: float) -> Undercut | None:
@@ -189,7 +185,7 @@ def _uncrossed(
     return replace(found, radius=good, limit="undercut", cam_angle=last.worst[1] if last else np.nan)
 
 
-def _hopeless(rules: dict[Limit, Rule], excess: Array, pressure_angle_deg: float) -> DesignError:
+def _hopeless(rules: dict[Limit, Rule], excess: Real, pressure_angle_deg: float) -> DesignError:
     never = [name for name, least in zip(rules, excess.min(axis=1).tolist()) if least > 0]
     what = " and ".join(never) or "one of pressure angle and undercut"
     return DesignError(

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Reals, checked
-from ..errors import DesignError, shown
+from ..brief import one_line
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
-from ..plane.vec import Array
+from ..plane.vec import Complex, Real
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .followers.contact import AbstractFollower, Contact
-from .followers.follower import Follower, Roller, TranslatingRoller
-from .program.program import Dwell, Program, Return, Rise
-
+from .followers.follower import AbstractFollower, Contact, Follower
+from .followers.roller import TranslatingRoller
+from .program.program import Program
+from .program.segments import Dwell, Return, Rise
 
 # Smooth stretches of a programme: of more, a search for undercut and least base circle takes over five seconds.
 MOST_STRETCHES = 500
 
+Direction = Literal["counterclockwise", "clockwise"]
+
 
 @dataclass(frozen=True)
 class Cam:
-    """A disk cam about the origin, drawn at cam angle 0, and the follower that rides on it."""
+    """A disk cam about the origin, drawn at cam angle 0, and the follower that rides on it.
+
+    Its cam angle is how far it has turned, rad, rising with time whichever its direction; points are complex, mm.
+    DesignError where the follower cannot ride on such a cam, or the programme's lifts are of the wrong sort for it.
+
+    Source: the words are those of Rothbart, Cams (1956): base circle, prime circle, pitch curve; the formulas are
+    derived here.
+    """
 
     follower: Follower = entry("what rides on the cam", example=TranslatingRoller(10))
     program: Program = entry(
@@ -33,16 +42,10 @@ class Cam:
         example=Program((Dwell(end_deg=120), Rise("3-4-5", rise=20, end_deg=240), Return("cycloidal", end_deg=360))),
     )
     base_radius: float = quantity("radius of the cam where the lift is 0", "mm", above=0, at_most=FARTHEST, example=40)
-    direction: Literal["counterclockwise", "clockwise"] = entry("way the cam turns", default="counterclockwise")
+    direction: Direction = entry("way the cam turns", default="counterclockwise")
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        if self.direction not in ("counterclockwise", "clockwise"):
-            raise DesignError("direction", f"found {self.direction!r}", "give counterclockwise or clockwise")
-        if not isinstance(self.follower, AbstractFollower):
-            raise DesignError("follower", f"found {shown(self.follower)}", "give a follower, such as TranslatingRoller")
-        if not isinstance(self.program, Program):
-            raise DesignError("program", f"found {shown(self.program)}", "give a Program of segments")
         check_lifts(self.follower, self.program)
         stretches = len(self.program.breaks) - 1
         if stretches > MOST_STRETCHES:
@@ -51,25 +54,28 @@ class Cam:
                 f"found {stretches:,} stretches between joints, dwells in a row taken as one",
                 f"give at most {MOST_STRETCHES}, or a table in place of many segments",
             )
-        self.follower.check(self.base_radius, self.program, self.sense)
+        self.follower.check(self.program, self.base_radius, self.sense)
+
+    __repr__ = one_line
 
     @property
     def prime_radius(self) -> float:
         """Least distance of a roller's centre from the cam axis, mm; of a flat face, the base radius."""
-        return self.base_radius + getattr(self.follower, "roller_radius", 0.0)
+        return self.base_radius + self.follower.rounding
 
     @property
     def sense(self) -> int:
         """+1 where the cam turns counterclockwise, -1 clockwise."""
-        return 1 if self.direction == "counterclockwise" else -1
+        return turning_sense(self.direction)
 
     @property
     def pitch_curve(self) -> AbstractCurve:
         """Path of the roller's centre on the cam; t is the cam angle, rad, 0 to 2 pi. A flat face has none."""
-        if not isinstance(self.follower, Roller):
+        knife = self.follower.knife_edge
+        if knife is None:
             raise DesignError("follower", "a flat face has no roller, so its cam no pitch curve", "use the profile")
         # The roller's centre is a knife edge on the prime circle.
-        return Profile(replace(self.follower, roller_radius=0.0), self.program, self.prime_radius, self.sense)
+        return Profile(knife, self.program, self.prime_radius, self.sense)
 
     @property
     def profile(self) -> AbstractCurve:
@@ -101,30 +107,32 @@ class Cam:
 class Profile(AbstractCurve):
     """Where a follower touches its cam, seen from the cam: E z with E = exp(-i sgn t) from ground to cam."""
 
-    follower: Follower
+    follower: AbstractFollower
     program: Program
     base_radius: float
     sense: int
 
-    def point(self, t: ArrayLike) -> Array:
+    __repr__ = one_line
+
+    def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         return np.exp(-1j * self.sense * t) * self._contact(t).point
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         contact = self._contact(t)
         return -1j * self.sense * np.exp(-1j * self.sense * t) * contact.normal * contact.advance
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         contact = self._contact(np.asarray(t, dtype=float))
         with np.errstate(divide="ignore"):
             return contact.turn / np.abs(contact.advance)
 
-    def _contact(self, t: Array) -> Contact:
+    def _contact(self, t: Real) -> Contact:
         return self.follower.contact(self.program.motion(t), self.base_radius, self.sense)
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return self.program.breaks
 
     @property
@@ -132,9 +140,14 @@ class Profile(AbstractCurve):
         return True
 
 
-def check_lifts(follower: Follower, program: Program) -> None:
+def turning_sense(direction: Direction) -> int:
+    """+1 for counterclockwise, -1 for clockwise."""
+    return 1 if direction == "counterclockwise" else -1
+
+
+def check_lifts(follower: AbstractFollower, program: Program) -> None:
     """Raises DesignError where the programme's lifts are of the wrong sort for the follower."""
-    if getattr(program, "oscillates", False) == follower.oscillates:
+    if program.oscillates == follower.oscillates:
         return
     kind = follower.kind.replace("-", " ")
     raise DesignError(
@@ -143,19 +156,3 @@ def check_lifts(follower: Follower, program: Program) -> None:
         f"which {'swings about a pivot' if follower.oscillates else 'moves along a line'}",
         f"give the lifts in {'degrees' if follower.oscillates else 'mm'}, or a follower of the other sort",
     )
-
-
-@checked
-def pressure_angle(cam: Cam, angle: Reals) -> Array:
-    """Signed angle, rad, between the follower's path and the force on it, at cam angles in rad.
-
-    Of a follower that moves straight, positive when the force leans the way the cam's surface runs under it;
-    of one on an arm, when the force pulls the arm away from its pivot. Above about 30 deg (45 on an arm) the
-    follower binds.
-    """
-    return cam.contact(angle).pressure_angle
-
-
-def convex_curvature(cam: Cam, angle: ArrayLike) -> Array:
-    """Curvature of the pitch curve, 1/mm, positive where convex; the roller fits while it is below 1 / its radius."""
-    return -cam.sense * cam.pitch_curve.curvature(angle)

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import checked
+from ..brief import one_line
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
-from ..plane.vec import Array, dot
+from ..plane.vec import Complex, Mask, Real, Whole, dot
 from .cam import Cam
-from .crossings import chord_crossings, crossings
-from .extremes import climb, highest_between, samples
-from .raw_outline import RawOutline
+from .maxima import climb, highest_between, samples
+from .self_crossings import chord_crossings, crossings
+from .untrimmed_outline import UntrimmedOutline
 
 # Chords over the width of a reversed stretch and, to either side, over four times its width, where the
 # profile crosses itself.
@@ -34,7 +35,8 @@ BLOCK = 1_000_000
 # Share by which two losses of lift may differ and still count as equal: far above what rounding makes of equals.
 TIED = 1e-9
 
-Span = tuple[float, float]
+# From one parameter of the untrimmed outline to another.
+Stretch = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,19 +47,23 @@ class Undercut:
     cam's own profile where there is no undercut. spans: (n, 2), cam angles, rad, from and to, between which the
     follower does not touch where it should, in order; the last may end beyond one turn. corners: (n,) complex,
     mm, on the cam: the sharp points on which it rests meanwhile.
+
+    Source: derived here.
     """
 
     cam: Cam
     outline: AbstractCurve
-    spans: Array
-    corners: Array
+    spans: Real
+    corners: Complex
+
+    __repr__ = one_line
 
     @property
     def found(self) -> bool:
         """Whether there is any."""
         return len(self.spans) > 0
 
-    def lost_lift(self, angle: ArrayLike) -> Array:
+    def lost_lift(self, angle: ArrayLike) -> Real:
         """How far the follower's lift stays below the programme's, mm or rad, at cam angles in rad."""
         angle = np.asarray(angle, dtype=float)
         if not self.found:
@@ -65,7 +71,7 @@ class Undercut:
         blocks = np.array_split(angle.ravel(), 1 + angle.size * len(self.spans) // BLOCK)
         return np.concatenate([self._lost(block) for block in blocks]).reshape(angle.shape)
 
-    def _lost(self, angle: Array) -> Array:
+    def _lost(self, angle: Real) -> Real:
         lost = np.zeros(angle.shape)
         since = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
         missing = (since < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
@@ -97,8 +103,10 @@ def undercut(cam: Cam) -> Undercut:
     The curve of all contacts divides the plane. The cam is the part that holds the axis: each other part is
     covered by the follower at some cam angle, or falls off. So the outline follows the curve from the point
     nearest to the axis, and leaves it at every crossing for the other branch.
+
+    Source: derived here; undercut itself is that of Rothbart, Cams (1956), on radius of curvature.
     """
-    raw = RawOutline(cam)
+    raw = UntrimmedOutline(cam)
     loops, points = _backward(raw)
     points += _small_jumps(raw)
     grid = _grid(raw, loops, points)
@@ -120,7 +128,7 @@ class _Tracing:
     pairs (n, 2): parameters. chords (n, 2): numbers of the chords that cross there. settled (n,).
     """
 
-    def __init__(self, raw: RawOutline, grid: Array, z: Array, points: list[Span]):
+    def __init__(self, raw: UntrimmedOutline, grid: Real, z: Complex, points: list[Stretch]):
         self.raw, self.grid = raw, grid
         self.end = float(raw.curve.breaks[-1])
         # A touch farther, since chords lie inside the curve.
@@ -135,7 +143,7 @@ class _Tracing:
             self.chords = np.concatenate([self.chords, np.searchsorted(grid, points, side="right") - 1])
             self.settled = np.append(self.settled, np.ones(len(points), bool))
 
-    def trace(self, start: float) -> tuple[list[Span], list[Span]]:
+    def trace(self, start: float) -> tuple[list[Stretch], list[Stretch]]:
         """Stretches of the parameter that are kept, from that which holds `start`, and those skipped between them."""
         while True:
             kept, skipped = _trace(self.pairs, start, self.end)
@@ -144,7 +152,7 @@ class _Tracing:
                 return kept, skipped
             self._settle(np.flatnonzero(passed))
 
-    def _near(self, kept: list[Span]) -> Array:
+    def _near(self, kept: list[Stretch]) -> Mask:
         """Whether chords are near to what is kept: a crossing may lie two chords from that of its chords."""
         near = np.zeros(len(self.grid), bool)
         for a, b in kept:
@@ -152,7 +160,7 @@ class _Tracing:
             near[np.arange(first - 4, last + 3) % len(near)] = True
         return near
 
-    def _settle(self, which: Array) -> None:
+    def _settle(self, which: Whole) -> None:
         following, chords = np.append(self.grid, self.end), self.chords[which]
         low, high = following[np.maximum(chords - 1, 0)], following[np.minimum(chords + 2, len(self.grid))]
         self.pairs[which] = crossings(self.raw.curve, self.pairs[which], low, high)
@@ -169,7 +177,7 @@ class _Tracing:
         self.pairs, self.chords, self.settled = self.pairs[keep], self.chords[keep], self.settled[keep]
 
 
-def _trace(pairs: Array, start: float, end: float) -> tuple[list[Span], list[Span]]:
+def _trace(pairs: Real, start: float, end: float) -> tuple[list[Stretch], list[Stretch]]:
     """As `_Tracing.trace`, by the pairs as they stand."""
     if not len(pairs):
         return [(0.0, end)], []
@@ -178,8 +186,8 @@ def _trace(pairs: Array, start: float, end: float) -> tuple[list[Span], list[Spa
     leave = both[:, 0].tolist()
     into = np.searchsorted(both[:, 0], both[:, 1])
     enter, into = both[:, 1].tolist(), into.tolist()
-    kept: list[Span] = []
-    skipped: list[Span] = []
+    kept: list[Stretch] = []
+    skipped: list[Stretch] = []
     first = here = (bisect_right(leave, start) - 1) % len(leave)
     for _ in pairs:
         following = (here + 1) % len(leave)
@@ -192,14 +200,14 @@ def _trace(pairs: Array, start: float, end: float) -> tuple[list[Span], list[Spa
     return [(a, b) for a, b in kept if b > a], skipped
 
 
-def _backward(raw: RawOutline) -> tuple[list[Span], list[Span]]:
+def _backward(raw: UntrimmedOutline) -> tuple[list[Stretch], list[Stretch]]:
     """Stretches of the curve's parameter along which the contact runs backwards within a piece.
 
     Of those too small to have a loop, which come apart from the others, it is the pairs of places where the
     branches would meet.
     """
 
-    def advance(angle: Array) -> Array:
+    def advance(angle: Real) -> Real:
         return raw.cam.contact(angle).advance
 
     places = samples(raw.cam.program.breaks)
@@ -216,8 +224,8 @@ def _backward(raw: RawOutline) -> tuple[list[Span], list[Span]]:
         return [], []
     low = _turning(advance, places[np.maximum(starts - 1, 0)], places[starts]).tolist()
     high = _turning(advance, places[np.minimum(ends + 1, len(places) - 1)], places[ends]).tolist()
-    loops: list[Span] = []
-    points: list[Span] = []
+    loops: list[Stretch] = []
+    points: list[Stretch] = []
     for a, b in zip(low, high):
         start, end = raw.parameter(a, ending=False), raw.parameter(b, ending=True)
         piece = float(np.floor(start))
@@ -233,9 +241,9 @@ def _backward(raw: RawOutline) -> tuple[list[Span], list[Span]]:
     return loops, points
 
 
-def _small_jumps(raw: RawOutline) -> list[Span]:
+def _small_jumps(raw: UntrimmedOutline) -> list[Stretch]:
     """Where the profile jumps a little backwards: the pairs of places before and after where it meets itself."""
-    found: list[Span] = []
+    found: list[Stretch] = []
     for k in range(1, len(raw.pieces), 2):
         before, jump, after = (raw.pieces[j % len(raw.pieces)] for j in (k - 1, k, k + 1))
         way = complex(jump.point(jump.breaks[-1]) - jump.point(jump.breaks[0]))
@@ -249,7 +257,7 @@ def _small_jumps(raw: RawOutline) -> list[Span]:
     return found
 
 
-def _turning(f: Callable[[Array], Array], outside: Array, inside: Array) -> Array:
+def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
     """Where f, negative inside, stops being so towards outside; `inside` where both are one place."""
     for _ in range(60):
         middle = 0.5 * (outside + inside)
@@ -258,7 +266,7 @@ def _turning(f: Callable[[Array], Array], outside: Array, inside: Array) -> Arra
     return inside
 
 
-def _grid(raw: RawOutline, loops: list[Span], points: list[Span]) -> Array:
+def _grid(raw: UntrimmedOutline, loops: list[Stretch], points: list[Stretch]) -> Real:
     """Parameters of the raw outline whose chords cross where it does, loops included."""
     grid = [raw.places]
     for a, b in loops:

@@ -19,7 +19,7 @@ DIGITS = 10
 
 def write(job: Job) -> dict[str, bytes]:
     """The table in one file."""
-    return {f"{job.name}.csv": csv(job.source.table)}
+    return {f"{job.name}.csv": csv(job.table)}
 
 
 def csv(table: Table) -> bytes:

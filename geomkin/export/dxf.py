@@ -6,16 +6,16 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import ezdxf
 import numpy as np
-from ezdxf import units
+from ezdxf import options, units  # type: ignore[attr-defined]  # not told to be public, but documented
 from ezdxf.document import Drawing
+from ezdxf.filemanagement import new
+from ezdxf.layouts.layout import Modelspace
 
 from ..plane.primitives import Circle
 from .cut import Loop
 from .job import Job
-from .layers import LAYERS
-from .layout import Sheet
+from .layout import LAYERS, Sheet
 
 
 def write(job: Job) -> dict[str, bytes]:
@@ -34,7 +34,7 @@ def dxf(sheet: Sheet) -> bytes:
 
 def _document(sheet: Sheet) -> Drawing:
     # The library defaults to metres, which reading programs take at its word, 1000 times too large.
-    document = ezdxf.new("R2000", units=units.MM)
+    document = new("R2000", units=units.MM)
     document.header["$MEASUREMENT"] = 1
     # Without a plot scale one reading program prints a blank page.
     document.header["$PSVPSCALE"] = 1.0
@@ -51,7 +51,7 @@ def _document(sheet: Sheet) -> Drawing:
     return document
 
 
-def _add(space, loop: Loop) -> None:
+def _add(space: Modelspace, loop: Loop) -> None:
     attributes = {"layer": loop.layer}
     if isinstance(loop.shape, Circle):
         centre = loop.shape.centre
@@ -79,9 +79,9 @@ def _bytes(document: Drawing) -> bytes:
 @contextmanager
 def _fixed_stamps() -> Iterator[None]:
     """Without it, time stamps and random identifiers would make every run differ."""
-    before = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+        options.write_fixed_meta_data_for_testing = before

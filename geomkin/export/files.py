@@ -83,9 +83,10 @@ def _naming(path: Path) -> Iterator[None]:
     """Turns what the system says into an error that names the file."""
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise FileError(f"{printable(path)}: cannot be written ({reason}); choose another place with --out") from error
+    except (OSError, ValueError) as error:
+        # A path with a sign that none may have is a ValueError.
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FileError(f"{printable(path)}: cannot be written ({reason}); choose another place (--out)") from error
 
 
 def remove(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What writers are given: a thing's parts and table, and its parts as the loops that a machine follows."""
+"""What writers are given: what is to be written, and its parts as the loops that a machine follows."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from ..brief import one_line
+from ..errors import DesignError
 from ..part import Part
 from ..table import Table
 from .cut import Cut, cut
@@ -17,20 +19,30 @@ class Source(Protocol):
     """What can be written, such as a recipe; each is worked out when a writer first asks for it."""
 
     @property
-    def table(self) -> Table: ...
+    def parts(self) -> tuple[Part, ...]: ...
 
     @property
-    def parts(self) -> tuple[Part, ...]: ...
+    def table(self) -> Table | None: ...
 
     @property
     def scene(self) -> object | None: ...
 
 
 @dataclass(frozen=True, eq=False)
+class Loose:
+    """What comes of no recipe."""
+
+    parts: tuple[Part, ...] = ()
+    table: Table | None = None
+    scene: object | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Job:
     """Files to be written, worked out no further than writers ask.
 
-    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords.
+    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. What
+    a writer asks for and the source has not is a DesignError of `write`.
     """
 
     name: str
@@ -39,17 +51,43 @@ class Job:
     kerf: float = 0.0
     arcs: bool = False
 
+    __repr__ = one_line
+
+    @property
+    def table(self) -> Table:
+        """What the mechanism does."""
+        if (table := self.source.table) is None:
+            raise _lacking("table")
+        return table
+
+    @property
+    def scene(self) -> object:
+        """How it looks moving."""
+        if (scene := self.source.scene) is None:
+            raise _lacking("scene")
+        return scene
+
     @cached_property
     def flats(self) -> Sequence[Cut]:
         """The parts as a beam must go, half a kerf off them."""
-        return [cut(part, self.tolerance, self.kerf, self.arcs) for part in self.source.parts]
+        return [cut(part, self.tolerance, self.kerf, self.arcs) for part in self._parts]
 
     @cached_property
     def solids(self) -> Sequence[Cut]:
         """The parts as they are to be."""
-        return self.flats if self.kerf == 0 else [cut(part, self.tolerance) for part in self.source.parts]
+        return self.flats if self.kerf == 0 else [cut(part, self.tolerance) for part in self._parts]
 
     @cached_property
     def sheet(self) -> Sheet:
         """The parts, laid out flat."""
         return lay_out(self.flats)
+
+    @property
+    def _parts(self) -> tuple[Part, ...]:
+        if not self.source.parts:
+            raise _lacking("part")
+        return self.source.parts
+
+
+def _lacking(what: str) -> DesignError:
+    return DesignError("write", f"a format that is made of a {what} is asked for, and there is none", "leave it out")

@@ -9,6 +9,14 @@ import numpy as np
 
 from .cut import Cut, Loop
 
+# Operations that a cutting program tells apart, each with its colour index, for programs that know only those, and its
+# RGB; colour-blind readers tell them apart too.
+LAYERS: dict[str, tuple[int, tuple[int, int, int]]] = {
+    "CUT": (1, (213, 94, 0)),
+    "HOLE": (5, (0, 114, 178)),
+    "ENGRAVE": (3, (0, 158, 115)),
+    "REFERENCE": (8, (110, 110, 110)),
+}
 # Clear space between parts, mm: less lets kerf and heat of one cut reach the next part.
 GAP = 5.0
 

@@ -7,7 +7,7 @@ import trimesh
 
 from ..errors import DesignError, GeomkinError, shown
 from ..plane import region
-from ..plane.vec import Array, xy
+from ..plane.vec import Complex, xy
 from .cut import Cut, signed_area
 from .job import Job
 
@@ -42,11 +42,12 @@ def stl(cut: Cut) -> bytes:
     return trimesh.exchange.stl.export_stl(mesh)
 
 
-def _distinct(z: Array) -> Array:
+def _distinct(z: Complex) -> Complex:
     """The corners that the format's 24-bit numbers can tell from a straight line: others leave flat triangles."""
     finest = 4 * np.finfo(np.float32).eps * np.abs(z).max()
     z = z[np.abs(z - np.roll(z, 1)) > finest]
     before, after = np.roll(z, 1), np.roll(z, -1)
     straight = np.abs(np.imag((z - before) * np.conj(after - before))) <= finest * np.abs(after - before)
     # Of neighbours only one goes at a time, so that a gentle curve keeps its shape.
-    return z[~(straight & ~np.roll(straight, 1))]
+    kept: Complex = z[~(straight & ~np.roll(straight, 1))]
+    return kept

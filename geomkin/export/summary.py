@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Collection, Mapping
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 from ..check import Check
@@ -81,9 +82,13 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
 
 def _versions(written: Collection[str]) -> dict[str, str]:
     """Versions of what had a hand in the files; other libraries may be loaded for another recipe."""
-    hands = dict.fromkeys(library for ending in WRITERS if ending in written for library in WRITERS[ending].libraries)
-    libraries = ["numpy", *sorted(hands, key=["shapely", "ezdxf", "trimesh"].index)] if written else []
-    return {"geomkin": VERSION} | {name: sys.modules[name].__version__ for name in libraries}
+    hands = [package for ending in WRITERS if ending in written for package in WRITERS[ending].packages]
+    return {"geomkin": VERSION} | {name: _version(name) for name in (["numpy", *hands] if written else [])}
+
+
+@cache
+def _version(package: str) -> str:
+    return version(package)
 
 
 def files_told(folder: Path) -> set[str]:

@@ -10,8 +10,7 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Array
 from .cut import Loop
 from .job import Job
-from .layers import LAYERS
-from .layout import Sheet
+from .layout import LAYERS, Sheet
 
 # Hairlines, mm, as cutting programs expect; thick enough to be seen on a screen.
 STROKE = 0.25

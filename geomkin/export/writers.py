@@ -18,13 +18,13 @@ Contents = Mapping[str, bytes]
 class Writer:
     """A format.
 
-    needs: what it is made of. write: from a job to files by name. libraries: those that have a hand in it, besides
-    NumPy, by their names. flat: it shows parts as a beam goes, half a kerf off them.
+    needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
+    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them.
     """
 
     needs: Literal["parts", "table", "scene"]
     write: Callable[[Job], Contents]
-    libraries: tuple[str, ...] = ()
+    packages: tuple[str, ...] = ()
     flat: bool = False
 
 

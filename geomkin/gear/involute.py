@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
-from .limit import last_fit
+from ..sizes import last_fit
 
 
 def involute_function(roll: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the polar angle of the involute at a roll angle."""
+    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll angle (ISO 21771)."""
     return float(roll - np.arctan(roll))
 
 
@@ -32,9 +32,11 @@ def roll_at(radius: float, base_radius: float) -> float:
     return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
 
 
-class Corner(NamedTuple):
-    """The rounding of a tooth's tip. radius: of its centre, mm; angle: of it from the tooth's middle, rad;
+@dataclass(frozen=True)
+class TipRounding:
+    """The arc that rounds a tooth's tip.
 
+    radius: distance of its centre from the gear's axis, mm; angle: of the centre from the tooth's middle, rad;
     roll: angle of the flank's involute where the rounding begins.
     """
 
@@ -43,7 +45,7 @@ class Corner(NamedTuple):
     roll: float
 
 
-def tip_corner(base_radius: float, half_angle_at_base: float, tip_radius: float, rounding: float) -> Corner:
+def tip_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float, rounding: float) -> TipRounding:
     """The arc of radius `rounding`, mm, that touches the flank and the tip circle from inside the tooth.
 
     Its centre lies on the parallel curve of the flank, which is the same involute turned by
@@ -53,14 +55,14 @@ def tip_corner(base_radius: float, half_angle_at_base: float, tip_radius: float,
     radius = tip_radius - rounding
     roll = roll_at(radius, base_radius)
     angle = half_angle_at_base - involute_function(roll) - rounding / base_radius
-    return Corner(radius, angle, roll + rounding / base_radius)
+    return TipRounding(radius, angle, roll + rounding / base_radius)
 
 
 def largest_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float) -> float:
     """The largest rounding, mm, of a tooth's tip: where its two roundings, or its base circle, meet."""
 
     def fits(rounding: float) -> bool:
-        return tip_corner(base_radius, half_angle_at_base, tip_radius, rounding).angle >= 0
+        return tip_rounding(base_radius, half_angle_at_base, tip_radius, rounding).angle >= 0
 
     high = tip_radius - base_radius
     return high if fits(high) else last_fit(fits, 0.0, high)

@@ -1,20 +1,20 @@
-"""What a workshop measures on a gear: span, over pins, chord of a tooth, base pitch."""
+"""What a workshop measures on a gear: span, over pins, chord of a tooth (ISO 21771, DIN 3960)."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
 from ..sizes import Length, rounded_down, rounded_up
+from .contract import AbstractInvoluteGear
 from .involute import inverse_involute, roll_at
-from .ring import RingGear
-from .spur import SpurGear
 
 
-class Span(NamedTuple):
+@dataclass(frozen=True)
+class SpanMeasure:
     """length: mm, between flat jaws over `teeth` teeth; radius: of the circle on which they touch, mm."""
 
     teeth: int
@@ -22,7 +22,8 @@ class Span(NamedTuple):
     radius: float
 
 
-class OverPins(NamedTuple):
+@dataclass(frozen=True)
+class PinMeasure:
     """diameter: over two pins in opposite spaces, mm, between them for a ring; pin: their diameter, mm;
 
     radius: of the circle through the pins' centres, mm; contact: of the circle on which they touch the flanks, mm.
@@ -34,7 +35,8 @@ class OverPins(NamedTuple):
     contact: float
 
 
-class Chord(NamedTuple):
+@dataclass(frozen=True)
+class ChordMeasure:
     """Of a tooth at a circle: thickness along the arc and the chord, mm, half its angle, rad, height of the tip, mm."""
 
     arc: float
@@ -44,22 +46,17 @@ class Chord(NamedTuple):
 
 
 @checked
-def base_pitch(gear: SpurGear | RingGear) -> float:
-    """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
-    return 2 * np.pi * gear.base_radius / gear.teeth
-
-
-@checked
-def span(gear: SpurGear, teeth: int | None = None) -> Span:
+def span(gear: AbstractInvoluteGear, teeth: int | None = None) -> SpanMeasure:
     """The span over a number of teeth: base pitches between, and one tooth on the base circle.
 
     teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
-    DesignError where the jaws would touch beside the involute.
+    DesignError where the jaws would touch beside the involute, and for a ring.
     """
+    _refuse_ring(gear)
     start, end = gear.flank_lengths
 
     def length(k: float) -> float:
-        return (k - 1) * base_pitch(gear) + gear.thickness(gear.base_radius)
+        return (k - 1) * gear.base_pitch + gear.thickness(gear.base_radius)
 
     # The jaws' line touches the base circle in its middle: half the span is the tangent length at the contacts.
     fitting = [k for k in range(1, gear.teeth) if start <= length(k) / 2 <= end]
@@ -70,17 +67,17 @@ def span(gear: SpurGear, teeth: int | None = None) -> Span:
     if teeth not in fitting:
         near = min(fitting, key=lambda k: abs(k - teeth))
         raise DesignError("teeth", f"found {teeth}, over which the jaws touch beside the involute", f"give {near}")
-    return Span(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
+    return SpanMeasure(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
 
 
 @checked
-def over_pins(gear: SpurGear | RingGear, pin: Length | None = None) -> OverPins:
+def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasure:
     """The measure over two pins, or between them in a ring, in spaces as opposite as an odd count allows.
 
     pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
     Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
     """
-    sign = -1 if isinstance(gear, RingGear) else 1
+    sign = -1 if gear.is_ring else 1
     base = gear.base_radius
     half_space = np.pi / gear.teeth - gear.thickness(base) / (2 * base)
     best = _pin(gear, sign, half_space)
@@ -96,10 +93,10 @@ def over_pins(gear: SpurGear | RingGear, pin: Length | None = None) -> OverPins:
             "pin", f"found {pin:g} mm, which does not stand out of the spaces or misses the flanks", remedy
         )
     across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
-    return OverPins(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
+    return PinMeasure(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
 
 
-def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
+def _pin(gear: AbstractInvoluteGear, sign: int, half_space: float) -> float:
     """Diameter of the pin that touches the flanks where the shifted reference line crosses them, mm.
 
     Along the flank's normal there the pin's centre lies in the space's middle: with roll angles m of the contact
@@ -113,8 +110,12 @@ def _pin(gear: SpurGear | RingGear, sign: int, half_space: float) -> float:
 
 
 @checked
-def chord(gear: SpurGear, radius: float | None = None) -> Chord:
-    """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given."""
+def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasure:
+    """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given.
+
+    Raises DesignError where the circle passes beside the involute, and for a ring.
+    """
+    _refuse_ring(gear)
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
@@ -123,4 +124,9 @@ def chord(gear: SpurGear, radius: float | None = None) -> Chord:
         )
     arc = gear.thickness(r)
     half = arc / (2 * r)
-    return Chord(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))
+    return ChordMeasure(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))
+
+
+def _refuse_ring(gear: AbstractInvoluteGear) -> None:
+    if gear.is_ring:
+        raise DesignError("gear", "found a ring, whose teeth no jaws reach", "measure between pins")

@@ -8,32 +8,38 @@ from functools import cached_property
 import numpy as np
 
 from ..arguments import RealsOrNan, checked
+from ..brief import one_line
 from ..errors import DesignError
 from ..plane.pose import Pose
-from ..plane.vec import Array
-from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
-from .internal import InternalMesh
+from ..plane.vec import Real
+from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
+from .contract import AbstractMesh
+from .interference import InternalMesh, tip_margin
 from .involute import inverse_involute, involute_function
-from .limit import last_fit
 from .ring import RingGear
 from .spur import SpurGear
-from .tips import tip_margin
 
 # Overlap of tip and tooth, modules, that counts: below it is the rounding of the sampled paths.
 SEEN = 1e-5
 
 
 @dataclass(frozen=True)
-class GearPair:
+class GearPair(AbstractMesh):
     """A spur gear, and a spur gear or a ring gear that it drives.
 
-    centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning. Lengths along
-    the line of action are measured from the first gear's base circle.
+    centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning; `axis_distance` is
+    the one that holds. Lengths along the line of action are measured from the first gear's base circle. Distance,
+    contact ratio and specific sliding as in ISO 21771 and DIN 3960.
+    Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
+
+    names = "first", "second"
 
     first: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
     second: SpurGear | RingGear = entry("the driven gear", example=SpurGear(40, 2))
-    centre_distance: float = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
+    centre_distance: float | None = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -55,9 +61,7 @@ class GearPair:
                 f"found a ring of {second.teeth} teeth around {first.teeth}",
                 f"give at least {first.teeth + 1}",
             )
-        if self.centre_distance is None:
-            object.__setattr__(self, "centre_distance", self.tight_distance)
-        else:
+        if self.centre_distance is not None:
             self._check_distance()
         start, end = self.contact_lengths
         if end <= start:
@@ -66,12 +70,22 @@ class GearPair:
     @property
     def is_internal(self) -> bool:
         """Whether the second gear is a ring around the first."""
-        return isinstance(self.second, RingGear)
+        return self.second.is_ring
+
+    @property
+    def driver(self) -> SpurGear:
+        """The gear that drives: the first."""
+        return self.first
 
     @property
     def module(self) -> float:
         """Pitch diameter per tooth of both, mm."""
         return self.first.module
+
+    @cached_property
+    def axis_distance(self) -> float:
+        """Distance of the axes, mm: the one given, or the tight one."""
+        return self.tight_distance if self.centre_distance is None else self.centre_distance
 
     @property
     def ratio(self) -> float:
@@ -113,34 +127,27 @@ class GearPair:
     @property
     def working_pressure_angle(self) -> float:
         """Angle of the line of action, rad."""
-        return float(np.arctan2(self._between, self._base_distance))
+        return float(np.arctan2(self._between(self.axis_distance), self._base_distance))
 
     @property
     def working_radii(self) -> tuple[float, float]:
         """Radii of the circles that roll on each other, mm."""
-        one = self.centre_distance / self._teeth
+        one = self.axis_distance / self._teeth
         return one * self.first.teeth, one * self.second.teeth
-
-    @property
-    def base_pitch(self) -> float:
-        """Distance of neighbouring flanks along the line of action, mm."""
-        return 2 * np.pi * self.first.base_radius / self.first.teeth
 
     @cached_property
     def contact_lengths(self) -> tuple[float, float]:
         """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
-        start, end = self.first.flank_lengths
-        low, high = (self._along(s) for s in self.second.flank_lengths)
-        return max(start, min(low, high)), min(end, max(low, high))
+        return self._contact_at(self.axis_distance)
 
     @property
     def contact_ratio(self) -> float:
         """Mean number of tooth pairs in contact; below 1 the drive is passed on in jerks."""
         start, end = self.contact_lengths
-        return (end - start) / self.base_pitch
+        return (end - start) / self.first.base_pitch
 
     @checked
-    def sliding(self, along: RealsOrNan) -> tuple[Array, Array]:
+    def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
         """Specific sliding of the first and of the second gear at places on the line of action, mm, any shape.
 
         Sliding speed over the speed of a gear's own contact point along its flank; 0 where the pitch circles
@@ -148,7 +155,9 @@ class GearPair:
         """
         s1 = np.asarray(along, dtype=float)
         # Speeds along the flanks over the first gear's speed.
-        v1, v2 = s1, self._across(s1) * self.first.teeth / self.second.teeth
+        between = self._between(self.axis_distance)
+        across = s1 + between if self.is_internal else between - s1
+        v1, v2 = s1, across * self.first.teeth / self.second.teeth
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return (v1 - v2) / v1, (v2 - v1) / v2
 
@@ -161,7 +170,7 @@ class GearPair:
     @property
     def clearances(self) -> tuple[float, float]:
         """From the tips of the second to the root of the first, and of the first to the second's, mm."""
-        a, one, two = self.centre_distance, self.first, self.second
+        a, one, two = self.axis_distance, self.first, self.second
         if self.is_internal:
             return two.tip_radius - a - one.root_radius, two.root_radius - a - one.tip_radius
         return a - two.tip_radius - one.root_radius, a - one.tip_radius - two.root_radius
@@ -173,7 +182,11 @@ class GearPair:
         Along circles, over the whole way of a tip through the space; 0 where a tip touches a flank as it should,
         negative where it digs into a root or a tooth. Seen to a hundred-thousandth of a module.
         """
-        return tip_margin(self, of_second=True), tip_margin(self, of_second=False)
+        first, second, distance = self.first, self.second, self.axis_distance
+        return (
+            tip_margin(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
+            tip_margin(first, second, distance, self.poses),
+        )
 
     @property
     def involute_margin(self) -> float:
@@ -182,7 +195,7 @@ class GearPair:
         Negative: involute interference, where the first's roots are not cut deep enough.
         """
         tip = self.second.flank_lengths[0 if self.is_internal else 1]
-        return self._along(tip)
+        return self._along(tip, self._between(self.axis_distance))
 
     @property
     def trochoid_margin(self) -> float:
@@ -223,7 +236,7 @@ class GearPair:
         where = -1j if self.is_internal else 1j
         second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
-            np.full(t.shape, where * self.centre_distance), second
+            np.full(t.shape, where * self.axis_distance), second
         )
 
     @property
@@ -236,42 +249,38 @@ class GearPair:
         """Centre distance at which the line of action would touch both base circles at one place, mm."""
         return self._teeth * self.first.base_radius / self.first.teeth
 
-    @property
-    def _between(self) -> float:
-        """Distance of the line of action's two base points, mm."""
-        return float(np.sqrt(max(self.centre_distance**2 - self._base_distance**2, 0.0)))
+    def _between(self, distance: float) -> float:
+        """Length of the line of action between its base points, mm, at a distance of the axes."""
+        return float(np.sqrt(max(distance**2 - self._base_distance**2, 0.0)))
 
-    def _across(self, along: Array) -> Array:
-        """Lengths from the second gear's base point for lengths from the first's, mm."""
-        return along + self._between if self.is_internal else self._between - along
+    def _contact_at(self, distance: float) -> tuple[float, float]:
+        """`contact_lengths` at any distance of the axes."""
+        between = self._between(distance)
+        start, end = self.first.flank_lengths
+        low, high = (self._along(s, between) for s in self.second.flank_lengths)
+        return max(start, min(low, high)), min(end, max(low, high))
 
-    def _along(self, across: float) -> float:
+    def _along(self, across: float, between: float) -> float:
         """Length from the first gear's base point for one from the second's, mm."""
-        return across - self._between if self.is_internal else self._between - across
+        return across - between if self.is_internal else between - across
 
     @property
     def _internal(self) -> InternalMesh:
         one, two = self.first, self.second
         return InternalMesh(
-            one.teeth,
-            two.teeth,
-            self.centre_distance,
-            one.tip_radius,
-            two.tip_radius,
-            one.base_radius,
-            two.base_radius,
+            one.teeth, two.teeth, self.axis_distance, one.tip_radius, two.tip_radius, one.base_radius, two.base_radius
         )
 
     def _check_distance(self) -> None:
         """The teeth must not jam."""
         tight = self._distance_of_backlash()
-        jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
-        if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
+        jams = self.axis_distance > tight if self.is_internal else self.axis_distance < tight
+        if self.axis_distance < self._base_distance or (jams and abs(self.axis_distance - tight) > 1e-9 * tight):
             most = f"from {rounded_up(self._base_distance)} to {rounded_down(tight)} mm"
             least = f"at least {rounded_up(tight)} mm"
             raise DesignError(
                 "centre_distance",
-                f"found {self.centre_distance:g} mm, at which the teeth jam",
+                f"found {self.axis_distance:g} mm, at which the teeth jam",
                 f"give {most if self.is_internal else least}",
             )
 
@@ -289,8 +298,8 @@ class GearPair:
 
     def _too_far(self) -> tuple[str, str]:
         """What is wrong with a distance at which no flanks meet, and the nearest one with a contact ratio of 1."""
-        problem = f"found {self.centre_distance:.7g} mm, at which no flanks meet"
-        good, bad = self.tight_distance, self.centre_distance
+        problem = f"found {self.axis_distance:.7g} mm, at which no flanks meet"
+        good, bad = self.tight_distance, self.axis_distance
         if abs(good - bad) <= 1e-9 * good or self._ratio_at(good) <= 1:
             return problem, "give gears with taller teeth or other profile shifts"
         good = last_fit(lambda distance: self._ratio_at(distance) >= 1, good, bad)
@@ -299,6 +308,5 @@ class GearPair:
 
     def _ratio_at(self, distance: float) -> float:
         """Contact ratio at another distance; 0 or less where no flanks meet."""
-        pair = object.__new__(GearPair)  # not checked, or each distance refused would look for another
-        pair.__dict__.update(first=self.first, second=self.second, centre_distance=distance)
-        return pair.contact_ratio
+        start, end = self._contact_at(distance)
+        return (end - start) / self.first.base_pitch

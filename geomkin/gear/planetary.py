@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ..arguments import NUMBER, RealsOrNan, checked, refused
+from ..brief import one_line
 from ..errors import DesignError
 from ..plane.pose import Pose
-from ..plane.vec import Array
+from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity
 from .pair import GearPair
 from .ring import RingGear
@@ -19,16 +20,22 @@ from .spur import SpurGear
 
 @dataclass(frozen=True)
 class PlanetarySet:
-    """A sun about the origin, equal planets evenly around it, and a ring around them."""
+    """A sun about the origin, equal planets evenly around it, and a ring around them.
+
+    Speeds by Willis's equation (Müller, Epicyclic Drive Trains). Raises DesignError where the planets' distances
+    from the sun and in the ring differ, or so many planets cannot be put in.
+    """
 
     sun: SpurGear = entry("the gear in the middle", example=SpurGear(24, 2))
     planet: SpurGear = entry("each of the gears between", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring around them", example=RingGear(60, 2, addendum=0.8))
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_sizes(self)
-        inner, outer = self.inner.centre_distance, self._outer_distance
+        inner, outer = self.inner.axis_distance, self._outer_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
@@ -47,7 +54,7 @@ class PlanetarySet:
     @cached_property
     def outer(self) -> GearPair:
         """Planet and ring in mesh, at the distance that the sun gives."""
-        return GearPair(self.planet, self.ring, self.inner.centre_distance)
+        return GearPair(self.planet, self.ring, self.inner.axis_distance)
 
     @property
     def planet_gap(self) -> float:
@@ -70,7 +77,7 @@ class PlanetarySet:
     def speeds(self, **held: float) -> dict[str, float]:
         """Speeds of `sun`, `ring`, `carrier` and `planet`, all seen from the frame, from two of the first three.
 
-        By the fundamental equation sun z_s + ring z_r = carrier (z_s + z_r); any unit.
+        By Willis's equation sun z_s + ring z_r = carrier (z_s + z_r); any unit.
         """
         z_s, z_r, z_p = self.sun.teeth, self.ring.teeth, self.planet.teeth
         weights = {"sun": z_s, "ring": z_r, "carrier": -(z_s + z_r)}
@@ -101,14 +108,14 @@ class PlanetarySet:
         ring = self.outer.poses(lean)[1].direction * arm
         return Pose(still, np.exp(1j * t)), planets, Pose(still, ring)
 
-    def _planet(self, turn: Array, arm: Array) -> Pose:
+    def _planet(self, turn: Real, arm: Real) -> Pose:
         pose = self.inner.poses(turn - arm)[1]
         return Pose(pose.origin * np.exp(1j * arm), pose.direction * np.exp(1j * arm))
 
     def _room(self, planets: int) -> float:
         if planets == 1:
             return float("inf")
-        return 2 * self.inner.centre_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
+        return 2 * self.inner.axis_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
 
     def _can_hold(self, planets: int) -> bool:
         """Whether so many planets can be put in evenly, clear of each other."""
@@ -135,12 +142,12 @@ class PlanetarySet:
         for _ in range(60):
             middle = 0.5 * (low + high)
             try:
-                small = self._distance_with(middle) < self.inner.centre_distance
+                small = self._distance_with(middle) < self.inner.axis_distance
             except DesignError:
                 small = middle < self.ring.profile_shift
             low, high = (middle, high) if small else (low, middle)
         try:
-            if abs(self._distance_with(high) - self.inner.centre_distance) < 1e-6 * self.sun.module:
+            if abs(self._distance_with(high) - self.inner.axis_distance) < 1e-6 * self.sun.module:
                 return f"give {high:.9g}"
         except DesignError:
             pass

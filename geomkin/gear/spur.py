@@ -2,43 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, NoReturn
+from typing import Annotated, Literal, NoReturn
 
 import numpy as np
 
-from ..arguments import checked
+from ..arguments import NUMBER, Sort
+from ..brief import one_line
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve
-from ..sizes import SMALLEST, check_sizes, entry, quantity, rounded_down
-from .involute import inverse_involute, involute_function, largest_rounding, roll_at
-from .limit import last_fit
-from .rack import RackCutter
+from ..plane.joined import Ring
+from ..sizes import SMALLEST, check_sizes, entry, last_fit, quantity, rounded_down
+from .contract import AbstractInvoluteGear
+from .cutters import RackCutter
+from .involute import inverse_involute, involute_function, largest_rounding
 from .tooth import Tooth, outline
 
 # An inch, mm, by definition.
 INCH = 25.4
 # Least chamfer, modules: rounding turns the edge of a smaller one, and a kerf's offset of it never gets smooth.
 SMALLEST_CHAMFER = 1e-6
+# A number once the gear is made, that may be left out where it follows from another.
+Settled = Annotated[float, Sort(lambda value: value is None or NUMBER.fits(value), NUMBER.allowed)]
 
 
 @dataclass(frozen=True)
-class SpurGear:
+class SpurGear(AbstractInvoluteGear):
     """An external spur gear about the origin, a tooth centred on +y.
 
     profile_shift: how far the rack stands out from its normal place, in modules; more makes the tooth
     stronger at its root and thinner at its tip. The teeth's size is given as `module`, or as
-    `diametral_pitch`, which then gives the module.
+    `diametral_pitch`, which then gives the module. Flanks are involutes (ISO 21771), roots what the rack's rounded
+    tips leave (Litvin and Fuentes, Gear Geometry and Applied Theory, on rack cutters).
+    Raises DesignError where the rack leaves no whole teeth, with the nearest size that leaves some.
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=10_000, example=24)
-    module: float = quantity("pitch diameter per tooth", "mm", default=None, above=0, at_most=1e5, example=2)
+    module: Settled = quantity("pitch diameter per tooth", "mm", default=None, above=0, at_most=1e5, example=2)
     profile_shift: float = quantity(
         "outward shift of the cutting rack", "modules", default=0.0, at_least=-10, at_most=10
     )
     rack: RackCutter = entry("the cutting rack", default=RackCutter())
-    addendum: float = quantity(
+    addendum: float | None = quantity(
         "height of the teeth above the shifted reference line, where it is not the rack's",
         "modules",
         default=None,
@@ -58,12 +63,16 @@ class SpurGear:
     pointed: Literal["refuse", "cut"] = entry(
         "teeth whose flanks meet below the tip circle are refused, or cut off at the point", default="refuse"
     )
-    diametral_pitch: float = quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
+    diametral_pitch: float | None = quantity(
+        "teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5
+    )
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
         self._settle_module()
-        if not self._leaves_teeth():
+        if not self._is_whole(self._sharp):
             self._refuse()
         self._check_tip_edge()
 
@@ -87,24 +96,24 @@ class SpurGear:
                 f"give {INCH / 1e5:g} to 1e5",
             )
 
-    def _leaves_teeth(self, **changes: float) -> bool:
-        """Whether a rack leaves whole teeth on this gear, with other sizes; tips are taken as sharp."""
-        gear = object.__new__(SpurGear)  # not checked
-        sizes = {field.name: getattr(self, field.name) for field in fields(self)}
-        gear.__dict__.update(sizes | {"tip_rounding": 0.0, "tip_chamfer": 0.0} | changes)
-        return gear._tooth.stands and (self.pointed == "cut" or gear.tip_thickness >= 0)
+    def _is_whole(self, tooth: Tooth) -> bool:
+        return tooth.stands and (self.pointed == "cut" or tooth.half_angle(tooth.tip_radius) >= 0)
+
+    def _leaves_teeth(self, shift: float, thinning: float) -> bool:
+        """Whether the rack leaves whole teeth at another shift and thinning; tips are taken as sharp."""
+        return self._is_whole(self._sharp_at(shift, thinning))
 
     def _refuse(self) -> NoReturn:
         """Say why there are no teeth, and the nearest size that leaves some."""
-        if self.thinning and self._leaves_teeth(thinning=0.0):
+        if self.thinning and self._leaves_teeth(self.profile_shift, 0.0):
             thickest = min(self.thinning, np.pi * self.module)
-            most = last_fit(lambda thinning: self._leaves_teeth(thinning=thinning), 0.0, thickest)
+            most = last_fit(lambda thinning: self._leaves_teeth(self.profile_shift, thinning), 0.0, thickest)
             raise DesignError(
                 "thinning",
                 f"found {self.thinning:g} mm, which leaves no tooth",
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
-        tooth, found = replace(self._tooth, tip_rounding=0.0, tip_chamfer=0.0), f"found {self.profile_shift:g}"
+        tooth, found = self._sharp, f"found {self.profile_shift:g}"
         remedy = "more teeth or a smaller addendum"
         if tooth.half_angle_at_base <= 0 or tooth.tip_radius <= max(tooth.base_radius, tooth.root_radius):
             problem = f"{found}, which leaves no tooth outside its base and root circles"
@@ -120,7 +129,7 @@ class SpurGear:
         found = self.profile_shift
 
         def fits(shift: float) -> bool:
-            return self._leaves_teeth(profile_shift=shift)
+            return self._leaves_teeth(shift, self.thinning)
 
         # Gears whose shifts leave teeth over less than a fiftieth of a module are not found.
         for step in np.arange(0.02, 20, 0.02).tolist():
@@ -139,17 +148,17 @@ class SpurGear:
             raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g}, too small to be told from none", remedy)
         if self.tip_rounding:
             name, value = "tip_rounding", self.tip_rounding
-            most = largest_rounding(self.base_radius, self._half_angle(self.base_radius), self.tip_radius)
+            most = largest_rounding(self.base_radius, self.tooth.half_angle_at_base, self.tip_radius)
         else:
             name, value = "tip_chamfer", self.tip_chamfer
             most = min(max(0.0, self.tip_thickness / 2), self.tip_radius - self.base_radius)
         # Twelve digits: a full round asked for as exactly as a number can be written is one.
         fits = value * self.module <= most * (1 + 1e-12)
-        if fits and not self._tooth.stands:
+        if fits and not self.tooth.stands:
             # Undercut has left less of the flanks.
             def stands(edge: float) -> bool:
-                changed: dict[str, Any] = {name: edge}
-                return replace(self._tooth, **changed).stands
+                rounding, chamfer = (edge, 0.0) if self.tip_rounding else (0.0, edge)
+                return replace(self.tooth, tip_rounding=rounding, tip_chamfer=chamfer).stands
 
             most, fits = last_fit(stands, 0.0, value * self.module), False
         if not fits:
@@ -165,109 +174,69 @@ class SpurGear:
         return self.rack.pressure_angle
 
     @property
-    def pitch_radius(self) -> float:
-        """Radius of the circle on which the rack rolls, mm."""
-        return self.module * self.teeth / 2
-
-    @property
-    def base_radius(self) -> float:
-        """Radius of the circle from which the flanks unwind, mm."""
-        return self.pitch_radius * float(np.cos(self.rack.pressure_angle))
-
-    @property
     def tip_radius(self) -> float:
         """Radius of the tooth tips, mm."""
-        addendum = self.rack.addendum if self.addendum is None else self.addendum
-        full = self.pitch_radius + self.module * (addendum + self.profile_shift)
-        if self.pointed == "refuse":
-            return full
-        half = self._half_angle(self.base_radius)
-        return min(full, self.base_radius * float(np.hypot(1, inverse_involute(half)))) if half > 0 else full
+        return self.tooth.tip_radius
 
     @property
     def root_radius(self) -> float:
         """Radius of the bottom of the spaces, mm."""
-        return self.pitch_radius - self.module * (self.rack.dedendum - self.profile_shift)
-
-    @property
-    def form_radius(self) -> float:
-        """Radius where the involute begins, mm: where the root curve touches it, or cuts it if undercut."""
-        return self.base_radius * float(np.hypot(1, self._tooth.flank_start))
+        return self.tooth.root_radius
 
     @property
     def is_undercut(self) -> bool:
         """Whether the rack's tip cuts away part of the involute it has made."""
-        return self._tooth.is_undercut
+        return self.tooth.is_undercut
 
     @property
-    def involute_lost(self) -> float:
-        """Share of the involute's length, from base circle to tip, that undercut takes away; 0 without undercut."""
-        return (self._tooth.flank_start / self._tooth.flank_end) ** 2 if self.is_undercut else 0.0
-
-    @property
-    def tip_thickness(self) -> float:
-        """Thickness of the tooth along its tip circle, mm; negative where the flanks would have met below."""
-        return 2 * self.tip_radius * self._half_angle(self.tip_radius)
+    def lost_to_undercut(self) -> float:
+        """Height of the involute that undercut takes away, mm along the radius."""
+        return max(0.0, self.form_radius - self.base_radius) if self.is_undercut else 0.0
 
     @property
     def tip_land(self) -> float:
         """What a rounding or chamfer leaves of the tip thickness, mm."""
-        return 2 * self.tip_radius * max(0.0, self._tooth.tip_land)
-
-    @checked
-    def thickness(self, radius: float) -> float:
-        """Thickness of the tooth along a circle through its involute, mm."""
-        return 2 * radius * self._half_angle(radius)
+        return 2 * self.tip_radius * max(0.0, self.tooth.tip_land)
 
     @property
-    def flank_lengths(self) -> tuple[float, float]:
-        """Tangent lengths from the base circle to the involute's two ends, root and tip, mm."""
-        return self.base_radius * self._tooth.flank_start, self.base_radius * self._tooth.flank_end
-
-    @property
-    def outline(self) -> AbstractCurve:
+    def outline(self) -> Ring:
         """The whole gear as one closed counterclockwise curve of exact pieces."""
-        return outline(self._tooth)
-
-    @property
-    def root_curve(self) -> AbstractCurve:
-        """Right-hand root curve of the tooth on +y, from the bottom land up to the flank."""
-        return self._tooth.root_curve
-
-    @property
-    def flank(self) -> AbstractCurve:
-        """Right-hand flank of the tooth on +y, from the root curve up to the tip."""
-        return self._tooth.flank
-
-    @property
-    def tip_edge(self) -> AbstractCurve | None:
-        """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
-        return self._tooth.tip_edge
+        return outline(self.tooth)
 
     @cached_property
-    def _tooth(self) -> Tooth:
-        return Tooth(
-            teeth=self.teeth,
-            pitch_radius=self.pitch_radius,
-            base_radius=self.base_radius,
-            tip_radius=self.tip_radius,
-            root_radius=self.root_radius,
-            pressure_angle=self.rack.pressure_angle,
-            half_angle_at_base=self._half_angle(self.base_radius),
-            corner_depth=self.module * (self.rack.corner_depth - self.profile_shift),
-            # A rack with teeth as much thicker as the gear's are to be thinner.
-            corner_side=self.module * self.rack.corner_side + self.thinning / 2,
-            corner_rounding=self.module * self.rack.tip_radius,
-            flank_depth=self.module * (self.rack.flank_depth - self.profile_shift),
-            tip_rounding=self.module * self.tip_rounding,
-            tip_chamfer=self.module * self.tip_chamfer,
+    def tooth(self) -> Tooth:
+        """Sizes and curves of the tooth on +y."""
+        if not (self.tip_rounding or self.tip_chamfer):
+            return self._sharp
+        return replace(
+            self._sharp, tip_rounding=self.module * self.tip_rounding, tip_chamfer=self.module * self.tip_chamfer
         )
 
-    def _half_angle(self, radius: float) -> float:
-        """Half the angle that the tooth takes on a circle, rad."""
-        return self._half_angle_of(self.profile_shift, roll_at(radius, self.base_radius))
+    @cached_property
+    def _sharp(self) -> Tooth:
+        return self._sharp_at(self.profile_shift, self.thinning)
 
-    def _half_angle_of(self, shift: float, roll: float) -> float:
-        slope = np.tan(self.rack.pressure_angle)
-        at_pitch = (np.pi / 2 + 2 * shift * slope - self.thinning / self.module) / self.teeth
-        return float(at_pitch + involute_function(slope) - involute_function(roll))
+    def _sharp_at(self, shift: float, thinning: float) -> Tooth:
+        """What a rack leaves at a profile shift, modules, and a thinning, mm, before the tips' edges are broken."""
+        rack, module, pitch_radius = self.rack, self.module, self.pitch_radius
+        base_radius = pitch_radius * float(np.cos(rack.pressure_angle))
+        slope = np.tan(rack.pressure_angle)
+        half = float((np.pi / 2 + 2 * shift * slope - thinning / module) / self.teeth + involute_function(slope))
+        addendum = rack.addendum if self.addendum is None else self.addendum
+        tip_radius = pitch_radius + module * (addendum + shift)
+        if self.pointed == "cut" and half > 0:
+            tip_radius = min(tip_radius, base_radius * float(np.hypot(1, inverse_involute(half))))
+        return Tooth(
+            teeth=self.teeth,
+            pitch_radius=pitch_radius,
+            base_radius=base_radius,
+            tip_radius=tip_radius,
+            root_radius=pitch_radius - module * (rack.dedendum - shift),
+            pressure_angle=rack.pressure_angle,
+            half_angle_at_base=half,
+            corner_depth=module * (rack.corner_depth - shift),
+            # A rack with teeth as much thicker as the gear's are to be thinner.
+            corner_side=module * rack.corner_side + thinning / 2,
+            corner_rounding=module * rack.tip_radius,
+            flank_depth=module * (rack.flank_depth - shift),
+        )

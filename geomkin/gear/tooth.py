@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,7 +14,8 @@ from ..plane.joined import Path, Ring
 from ..plane.pose import Pose
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid
-from .involute import Corner, involute_function, roll_at, tip_corner
+from .contract import AbstractTooth
+from .involute import TipRounding, involute_function, roll_at, tip_rounding
 
 # Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
 # and an arc between them would have no direction.
@@ -21,8 +23,8 @@ NARROW = 1e-12
 
 
 @dataclass(frozen=True)
-class Tooth:
-    """Sizes of a tooth centred on +y, mm and rad; the corner's place is measured from the rolling pitch line."""
+class Tooth(AbstractTooth):
+    """A tooth as a rack leaves it; the place of the rack's rounded corner is measured from the rolling pitch line."""
 
     teeth: int
     pitch_radius: float
@@ -43,7 +45,7 @@ class Tooth:
         """Whether there is a tooth: outside root and base circle something of the involute, and a neck under it."""
         if self.root_radius <= 0 or self.tip_radius <= max(self.root_radius, self.base_radius):
             return False
-        if self.half_angle_at_base <= 0 or self.flank_start >= self.flank_end:
+        if self.half_angle_at_base <= 0 or self.rolls[0] >= self.rolls[1]:
             return False
         root = self.root_curve
         # Only undercut makes a neck; a sample sees it to a thousandth of what would hold.
@@ -66,43 +68,39 @@ class Tooth:
         lean = -(np.pi / 2 - self.pressure_angle)
         return self._crossing(lean) if self.is_undercut else (lean, self._rack_start)
 
-    @property
-    def flank_start(self) -> float:
-        """Roll angle where the involute begins."""
-        return self._junction[1]
-
     @cached_property
-    def flank_end(self) -> float:
-        """Roll angle where the involute ends: at the tip circle, or where the tip is broken."""
-        if self.tip_rounding:
-            return self._corner.roll
-        return roll_at(self.tip_radius - self.tip_chamfer, self.base_radius)
+    def rolls(self) -> tuple[float, float]:
+        """Roll angles where the involute begins, and where it ends: at the tip circle, or where the tip is broken."""
+        broken = (
+            self._corner.roll if self.tip_rounding else roll_at(self.tip_radius - self.tip_chamfer, self.base_radius)
+        )
+        return self._junction[1], broken
+
+    def half_angle(self, radius: float) -> float:
+        return self.half_angle_at_base - involute_function(roll_at(radius, self.base_radius))
 
     @property
     def tip_land(self) -> float:
         """Half the angle of the tip circle's part of the tooth, rad; negative where nothing of it is left."""
         if self.tip_rounding:
             return self._corner.angle
-        at_tip = self.half_angle_at_base - involute_function(roll_at(self.tip_radius, self.base_radius))
-        return at_tip - self.tip_chamfer / self.tip_radius
+        return self.half_angle(self.tip_radius) - self.tip_chamfer / self.tip_radius
 
     @cached_property
     def root_curve(self) -> AbstractCurve:
-        """Right-hand root curve, from the bottom land up to the flank."""
         return Moved(Reversed(self._trochoid(self._junction[0])), self._root_pose)
 
     @cached_property
     def flank(self) -> AbstractCurve:
-        """Right-hand flank, from the root curve up to the tip."""
         cusp = np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
-        return Moved(Involute(self.base_radius, self.flank_start, self.flank_end), Pose(0j, cusp))
+        return Moved(Involute(self.base_radius, *self.rolls), Pose(0j, cusp))
 
     @property
     def tip_edge(self) -> AbstractCurve | None:
         """What breaks the tip's right-hand edge, from the flank to the tip circle; None where it is sharp."""
         if not (self.tip_rounding or self.tip_chamfer):
             return None
-        start = complex(self.flank.point(self.flank_end))
+        start = complex(self.flank.point(self.rolls[1]))
         # A full round ends in the tooth's very middle.
         towards = 1j * np.exp(-1j * max(0.0, self.tip_land))
         if self.tip_chamfer:
@@ -111,8 +109,8 @@ class Tooth:
         return Arc(centre, start, float(np.angle(towards / (start - centre))))
 
     @cached_property
-    def _corner(self) -> Corner:
-        return tip_corner(self.base_radius, self.half_angle_at_base, self.tip_radius, self.tip_rounding)
+    def _corner(self) -> TipRounding:
+        return tip_rounding(self.base_radius, self.half_angle_at_base, self.tip_radius, self.tip_rounding)
 
     def _trochoid(self, lean: float) -> Trochoid:
         return Trochoid(self.pitch_radius, self.corner_depth, self.corner_rounding, lean, 0.0)
@@ -173,7 +171,7 @@ def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> Ri
     return Ring(Path((*side, *top, *other, *bottom)), teeth)
 
 
-def _root(f, a: float, b: float) -> float:
+def _root(f: Callable[[float], float], a: float, b: float) -> float:
     """Root of f between a and b, where it changes sign: false position that halves a stale end (Illinois)."""
     fa, fb = f(a), f(b)
     for _ in range(100):

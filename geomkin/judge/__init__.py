@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from .gear import gear_checks as gear_checks
     from .gear import mesh_checks as mesh_checks
     from .gear import planetary_checks as planetary_checks
-    from .gear import ring_checks as ring_checks
     from .gear import touch_check as touch_check
     from .linkage import collision_check as collision_check
     from .linkage import hole_check as hole_check

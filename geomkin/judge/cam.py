@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arguments import checked
-from ..cam.cam import Cam, pressure_angle
-from ..cam.limits import cam_angles, segment_limits, tightest_convex
+from ..cam.cam import Cam
+from ..cam.measures import cam_angles, pressure_angle, segment_limits, tightest_convex
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
 
@@ -62,7 +62,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
 
 def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
     """How far the cam is from undercut, or what undercut takes."""
-    roller = cam.follower.roller_radius
+    roller = cam.follower.rounding
     if roller:
         room = tightest_convex(cam)[0] / roller
         advice = "near 1 the cam gets a point"

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from ..arguments import checked
 from ..check import Check
-from ..gear.conjugate.conjugate import Conjugate
-from ..gear.conjugate.untouched import BEYOND
-from ..gear.pair import GearPair
+from ..gear.conjugate.conjugate import BEYOND, Conjugate
+from ..gear.contract import AbstractGear, AbstractMesh
 from ..gear.planetary import PlanetarySet
-from ..gear.rack_pair import RackPair
-from ..gear.ring import RingGear
-from ..gear.spur import SpurGear
 
 # Modules. A thinner tip chips, and breaks through when it is hardened (DIN 3960, on tooth thickness at the tip: 0.2).
 LEAST_TIP_THICKNESS = 0.2
@@ -30,45 +26,29 @@ LEAST_PLANET_GAP = 0.5
 LONE_PLANET = 1e6
 
 
-def _tip_check(gear: SpurGear | RingGear, before: str) -> Check:
-    remedy = "give less profile_shift, addendum or thinning"
-    return Check(
-        f"{before}tip thickness", gear.tip_thickness / gear.module, "at least", LEAST_TIP_THICKNESS, "modules", remedy
-    )
-
-
 @checked
-def gear_checks(gear: SpurGear, rim: float | None = None, name: str = "") -> tuple[Check, ...]:
+def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") -> tuple[Check, ...]:
     """Tip, undercut, and what holds the teeth of one gear.
 
-    rim: thickness under the teeth, mm; left out, the gear is solid to its axis. name: what the checks call the gear.
+    rim: thickness under the teeth, mm, of a ring outside them; left out, the gear is solid, and a ring's is not
+    judged. name: what the checks call the gear.
     """
-    lost = max(0.0, gear.form_radius - gear.base_radius) / gear.module if gear.is_undercut else 0.0
-    rim = gear.root_radius if rim is None else rim
-    before = f"{name} " if name else ""
-    undercut = "give more teeth or profile_shift"
-    return (
-        _tip_check(gear, before),
-        Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", undercut),
-        Check(
-            f"{before}rim under the teeth", rim / gear.module, "at least", LEAST_RIM, "modules", "give a smaller bore"
-        ),
-    )
+    before, module = f"{name} " if name else "", gear.module
+    thinner = "give less profile_shift, addendum or thinning"
+    tip = gear.tip_thickness / module
+    checks = [Check(f"{before}tip thickness", tip, "at least", LEAST_TIP_THICKNESS, "modules", thinner)]
+    if gear.lost_to_undercut is not None:
+        lost, more = gear.lost_to_undercut / module, "give more teeth or profile_shift"
+        checks.append(Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", more))
+    rim = gear.solid_rim if rim is None else rim
+    if rim is not None:
+        where, advice = ("outside", "give a thicker rim") if gear.is_ring else ("under", "give a smaller bore")
+        checks.append(Check(f"{before}rim {where} the teeth", rim / module, "at least", LEAST_RIM, "modules", advice))
+    return tuple(checks)
 
 
 @checked
-def ring_checks(gear: RingGear, rim: float, name: str = "") -> tuple[Check, ...]:
-    """Tip, and what holds the teeth of a ring: the thickness `rim`, mm, outside them. name: what checks call the ring."""
-    before = f"{name} " if name else ""
-    thicker = "give a thicker rim"
-    return (
-        _tip_check(gear, before),
-        Check(f"{before}rim outside the teeth", rim / gear.module, "at least", LEAST_RIM, "modules", thicker),
-    )
-
-
-@checked
-def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
+def mesh_checks(pair: AbstractMesh, name: str = "") -> tuple[Check, ...]:
     """Contact, clearance and interference of two gears. name: what the checks call the pair."""
     clear = min(pair.clearances) / pair.module
     before = f"{name}: " if name else ""

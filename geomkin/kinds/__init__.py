@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping
 from importlib import import_module
+from typing import Any
 
 from ..recipe.recipe import AbstractRecipe
 
@@ -15,26 +16,26 @@ class Kinds(MutableMapping[str, type[AbstractRecipe]]):
     """
 
     def __init__(self, rows: dict[str, str | type[AbstractRecipe]]):
-        self._rows = rows
+        self.rows = rows
 
     def __getitem__(self, name: str) -> type[AbstractRecipe]:
-        row = self._rows[name]
+        row = self.rows[name]
         if isinstance(row, str):
             module, _, held = row.partition(":")
-            row = self._rows[name] = getattr(import_module(f".{module}", __name__), held)
+            row = self.rows[name] = getattr(import_module(f".{module}", __name__), held)
         return row
 
     def __setitem__(self, name: str, recipe: type[AbstractRecipe]) -> None:
-        self._rows[name] = recipe
+        self.rows[name] = recipe
 
     def __delitem__(self, name: str) -> None:
-        del self._rows[name]
+        del self.rows[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._rows)
+        return iter(self.rows)
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self.rows)
 
 
 KINDS = Kinds({
@@ -63,5 +64,21 @@ KINDS = Kinds({
     "planetary": "planetary:PlanetaryRecipe",
     "straight-sided-gears": "conjugate_gears:StraightSidedGearsRecipe",
     "point-tooth-gears": "conjugate_gears:PointToothGearsRecipe",
-    "lantern-gears": "lantern_gears:LanternGearsRecipe",
+    "lantern-gears": "conjugate_gears:LanternGearsRecipe",
 })  # fmt: skip
+
+
+def _classes() -> dict[str, str]:
+    """Name of a class -> the kind that it is of."""
+    return {row.partition(":")[2] if isinstance(row, str) else row.__name__: kind for kind, row in KINDS.rows.items()}
+
+
+def __getattr__(name: str) -> Any:
+    """The class of a kind, such as `SpurGearRecipe`, to build its recipes in Python."""
+    if kind := _classes().get(name):
+        return KINDS[kind]
+    raise AttributeError(f"{__name__} has no {name!r}")
+
+
+def __dir__() -> list[str]:
+    return ["KINDS", "Kinds", *_classes()]

@@ -1,4 +1,4 @@
-"""Recipes of gears with teeth of any form and the mates they shape."""
+"""Recipes of gears with teeth of any form, or round pins for teeth, and the mates they shape."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from typing import Literal
 from ..check import Check
 from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
-from ..gear.conjugate.flank_gear import FlankGear
+from ..gear.conjugate.flank_gears import PointToothGear, StraightSidedGear
 from ..gear.conjugate.lantern import LanternPinion
-from ..gear.conjugate.point_tooth import PointToothGear
-from ..gear.conjugate.straight_sided import StraightSidedGear
-from ..gear.conjugate.tables import flank_table
+from ..gear.contract import AbstractShaper
+from ..gear.tables import flank_table, pin_table
 from ..judge.gear import conjugate_checks, touch_check
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
-from ..shop.gear.conjugates import PairStock, pair_parts
+from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -54,7 +53,6 @@ class Mate:
 
 # What `conjugate` and the cutters call them, and the keys that give them here.
 KEYS = {"mate_teeth": "mate.teeth"} | {name: f"mate.{name}" for name in ("addendum", "clearance", "backlash")}
-Shaper = FlankGear | LanternPinion
 
 
 class AbstractShapedRecipe(AbstractRecipe):
@@ -64,18 +62,13 @@ class AbstractShapedRecipe(AbstractRecipe):
 
     @property
     @abstractmethod
-    def shaper(self) -> Shaper:
+    def shaper(self) -> AbstractShaper:
         """The gear that shapes the mate."""
-
-    @property
-    @abstractmethod
-    def shaper_teeth(self) -> int:
-        """How many teeth, or pins, that has."""
 
     @cached_property
     def design(self) -> Conjugate:
         """The mate, shaped."""
-        return _mate(self.shaper, self.shaper_teeth, self.mate)
+        return _mate(self.shaper, self.mate)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -101,14 +94,14 @@ class AbstractShapedRecipe(AbstractRecipe):
         check_tooth_points(self.files, gears if self.design.is_ring else gears + mate, mate * self.design.is_ring)
 
 
-def _mate(gear: Shaper, teeth: int, wanted: Mate) -> Conjugate:
-    if wanted.internal and wanted.teeth <= teeth:
-        raise DesignError("mate.teeth", f"found {wanted.teeth} for a ring", f"give more than the gear's {teeth}")
+def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
+    if wanted.internal and wanted.teeth <= gear.teeth:
+        raise DesignError("mate.teeth", f"found {wanted.teeth} for a ring", f"give more than the gear's {gear.teeth}")
     try:
         cutter = gear.cutter(wanted.clearance, wanted.backlash)
-        return conjugate(cutter, teeth, gear.pitch_radius, wanted.teeth, wanted.addendum, wanted.internal)
+        return conjugate(cutter, gear.teeth, gear.pitch_radius, wanted.teeth, wanted.addendum, wanted.internal)
     except DesignError as error:
-        most = _most_backlash(gear, teeth, wanted)
+        most = _most_backlash(gear, wanted)
         if most < wanted.backlash:
             problem = f"found {wanted.backlash:g} mm, which leaves no teeth to the mate"
             # A little less, so that the number still works when rounded.
@@ -116,11 +109,11 @@ def _mate(gear: Shaper, teeth: int, wanted: Mate) -> Conjugate:
         raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
 
 
-def _most_backlash(gear: Shaper, teeth: int, wanted: Mate) -> float:
+def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:
     """Backlash, mm, that takes all of the mate's tips, or for which its cutter's teeth meet; inf if none is wanted."""
     if not wanted.backlash:
         return float("inf")
-    mate = _mate(gear, teeth, dataclasses.replace(wanted, backlash=0.0))
+    mate = _mate(gear, dataclasses.replace(wanted, backlash=0.0))
     # Each side of a tooth is turned as a whole.
     return min(gear.most_backlash, mate.tip_thickness * mate.pitch_radius / mate.tip_radius)
 
@@ -136,12 +129,8 @@ class ToothedRecipe(AbstractShapedRecipe):
     files: Files = entry("what is written", default=Files())
 
     @property
-    def shaper(self) -> Shaper:
-        return self.gear.gear
-
-    @property
-    def shaper_teeth(self) -> int:
-        return self.gear.teeth
+    def shaper(self) -> AbstractShaper:
+        return self.gear
 
     @cached_property
     def table(self) -> Table:
@@ -155,7 +144,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         self.check_points([self.gear.outline])
-        return tuple(pair_parts(self.gear.gear, self.design, self.stock))
+        return pair_parts(self.gear, self.design, self.stock)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,3 +161,39 @@ class PointToothGearsRecipe(ToothedRecipe):
 
     kind: Literal["point-tooth-gears"] = "point-tooth-gears"
     gear: PointToothGear
+
+
+@dataclass(frozen=True, kw_only=True)
+class LanternGearsRecipe(AbstractShapedRecipe):
+    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins shape."""
+
+    kind: Literal["lantern-gears"] = "lantern-gears"
+    pinion: LanternPinion
+    # Pins stay in contact for a pitch only on long teeth.
+    mate: Mate = entry("the wheel", example=Mate(48, 7.5))
+    stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def shaper(self) -> LanternPinion:
+        return self.pinion
+
+    @property
+    def own_quarters(self) -> int:
+        """Quarters of a pin's right-hand side that touch: the outer one, which some rings need, is not drawn out."""
+        return 1 if self.mate.clearance else 2
+
+    @cached_property
+    def table(self) -> Table:
+        """The pin's right-hand side, as far as its cutter is the pin itself: the quarter drawn out touches nothing."""
+        return pin_table(self.design, self.own_quarters, self.mate.backlash)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        longer = ", or mate.clearance = 0" if self.mate.internal and self.mate.clearance else ""
+        return conjugate_checks(self.design, self.pinion.module, self.own_quarters, longer)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        self.check_points([])
+        return lantern_parts(self.pinion, self.design, self.stock)

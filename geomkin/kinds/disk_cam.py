@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Literal
 
@@ -11,6 +11,19 @@ import numpy as np
 
 from ..cam.base_circle import least_base_circle
 from ..cam.cam import Cam
+from ..cam.followers.follower import FOLLOWERS
+from ..cam.program.program import Program
+from ..cam.program.segments import (
+    Dwell,
+    LiftPolynomial,
+    LiftSpline,
+    LiftTable,
+    OptimisedPolynomial,
+    OptimisedSpline,
+    Return,
+    Rise,
+    Segment,
+)
 from ..cam.tables import cam_table
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
@@ -19,10 +32,25 @@ from ..judge.cam import cam_checks, most_pressure_angle
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
-from ..shop.cam.cams import CamStock, cam_parts
+from ..recipe.template import example
+from ..shop.cam import CamStock, cam_parts
 from ..sizes import entry
 from ..table import Table
-from .example_cams import fit
+
+# Of a cycloidal rise, so that the curve through them rests at both ends.
+ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
+# Of each kind of segment one that lifts a follower from rest at 120 deg to rest at 240 deg.
+LIFTS: dict[str, Segment] = {
+    "rise": Rise("3-4-5", rise=20, end_deg=240),
+    "polynomial": LiftPolynomial(
+        rise=20, end_deg=240, start_velocity_per_rad=0, start_acceleration_per_rad2=0,
+        end_velocity_per_rad=0, end_acceleration_per_rad2=0,
+    ),
+    "optimised-polynomial": OptimisedPolynomial(rise=20, end_deg=240),
+    "optimised-spline": OptimisedSpline(rise=20, end_deg=240),
+    "spline": LiftSpline(points=ROWS),
+    "table": LiftTable(3, rows=ROWS),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,4 +121,16 @@ class DiskCamRecipe(AbstractRecipe):
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return fit(asked)
+        """Follower and programme of the kinds asked for; an arm's lifts are angles, as many degrees as the others mm."""
+        follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
+        lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
+        if follower.oscillates:
+            values = vars(lift)
+            in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
+            swung = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
+            lift = replace(lift, **swung)
+        return {
+            "cam.base_radius": follower.example_base_radius,
+            "cam.follower": follower,
+            "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),
+        }

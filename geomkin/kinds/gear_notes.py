@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..errors import DesignError
-from ..gear.measures import base_pitch, chord, over_pins, span
+from ..gear.contract import AbstractInvoluteGear
+from ..gear.measures import chord, over_pins, span
 from ..gear.pair import GearPair
-from ..gear.ring import RingGear
-from ..gear.spur import SpurGear
 
 
 def shown(value: float) -> float:
@@ -18,7 +17,7 @@ def shown(value: float) -> float:
     return float(f"{value:.9g}")
 
 
-def gear_notes(gear: SpurGear | RingGear) -> Mapping[str, object]:
+def gear_notes(gear: AbstractInvoluteGear) -> Mapping[str, object]:
     """Radii and measures for the shop, mm; a measure that a gear does not have is left out."""
     notes: dict[str, object] = {
         "profile_shift": shown(gear.profile_shift),
@@ -27,16 +26,14 @@ def gear_notes(gear: SpurGear | RingGear) -> Mapping[str, object]:
         "pitch_radius": shown(gear.pitch_radius),
         "base_radius": shown(gear.base_radius),
         "root_radius": shown(gear.root_radius),
-        "base_pitch": shown(base_pitch(gear)),
+        "base_pitch": shown(gear.base_pitch),
     }
     try:
         pins = over_pins(gear)
-        word = "between_pins" if isinstance(gear, RingGear) else "over_pins"
+        word = "between_pins" if gear.is_ring else "over_pins"
         notes[word] = {"pin_diameter": shown(pins.pin), "measure": shown(pins.diameter)}
     except DesignError:
         pass
-    if isinstance(gear, RingGear):
-        return notes
     if gear.is_undercut:
         notes["share_of_involute_lost"] = shown(gear.involute_lost)
     try:
@@ -53,7 +50,7 @@ def mesh_notes(pair: GearPair) -> Mapping[str, object]:
     """What two gears do together."""
     start, end = pair.contact_lengths
     return {
-        "centre_distance_mm": shown(pair.centre_distance),
+        "centre_distance_mm": shown(pair.axis_distance),
         "working_pressure_angle_deg": shown(np.degrees(pair.working_pressure_angle)),
         "contact_ratio": shown(pair.contact_ratio),
         "backlash_mm": round(pair.backlash, 9) + 0.0,

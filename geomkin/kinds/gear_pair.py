@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.contract import AbstractInvoluteGear
 from ..gear.pair import GearPair
-from ..gear.shifts import balanced_shifts, undercut_free_shift
+from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
@@ -59,10 +60,9 @@ class GearPairRecipe(AbstractRecipe):
         return GearPair(one, two, self.centre_distance)
 
     @property
-    def gears(self) -> tuple[tuple[str, SpurGear, GearStock], ...]:
+    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock], ...]:
         """Both gears as they are cut: name, gear and stock."""
         pair = self.design
-        assert isinstance(pair.second, SpurGear)
         return ("first", pair.first, self.first_stock), ("second", pair.second, self.second_stock)
 
     @cached_property
@@ -81,7 +81,7 @@ class GearPairRecipe(AbstractRecipe):
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # As much plate around a hole as the hole is wide.
-            axes = [0j, complex(self.design.centre_distance)]
+            axes = [0j, complex(self.design.axis_distance)]
             parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
         return tuple(parts)
 

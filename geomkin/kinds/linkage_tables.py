@@ -11,7 +11,7 @@ import numpy as np
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..linkage.linkage import Linkage, Slider
+from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..linkage.solve.branch import Chosen
 from ..names import check_names
 from ..sizes import NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
@@ -72,7 +72,7 @@ class SliderTable:
 
 
 @dataclass(frozen=True)
-class BodyList:
+class BodyList(AbstractLinkage):
     """Any linkage: bodies with their points, mm, each in a frame of its own; the first one is fixed.
 
     Where two bodies name the same point, a pin joins them there.

@@ -14,17 +14,15 @@ from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import collision_check, hole_check, linkage_checks
 from ..linkage.limits import driver_limits
+from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import grashof_type
-from ..linkage.motion import Motion
+from ..linkage.motion import Motion, motion_table
 from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.named.four_bar import FourBar
-from ..linkage.named.inverted_slider_crank import InvertedSliderCrank
-from ..linkage.named.shaper import Shaper
-from ..linkage.named.six_bars import StephensonSixBar, WattSixBar
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
+from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
 from ..linkage.solve.branch import Branch
-from ..linkage.solve.move import Named, move
-from ..linkage.tables import motion_table
+from ..linkage.solve.move import move
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
@@ -38,7 +36,7 @@ from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branc
 class AbstractLinkageRecipe(AbstractRecipe):
     """What recipes of linkages have in common: all of them are moved, stacked, judged and cut alike."""
 
-    linkage: Named
+    linkage: AbstractLinkage
     branch: SideOrFollow
     branches: Branches
     drive: Turn
@@ -52,7 +50,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
         self.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
 
     @property
-    def design(self) -> Named:
+    def design(self) -> AbstractLinkage:
         return self.linkage
 
     @property
@@ -127,7 +125,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
 
     kind: str
-    linkage: Named
+    linkage: AbstractLinkage
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
@@ -141,7 +139,7 @@ class SlidRecipe(AbstractLinkageRecipe):
 
     # The list of the turned ones, and `stroke` where it belongs: the order here is that of templates and summaries.
     kind: str
-    linkage: Named
+    linkage: AbstractLinkage
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..check import Check
 from ..gear.planetary import PlanetarySet
-from ..judge.gear import gear_checks, planetary_checks, ring_checks
+from ..judge.gear import gear_checks, planetary_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
-from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts, ring_part
+from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown
@@ -65,20 +65,22 @@ class PlanetaryRecipe(AbstractRecipe):
             *planetary_checks(gears),
             *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
             *gear_checks(gears.planet, planet.rim_under(gears.planet), "planet"),
-            *ring_checks(gears.ring, self.ring_stock.rim, "ring"),
+            *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
         )
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
         check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
-        parts = gear_parts(gears.sun, sun, "sun", "sun_stock")
-        parts += gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets)
-        parts.append(ring_part(gears.ring, self.ring_stock))
-        if planet.bore:
-            holes = sun.hole_diameter, planet.hole_diameter
-            parts.append(carrier(gears, holes, planet.hole_diameter, planet.thickness))
-        return tuple(parts)
+        parts = (
+            *gear_parts(gears.sun, sun, "sun", "sun_stock"),
+            *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
+            *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
+        )
+        if not planet.bore:
+            return parts
+        holes = sun.hole_diameter, planet.hole_diameter
+        return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -12,9 +12,10 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
+from ..linkage.body_motion import Body
 from ..linkage.instant.centres import instant_centres
 from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
-from ..linkage.motion import Body, Motion
+from ..linkage.motion import Motion
 from ..linkage.openings import opening
 from ..linkage.solve.move import move
 from ..part import Part

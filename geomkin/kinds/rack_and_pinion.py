@@ -8,15 +8,14 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
-from ..gear.gear_rack import GearRack
-from ..gear.rack_pair import RackPair
+from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
-from ..shop.gear.gears import GearStock, gear_parts, rack_part
+from ..shop.gear.gears import GearStock, gear_parts
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, shown
@@ -61,13 +60,13 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        return (*gear_parts(self.pinion, self.stock, "pinion"), rack_part(self.rack, self.stock.thickness))
+        return (*gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack"))
 
     @property
     def notes(self) -> Mapping[str, object]:
         pair = self.design
         mesh = {
-            "distance_mm": shown(pair.distance),
+            "distance_mm": shown(pair.axis_distance),
             "travel_per_turn_mm": shown(pair.travel),
             "contact_ratio": shown(pair.contact_ratio),
             "backlash_mm": round(pair.backlash, 9) + 0.0,

@@ -10,11 +10,11 @@ from typing import Literal
 from ..check import Check
 from ..gear.ring import RingGear
 from ..gear.tables import tooth_table
-from ..judge.gear import ring_checks
+from ..judge.gear import gear_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
-from ..shop.gear.gears import RingStock, ring_part
+from ..shop.gear.gears import RingStock, gear_parts
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes
@@ -40,12 +40,12 @@ class RingGearRecipe(AbstractRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        return ring_checks(self.gear, self.stock.rim)
+        return gear_checks(self.gear, self.stock.rim)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [], [self.gear.outline])
-        return (ring_part(self.gear, self.stock),)
+        return gear_parts(self.gear, self.stock, "ring")
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
-from ..gear.shifts import undercut_free_shift
+from ..gear.profile_shifts import undercut_free_shift
 from ..gear.spur import SpurGear
 from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
@@ -52,7 +52,7 @@ class SpurGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
-        return tuple(gear_parts(self.design, self.stock))
+        return gear_parts(self.design, self.stock)
 
     @property
     def notes(self) -> Mapping[str, object]:

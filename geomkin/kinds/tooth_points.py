@@ -8,8 +8,8 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
-from ..sizes import WIDEST
 from ..recipe.settings import Files
+from ..sizes import WIDEST
 
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000
@@ -21,7 +21,7 @@ WIDER, LOOKS = 1.25, 31
 
 def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[AbstractCurve] | None = None) -> None:
     """Raise DesignError where outlines of gears, and holes of rings, take more points than can be drawn in time."""
-    if not {"dxf", "svg", "stl"} & set(files.write):
+    if not files.wants_parts:
         return
     weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
     # What is larger than any sheet is refused for that.

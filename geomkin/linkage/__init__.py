@@ -3,13 +3,16 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .coupler.curves import coupler_curves as coupler_curves
-    from .coupler.curves import coupler_grid as coupler_grid
-    from .coupler.curves import dashes as dashes
+    from .body_motion import Body as Body
+    from .body_motion import PointMotion as PointMotion
+    from .body_motion import SlideMotion as SlideMotion
     from .coupler.cognates import Cognate as Cognate
     from .coupler.cognates import cognates as cognates
     from .coupler.cognates import roberts_linkage as roberts_linkage
     from .coupler.cognates import third_pivot as third_pivot
+    from .coupler.curves import coupler_curves as coupler_curves
+    from .coupler.curves import coupler_grid as coupler_grid
+    from .coupler.curves import dashes as dashes
     from .forces.shaking import Counterbalance as Counterbalance
     from .forces.shaking import SliderCrankMasses as SliderCrankMasses
     from .forces.shaking import best_counterbalance as best_counterbalance
@@ -35,18 +38,16 @@ if TYPE_CHECKING:
     from .instant.polygons import acceleration_polygon as acceleration_polygon
     from .instant.polygons import velocity_polygon as velocity_polygon
     from .limits import dead_centres as dead_centres
+    from .linkage import AbstractLinkage as AbstractLinkage
     from .measures import circuits as circuits
     from .measures import grashof_type as grashof_type
-    from .measures import mechanical_advantage as mechanical_advantage
-    from .motion import Body as Body
     from .motion import Motion as Motion
-    from .motion import PointMotion as PointMotion
-    from .motion import SlideMotion as SlideMotion
-    from .tables import motion_table as motion_table
+    from .motion import mechanical_advantage as mechanical_advantage
+    from .motion import motion_table as motion_table
     from .openings import Opening as Opening
     from .openings import opening as opening
-    from .solve.newton import Root as Root
-    from .solve.newton import newton_raphson as newton_raphson
+    from .solve.continuation import Root as Root
+    from .solve.continuation import newton_raphson as newton_raphson
 else:
     from ..lazy import attach
 

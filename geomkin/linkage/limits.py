@@ -8,16 +8,17 @@ import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
-from ..plane.vec import Array, dot
-from .solve.branch import chosen
+from ..plane.vec import Mask, Real, dot
+from .linkage import OneLinkage
+from .motion import goes_without_turning
+from .solve.branch import Branch, chosen
+from .solve.drive_range import DriveRange
 from .solve.driver_dyads import Driven
-from .solve.continued import reach_of, sides_along
 from .solve.dyads import Dyad
-from .solve.iterate import Loops
-from .measures import goes_without_turning
-from .solve.row import Row
-from .solve.move import Branch, OneLinkage, move, planned
-from .solve.steps import Step
+from .solve.loops import Loops
+from .solve.move import move, planned
+from .solve.placement import Placement
+from .solve.solution import reach_of, with_branches
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
@@ -39,8 +40,8 @@ def driver_limits(
 
     Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes. DesignError
     where these have no end, and where a start has to be told: for a branch that is followed or near given pins, and
-    for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where
-    the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
+    for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched or folded;
+    there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
     the span, where its estimate holds, to its first limit.
     """
     if span is None:
@@ -51,14 +52,14 @@ def driver_limits(
     if not end > start:
         raise DesignError("span", f"found {span}", "give a rising pair")
 
-    def closed(q: Array) -> Array:
+    def closed(q: Real) -> Mask:
         # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
         return move(linkage, np.append(start, q), branch).closed[1:]
 
     looks = np.linspace(start, end, LOOKS + 1)
-    steps = planned(linkage.linkage, branch)
-    ends = [start, end, *_exact(steps, span)]
-    cuts = np.unique(ends + ([] if _all_driven(steps) else _changes(closed, looks)))
+    placements = planned(linkage.linkage, branch)
+    ends = [start, end, *_exact(placements, span)]
+    cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
     middles = 0.5 * (cuts[:-1] + cuts[1:])
     parts: list[list[float]] = []
     for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(middles).tolist()):
@@ -70,9 +71,7 @@ def driver_limits(
 
 
 @checked
-def dead_centres(
-    linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None
-) -> Array:
+def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None) -> Real:
     """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke.
 
     Without a span they are looked for in the one that `driver_limits` takes.
@@ -92,7 +91,7 @@ def dead_centres(
         steps = np.nan_to_num(motion.bodies[output].origin.first, nan=0.0, posinf=0.0, neginf=0.0)
         line = steps[np.argmax(np.abs(steps))]
 
-    def way(q: Array) -> Array:
+    def way(q: Real) -> Real:
         moved = move(linkage, np.append(span[0], q), branch).bodies[output]
         return (moved.first if line is None else dot(line, moved.origin.first))[1:]
 
@@ -106,35 +105,39 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     general = linkage.linkage
     if general.driven_slider is None:
         return TURN
-    told, steps = chosen(branch), planned(general, branch)
-    if told.follow or told.near or any(isinstance(step, Loops) for step in steps):
-        first = "such a branch" if told.follow or told.near else "the estimate"
+    asked, placements = chosen(branch), planned(general, branch)
+    if asked.follow or asked.near or any(isinstance(one, Loops) for one in placements):
+        first = "such a branch" if asked.follow or asked.near else "the estimate"
         raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
     reach = reach_of(general)
     outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
     looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
 
-    def closed(q: Array) -> Array:
+    def closed(q: Real) -> Mask:
         return move(linkage, q, branch).closed
 
     ends = looks[[0, -1]]
     if closed(ends).any():
         raise DesignError("span", "the linkage closes at places without end", f"give a span, such as {(-reach, reach)}")
-    row = sides_along(general, steps, looks, (), told)
-    looks = np.concatenate([looks, _exact(steps, (float(ends[0]), float(ends[1]))), _nearest_to_closing(row, looks)])
+    whole = with_branches(general, placements, looks, (), asked)
+    looks = np.concatenate(
+        [looks, _exact(placements, (float(ends[0]), float(ends[1]))), _nearest_to_closing(whole, looks)]
+    )
     edges = _changes(closed, np.unique(looks))
     return (min(edges), max(edges)) if edges else None
 
 
-def _nearest_to_closing(row: Row, looks: Array) -> Array:
+def _nearest_to_closing(whole: DriveRange, looks: Real) -> Real:
     """Places between open looks at which a dyad comes nearest to closing, and there may close between two of them."""
 
-    def least(q: Array) -> Array:
+    def least(q: Real) -> Real:
         """The least gap, mm, of the first dyad that is open, or of all; -inf where none is told."""
         with np.errstate(all="ignore"):
-            p = row.placed(q, len(row.steps))
-            gaps = [np.broadcast_to(g, q.shape) for step in row.steps if isinstance(step, Dyad) for g in step.gaps(p)]
-        return np.nan_to_num(np.fmin.reduce([*gaps, np.full(len(q), np.inf)]), nan=-np.inf)
+            p = whole.poses(q)
+            dyads = [one for one in whole.placements if isinstance(one, Dyad)]
+            gaps = [np.broadcast_to(gap, q.shape) for dyad in dyads for gap in dyad.gaps(p)]
+        found: Real = np.fmin.reduce([*gaps, np.full(len(q), np.inf)])
+        return np.nan_to_num(found, nan=-np.inf)
 
     gap = least(looks)
     at = 1 + np.flatnonzero((gap[1:-1] < 0) & (gap[1:-1] >= gap[:-2]) & (gap[1:-1] >= gap[2:]))
@@ -148,44 +151,46 @@ def _nearest_to_closing(row: Row, looks: Array) -> Array:
     return best
 
 
-def _all_driven(steps: Sequence[Step]) -> bool:
-    return all(isinstance(s, Driven) or not isinstance(s, (Dyad, Loops)) for s in steps)
+def _all_driven(placements: Sequence[Placement]) -> bool:
+    return all(isinstance(one, Driven) or not isinstance(one, (Dyad, Loops)) for one in placements)
 
 
-def _exact(steps: Sequence[Step], span: tuple[float, float]) -> list[float]:
+def _exact(placements: Sequence[Placement], span: tuple[float, float]) -> list[float]:
     """Limits of the dyads that the driver alone moves, in closed form, inside the span."""
     found: list[float] = []
-    for step in steps:
-        if isinstance(step, Driven):
-            for limit in step.limits():
+    for dyad in placements:
+        if isinstance(dyad, Driven):
+            for limit in dyad.limits():
                 turns = np.zeros(1)
-                if step.period:
+                if dyad.period:
                     turns = np.arange(
-                        np.floor((span[0] - limit) / step.period), np.ceil((span[1] - limit) / step.period) + 1
+                        np.floor((span[0] - limit) / dyad.period), np.ceil((span[1] - limit) / dyad.period) + 1
                     )
-                found += [q for q in (limit + step.period * turns).tolist() if span[0] < q < span[1]]
+                found += [q for q in (limit + dyad.period * turns).tolist() if span[0] < q < span[1]]
     return found
 
 
-def _changes(closed: Callable[[Array], Array], looks: Array) -> list[float]:
+def _changes(closed: Callable[[Real], Mask], looks: Real) -> list[float]:
     """Where `closed` changes between two looks, to the last bit."""
     state = closed(looks)
     at = np.flatnonzero(state[1:] != state[:-1])
     low, high = _narrowed(closed, looks[at], looks[at + 1], state[at])
-    return np.where(state[at], low, high).tolist()
+    changes: list[float] = np.where(state[at], low, high).tolist()
+    return changes
 
 
-def _crossings(f: Callable[[Array], Array], looks: Array, values: Array) -> list[float]:
+def _crossings(f: Callable[[Real], Real], looks: Real, values: Real) -> list[float]:
     """Zeros of f between neighbouring looks of opposite sign; a jump through infinity is none."""
     with np.errstate(invalid="ignore"):
         at = np.flatnonzero(values[1:] * values[:-1] < 0)
     low, _ = _narrowed(lambda q: np.sign(f(q)), looks[at], looks[at + 1], np.sign(values[at]))
     ends = np.abs(f(low)) if at.size else np.empty(0)
     calm = ends <= np.minimum(np.abs(values[at]), np.abs(values[at + 1]))
-    return low[calm].tolist()
+    zeros: list[float] = low[calm].tolist()
+    return zeros
 
 
-def _narrowed(f: Callable[[Array], Array], low: Array, high: Array, start: Array) -> tuple[Array, Array]:
+def _narrowed(f: Callable[[Real], Real | Mask], low: Real, high: Real, start: Real | Mask) -> tuple[Real, Real]:
     """Neighbouring numbers between which f, `start` at each low end and something else at the high one, changes."""
     # Sixteen parts at a time: four bits for one call of f, which costs little more for a row than for one place.
     while np.any(np.nextafter(low, high) < high):

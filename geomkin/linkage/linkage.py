@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
@@ -10,9 +11,11 @@ from typing import Annotated, Any
 import numpy as np
 
 from ..arguments import Place, Sort, check_fields, is_place
+from ..brief import one_line
 from ..errors import DesignError, shown
 from ..names import check_names
-from ..plane.vec import Array, direction_deg
+from ..plane.vec import Complex, Real, direction_deg
+from .solve.placement import Placement
 
 
 def _are_bodies(value: Any) -> bool:
@@ -25,6 +28,27 @@ def _are_bodies(value: Any) -> bool:
 # That the points are finite is said with their names.
 Bodies = Annotated[
     Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+]
+
+
+class AbstractLinkage(ABC):
+    """A linkage by whatever describes it: the sizes of a FourBar, a SliderCrank, ..., or the bodies of a Linkage."""
+
+    @property
+    @abstractmethod
+    def linkage(self) -> Linkage:
+        """The same as bodies with named points: what is solved, drawn and cut."""
+
+
+AnyLinkage = Annotated[
+    AbstractLinkage, Sort(lambda value: isinstance(value, AbstractLinkage), "a linkage, such as FourBar or Linkage")
+]
+OneLinkage = Annotated[
+    AbstractLinkage,
+    Sort(
+        lambda value: isinstance(value, AbstractLinkage) and not value.linkage.many,
+        "one linkage, its sizes numbers and no arrays",
+    ),
 ]
 
 
@@ -44,15 +68,17 @@ class Slider:
     direction_deg: float = 0.0
     angle_deg: float = 0.0
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_fields(self)
 
     @property
-    def direction(self) -> Array:
+    def direction(self) -> Complex:
         """The line's direction in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
 
-    def seen(self, body: str, place: complex, displacement: float) -> Any:
+    def seen(self, body: str, place: complex | Complex, displacement: float) -> Complex:
         """A point of one of its two bodies in the frame of the other, mm."""
         turn = self.direction * direction_deg(self.angle_deg)
         start = self.through + displacement * self.direction
@@ -62,7 +88,7 @@ class Slider:
 
 
 @dataclass(frozen=True, eq=False)
-class Linkage:
+class Linkage(AbstractLinkage):
     """Rigid bodies with named points: where two bodies name the same point, a pin joins them there.
 
     bodies: the fixed body first, each with its points, mm in its own frame. sliders: the sliding
@@ -80,6 +106,8 @@ class Linkage:
     origin: Place = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -132,7 +160,7 @@ class Linkage:
 
     @property
     def linkage(self) -> Linkage:
-        """Itself, as every named linkage has it."""
+        """Itself."""
         return self
 
     @cached_property
@@ -141,7 +169,7 @@ class Linkage:
         return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
 
     @cached_property
-    def size(self) -> Array:
+    def size(self) -> Real:
         """Largest distance of a point or a slide's line from its body's origin, mm, () or (linkages,)."""
         places = [z for points in self.bodies.values() for z in points.values()]
         places += [place for slider in self.sliders for place in (slider.point, slider.through)]
@@ -168,3 +196,8 @@ class Linkage:
             for point in points:
                 joined.setdefault(point, []).append(body)
         return {name: tuple(bodies) for name, bodies in joined.items() if len(bodies) > 1}
+
+    @cached_property
+    def plans(self) -> dict[bool, tuple[Placement, ...]]:
+        """Kept here by the solver, as curves ask for it thousands of times: how bodies are placed, by `follow`."""
+        return {}

@@ -1,174 +1,28 @@
-"""Motion of a linkage as arrays over frames."""
+"""Motion of a linkage: its bodies, points and slides, how well it drives, and all of it as a table."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..plane.vec import Array, cross, dot
+from ..arguments import checked
+from ..brief import LONGEST, short
+from ..errors import DesignError
+from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
+from ..table import Column, Table, finite, xy_columns
+from .body_motion import Body, PointMotion, SlideMotion, Timing
 from .linkage import Linkage, Slider
+from .solve.solution import LinkageSolution
 
-
-class Solution(ABC):
-    """Where all bodies are, and the derivatives of that by the driver, each worked out when first asked for."""
-
-    @abstractmethod
-    def origin(self, body: str, order: int) -> Array:
-        """The place of a body's origin, mm, or its derivative of order 1 or 2 by the drive."""
-
-    @abstractmethod
-    def turn(self, body: str, order: int) -> Array:
-        """A body's direction, unit complex, or the derivative of order 1 or 2 of its angle, rad, by the drive."""
-
-    @property
-    @abstractmethod
-    def closed(self) -> Array:
-        """Whether every body can be where its joints want it."""
-
-    @property
-    @abstractmethod
-    def signs(self) -> Mapping[str, Array]:
-        """The sign of each dyad, by its inner joint, also where the linkage is open; 0 where both branches meet."""
-
-    @property
-    @abstractmethod
-    def branches(self) -> Mapping[str, Array]:
-        """The branch of each dyad, by its inner joint."""
-
-    @property
-    @abstractmethod
-    def transmission_angle(self) -> Array:
-        """Least over the joints that it is told of, rad; nan where there is none."""
-
-
-@dataclass(frozen=True, eq=False)
-class Timing:
-    """The driver's speed and acceleration: rad/s and rad/s2, or mm/s and mm/s2 where a slider drives."""
-
-    speed: Array
-    acceleration: Array
-
-    def rate(self, first: Array) -> Array:
-        """d/dt of what has the first kinematic coefficient `first`."""
-        with np.errstate(invalid="ignore"):
-            return first * self.speed
-
-    def gain(self, first: Array, second: Array) -> Array:
-        """d2/dt2 of what has these first and second kinematic coefficients."""
-        with np.errstate(invalid="ignore", over="ignore"):
-            gain = second * self.speed**2
-            return (
-                gain if np.ndim(self.acceleration) == 0 and self.acceleration == 0 else gain + first * self.acceleration
-            )
-
-
-@dataclass(frozen=True, eq=False)
-class PointMotion:
-    """A point of a body over the frames; all (frames,) complex, nan where the linkage is open."""
-
-    body: Body
-    local: complex
-
-    @cached_property
-    def _arm(self) -> Array:
-        return self.body.direction * self.local
-
-    @cached_property
-    def position(self) -> Array:
-        """mm."""
-        return self.body.solution.origin(self.body.name, 0) + self._arm
-
-    @cached_property
-    def first(self) -> Array:
-        """First kinematic coefficient: dP/dq, mm per unit of drive."""
-        with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
-            turned = self._arm * self.body.first
-            turned *= 1j
-            turned += self.body.solution.origin(self.body.name, 1)
-            return turned
-
-    @cached_property
-    def second(self) -> Array:
-        """Second kinematic coefficient: d2P/dq2, mm per unit of drive squared."""
-        with np.errstate(invalid="ignore"):
-            turned = np.empty(self._arm.shape, dtype=complex)
-            turned.real, turned.imag = -(self.body.first**2), self.body.second
-            turned *= self._arm
-            turned += self.body.solution.origin(self.body.name, 2)
-            return turned
-
-    @cached_property
-    def velocity(self) -> Array:
-        """mm/s."""
-        return self.body.timing.rate(self.first)
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """mm/s2."""
-        second = self.second  # first of all, so that the lower orders come with it
-        return self.body.timing.gain(self.first, second)
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """A rigid body over the frames; all (frames,), angles counterclockwise, nan where the linkage is open."""
-
-    name: str
-    solution: Solution
-    timing: Timing
-
-    @property
-    def direction(self) -> Array:
-        """The body's x axis, unit complex."""
-        return self.solution.turn(self.name, 0)
-
-    @property
-    def first(self) -> Array:
-        """First kinematic coefficient: d(angle)/dq, rad per unit of drive."""
-        return self.solution.turn(self.name, 1)
-
-    @property
-    def second(self) -> Array:
-        """Second kinematic coefficient: d2(angle)/dq2, rad per unit of drive squared."""
-        return self.solution.turn(self.name, 2)
-
-    @cached_property
-    def omega(self) -> Array:
-        """Angular velocity, rad/s."""
-        return self.timing.rate(self.first)
-
-    @cached_property
-    def alpha(self) -> Array:
-        """Angular acceleration, rad/s2."""
-        second = self.second  # first of all, so that the lower orders come with it
-        return self.timing.gain(self.first, second)
-
-    @property
-    def origin(self) -> PointMotion:
-        """Motion of the body's own origin."""
-        return self.point(0j)
-
-    def point(self, local: complex) -> PointMotion:
-        """Motion of the body's own point `local`, mm in the body's frame."""
-        return PointMotion(self, local)
-
-
-@dataclass(frozen=True, eq=False)
-class SlideMotion:
-    """How a sliding joint slides; all (frames,), positive along the line's direction.
-
-    displacement mm from the line's own point `through`; velocity mm/s and acceleration mm/s2 of the
-    sliding alone; coriolis mm/s2, complex: 2 omega v at right angles to the line, omega that of the guide.
-    """
-
-    displacement: Array
-    velocity: Array
-    acceleration: Array
-    coriolis: Array
+# Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
+# is more a body that turns.
+STILL = 1e-9
+# Share of the linkage's motion below which a turning is rounding: far above the last bits that processors differ by, so
+# that all give the same columns, and far below what any drawing tells.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,22 +34,30 @@ class Motion:
     """
 
     linkage: Linkage
-    drive: Array
+    drive: Real
     timing: Timing
-    solution: Solution
+    solution: LinkageSolution
+
+    def __repr__(self) -> str:
+        driver, bodies = short(self.linkage.driver), short(self.linkage.bodies)
+        return f"Motion(drive={short(self.drive)}, driver={driver}, bodies={bodies}"[: LONGEST - 1] + ")"
+
+    def __dir__(self) -> list[str]:
+        """Its own names, and those of the bodies."""
+        return [*super().__dir__(), *self.linkage.bodies]
 
     @property
-    def closed(self) -> Array:
+    def closed(self) -> Mask:
         """Whether the linkage reaches the pose, bool; everything else is nan where it does not."""
         return self.solution.closed
 
     @property
-    def branches(self) -> Mapping[str, Array]:
+    def branches(self) -> Mapping[str, Whole]:
         """For each dyad, by its inner joint: +1 or -1, 0 where open or where both branches meet."""
         return self.solution.branches
 
     @property
-    def transmission_angle(self) -> Array:
+    def transmission_angle(self) -> Real:
         """Acute angle between coupler and rocker at their pin, rad: pi/2 at best, 0 at a dead centre.
 
         Of other dyads, and of loops that are solved together, the angle between the ways in which their two members
@@ -204,7 +66,7 @@ class Motion:
         return self.solution.transmission_angle
 
     @property
-    def condition(self) -> Array:
+    def condition(self) -> Real:
         """How many times an error of sizes or drive is seen in where the joint with the least transmission angle stands.
 
         1/sin of that angle: inf at a limit, nan where there is none.
@@ -213,7 +75,7 @@ class Motion:
             return 1 / np.sin(self.transmission_angle)
 
     @cached_property
-    def residual(self) -> Array:
+    def residual(self) -> Real:
         """How far the loops are from closing, mm: the largest distance between points that a joint keeps together."""
         far = np.zeros(self.closed.shape)
         for pin, bodies in self.linkage.pins.items():
@@ -253,6 +115,13 @@ class Motion:
                 return _slide(self, slider)
         raise KeyError(f"no slider named {name!r}; there are {', '.join(s.name for s in self.linkage.sliders)}")
 
+    def to_columns(self) -> dict[str, Real]:
+        """The columns of `motion_table`, (frames,), by name and unit, `rocker_omega_rad_per_s`: feeds any data frame.
+
+        DesignError for arrays of linkages: take one.
+        """
+        return {column.header: column.values for column in motion_table(self).columns}
+
 
 def _slide(motion: Motion, slider: Slider) -> SlideMotion:
     guide = motion.bodies[slider.along]
@@ -264,3 +133,141 @@ def _slide(motion: Motion, slider: Slider) -> SlideMotion:
     second = dot(line, point.second - start.second) + guide.first**2 * apart.real + guide.second * apart.imag
     velocity = motion.timing.rate(first)
     return SlideMotion(apart.real, velocity, motion.timing.gain(first, second), 2j * guide.omega * velocity * line)
+
+
+@checked
+def mechanical_advantage(motion: Motion, output: str) -> Real:
+    """Output torque or force over input torque or force, by the power that both have: dq over the output's own way.
+
+    Of a turning body the torque it gives for 1 of the driver's; of one that only slides on the ground the force along
+    its line, per mm where the driver turns. Signed: negative where it works against the driver's sense. Of any other
+    body that moves without turning, such as a platform on two cranks, the force along the path of its points, which is
+    the same for all: positive, since a path has no sense but the motion's. inf where the output stands still (a dead
+    centre of the output), 0 where the driver does. Derived here, from virtual work without friction.
+    """
+    if output not in motion.bodies or output == motion.linkage.ground:
+        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}")
+    body = motion.bodies[output]
+    lines = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
+    if lines:
+        slider = lines[0]
+        line = motion.bodies[motion.linkage.ground].direction * (
+            slider.direction if slider.body == output else -slider.direction
+        )
+        along = dot(line, body.point(slider.point if slider.body == output else slider.through).first)
+    else:
+        along = np.abs(body.origin.first)
+    way = np.where(goes_without_turning(motion, output), along, body.first)
+    with np.errstate(divide="ignore"):
+        advantage: Real = 1 / way
+    return advantage
+
+
+def goes_without_turning(motion: Motion, body: str) -> Mask:
+    """Whether all that a body turns over the frames is rounding of its going along, bool, () or (linkages,)."""
+    moving = motion.bodies[body]
+    turning, going = (
+        np.abs(np.nan_to_num(rate, nan=0.0, posinf=0.0, neginf=0.0)).max(axis=0, initial=0.0)
+        for rate in (moving.first, moving.origin.first)
+    )
+    size = np.where(motion.linkage.size > 0, motion.linkage.size, 1.0)
+    still: Mask = turning * size <= STILL * going
+    return still
+
+
+@checked
+def motion_table(motion: Motion) -> Table:
+    """Driver, time, every body that turns, every slide, transmission angle, and the points that are no pins.
+
+    Angles in deg, without jumps by a turn; times from the first frame, nan where the speed is none or not constant.
+    What is nothing but rounding has no column. DesignError for arrays of linkages: take one.
+    """
+    linkage, speed = motion.linkage, motion.timing.speed
+    if linkage.many:
+        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
+    time = (motion.drive - motion.drive[:1]) / (speed if steady else np.nan)
+    ground, driver = linkage.ground, linkage.driver
+    if linkage.driven_slider:
+        drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
+    else:
+        drive = Column(
+            f"{driver}_angle", "deg", f"angle of the {driver} from the ground line", np.degrees(motion.drive)
+        )
+    columns = [
+        drive,
+        Column("time", "s", "time at the recipe's speed", time),
+        *_bodies(motion),
+        *_slides(motion),
+        Column("transmission_angle", "deg", "least over the dyads", np.degrees(motion.transmission_angle)),
+        *_outputs(motion),
+        *(Column(f"{joint}_branch", "", f"branch of {joint}, 0 for none", b) for joint, b in motion.branches.items()),
+    ]
+    for body, points in linkage.bodies.items():
+        for point in points:
+            if body != ground and point not in linkage.pins:
+                columns += _point(motion, point)
+    return Table(tuple(columns))
+
+
+def _bodies(motion: Motion) -> Iterator[Column]:
+    places = [abs(z) for points in motion.linkage.bodies.values() for z in points.values()]
+    reach = max(places, default=0.0) or 1.0
+    sizes = {name: (_largest(body.first) * reach, _largest(body.origin.first)) for name, body in motion.bodies.items()}
+    least = ROUNDING * max(max(turn, way) for turn, way in sizes.values())
+    omega = max(_largest(body.omega) for body in motion.bodies.values())
+    for name, body in motion.bodies.items():
+        if name in (motion.linkage.ground, motion.linkage.driver) or sizes[name][0] <= least:
+            continue
+        yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction), 1.0)
+        yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", finite(body.omega), omega)
+        alpha = finite(body.alpha)
+        yield Column(f"{name}_alpha", "rad/s2", f"angular acceleration of the {name}", alpha, omega**2)
+
+
+def _slides(motion: Motion) -> Iterator[Column]:
+    for slider in motion.linkage.sliders:
+        slide, name = motion.slide(slider.name), slider.name
+        velocity, acceleration = finite(slide.velocity), finite(slide.acceleration)
+        # Along its own guide the driver slides as it is told to, and what else is found is rounding.
+        speed = _largest(motion.bodies[slider.body].origin.velocity)
+        pull = _largest(motion.bodies[slider.body].origin.acceleration)
+        yield Column(f"{name}_displacement", "mm", f"place on the line of {name}", slide.displacement)
+        yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", velocity, speed)
+        yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, pull)
+        if _largest(slide.coriolis) > ROUNDING * max(pull, _largest(acceleration)):
+            yield from xy_columns(
+                f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", finite(slide.coriolis)
+            )
+
+
+def _largest(values: Real | Complex) -> float:
+    """Largest finite magnitude; 0 where there is none."""
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+
+
+def _outputs(motion: Motion) -> Iterator[Column]:
+    """Mechanical advantage of every body that the ground holds: what may drive something else."""
+    linkage = motion.linkage
+    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
+    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
+    for name in linkage.bodies:
+        if name in held - {linkage.ground, linkage.driver}:
+            words = f"torque or force that the {name} gives for 1 of the driver's"
+            torque = linkage.driven_slider and np.nan_to_num(motion.bodies[name].first).any()
+            advantage = finite(mechanical_advantage(motion, name))
+            yield Column(f"{name}_mechanical_advantage", "mm" if torque else "", words, advantage)
+
+
+def _point(motion: Motion, point: str) -> Iterator[Column]:
+    track, words = motion.point(point), point.replace("_", " ")
+    yield from xy_columns(point, "mm", words, track.position)
+    yield from xy_columns(f"{point}_velocity", "mm/s", f"velocity of the {words}", finite(track.velocity))
+    yield from xy_columns(f"{point}_acceleration", "mm/s2", f"acceleration of the {words}", finite(track.acceleration))
+
+
+def unwrapped_deg(direction: Complex) -> Real:
+    """Angles without jumps by a turn, nan kept."""
+    angle, known = np.angle(direction), np.isfinite(direction)
+    angle[known] = np.unwrap(angle[known])
+    return np.degrees(angle)

@@ -9,17 +9,18 @@ from itertools import combinations, islice
 import numpy as np
 
 from ..arguments import checked
+from ..brief import one_line
 from ..errors import DesignError, printable
-from .solve.actuators import ActuatedRRP, ActuatedRRR
-from .solve.branch import Chosen
-from .solve.run import Chain
-from .solve.driver_dyads import DrivenRRP, DrivenRRR
-from .solve.continued import reach_of
-from .solve.dyads import RPR, RRP, RRR, Dyad
 from .limits import driver_limits
 from .motion import Motion
+from .solve.actuators import ActuatedRRP, ActuatedRRR
+from .solve.branch import Chosen
+from .solve.driver_dyads import DrivenRRP, DrivenRRR
+from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
+from .solve.loops import Loops
 from .solve.move import move
-from .solve.steps import Step, Turned
+from .solve.placement import Placement, Turned
+from .solve.solution import LinkageSolution, reach_of
 
 # Branches that are tried, those with the fewest changes first, and frames at which the ones that close are compared:
 # six dyads have 64. More would make a message wait.
@@ -59,6 +60,8 @@ class Opening:
     text: str
     remedy: str
 
+    __repr__ = one_line
+
     def __str__(self) -> str:
         return self.text
 
@@ -75,25 +78,25 @@ def opening(motion: Motion) -> Opening | None:
         return None
     frame = int(np.argmin(motion.closed))
     drive, solution = float(motion.drive[frame]), motion.solution
-    if not isinstance(solution, Chain):
-        raise DesignError("motion", "found one that was not solved by steps", "give what `move` returns")
-    step = next(s for s in solution.steps if _open(s, solution, frame))
-    turns = isinstance(solution.steps[0], Turned)
+    opened = next(one for one in solution.placements if _open(one, solution, frame))
+    turns = isinstance(solution.placements[0], Turned)
     at = f"at {printable(motion.linkage.driver)} {_shown(drive, turns)}"
-    kind = type(step.dyad) if isinstance(step, DrivenRRR | DrivenRRP) else type(step)
-    if isinstance(step, Dyad):
-        gaps = [float(np.broadcast_to(gap, motion.closed.shape)[frame]) for gap in step.gaps(solution.poses)]
+    kind = type(opened.dyad) if isinstance(opened, DrivenRRR | DrivenRRP) else type(opened)
+    if isinstance(opened, Dyad):
+        gaps = [float(np.broadcast_to(gap, motion.closed.shape)[frame]) for gap in opened.gaps(solution.poses)]
         lacking, (problem, remedy) = min(zip([-gap for gap in gaps], LACKS[kind]), key=lambda row: -row[0])
         # Where rounding alone opens it there is no length to tell.
         lacking = max(lacking, 0.0)
         number = f"{lacking * 1.0005:.4g}"
-        name, text, remedy = step.joint, problem.format(f"{lacking:.4g}"), remedy.format(number)
+        name, text, remedy = opened.joint, problem.format(f"{lacking:.4g}"), remedy.format(number)
         text = f"the dyad at {printable(name)} opens first, {at}: {text}"
     else:
-        name, lacking = ", ".join(_bodies(step)), np.nan
+        assert isinstance(opened, Loops | Crossed)
+        bodies = opened.waiting if isinstance(opened, Loops) else (opened.body,)
+        name, lacking = ", ".join(bodies), np.nan
         text = f"{printable(name)} cannot be placed, {at}"
         remedy = "turn its guides so that they do not stand parallel, or give another estimate of its pins"
-    branch = _closing(motion, solution, frame, step)
+    branch = _closing(motion, solution, frame, opened)
     if branch is not None:
         changed = {joint: sign for joint, sign in branch.items() if sign != solution.signs[joint][frame]}
         text += f"; it closes there with {', '.join(f'{printable(joint)} = {sign}' for joint, sign in changed.items())}"
@@ -113,24 +116,20 @@ def never_closed(motion: Motion) -> DesignError:
     return DesignError("drive", f"the linkage closes at no frame; {found.text}", remedy)
 
 
-def _open(step: Step, solution: Chain, frame: int) -> bool:
-    reached = step.reached(solution.poses)
+def _open(one: Placement, solution: LinkageSolution, frame: int) -> bool:
+    reached = one.reached(solution.poses)
     return reached is not None and not np.isfinite(np.broadcast_to(reached, solution.shape)[frame])
-
-
-def _bodies(step: Step) -> Sequence[str]:
-    waiting: Sequence[str] = getattr(step, "waiting", ()) or (step.body,)  # type: ignore[attr-defined]
-    return waiting
 
 
 def _shown(drive: float, turns: bool) -> str:
     return f"{np.degrees(drive):.6g} deg" if turns else f"{drive:.6g} mm"
 
 
-def _closing(motion: Motion, solution: Chain, frame: int, opened: Step) -> dict[str, int] | None:
+def _closing(motion: Motion, solution: LinkageSolution, frame: int, opened: Placement) -> dict[str, int] | None:
     """Signs on which the linkage closes at a frame: the sign of a dyad decides nothing of itself, but of those after it."""
     own = {joint: int(signs[frame]) or 1 for joint, signs in solution.signs.items()}
-    before = [s.joint for s in solution.steps[: solution.steps.index(opened)] if isinstance(s, Dyad)]
+    placed = solution.placements[: solution.placements.index(opened)]
+    before = [one.joint for one in placed if isinstance(one, Dyad)]
     row = np.append(motion.drive[frame], motion.drive[:: len(motion.drive) // FRAMES + 1])
     best: tuple[float, dict[str, int]] = (0.0, {})
     for flipped in islice(_choices(before), TRIED):
@@ -141,9 +140,9 @@ def _closing(motion: Motion, solution: Chain, frame: int, opened: Step) -> dict[
     return best[1] or None
 
 
-def _fixed(solution: Chain, signs: Mapping[str, int]) -> Chosen:
+def _fixed(solution: LinkageSolution, signs: Mapping[str, int]) -> Chosen:
     """These signs, with the places that were given, from which what is no dyad starts."""
-    return Chosen(1, signs, solution.branch.near, False)
+    return Chosen(1, signs, solution.asked.near, False)
 
 
 def _choices(joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -153,8 +152,7 @@ def _choices(joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
 def _reached(motion: Motion, found: Opening) -> list[str]:
     """The driver's ranges in which the linkage closes on the branch it opened on, as words, rounded inwards."""
     solution = motion.solution
-    assert isinstance(solution, Chain)
-    turns = isinstance(solution.steps[0], Turned)
+    turns = isinstance(solution.placements[0], Turned)
     reach = reach_of(solution.linkage)
     # From the open drive round to it again, so that no part is cut in two.
     span = (found.drive, found.drive + 2 * np.pi) if turns else (-reach, reach)

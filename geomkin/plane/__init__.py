@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .cycloid import Cycloid as Cycloid
     from .derived import Mirrored as Mirrored
     from .derived import Moved as Moved
     from .derived import Offset as Offset
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from .primitives import Segment as Segment
     from .primitives import rounded_hull as rounded_hull
     from .primitives import slot as slot
+    from .roulettes import Cycloid as Cycloid
     from .roulettes import Involute as Involute
     from .roulettes import Trochoid as Trochoid
     from .spline import Spline as Spline

@@ -11,14 +11,15 @@ from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
 from .spread import Judge, direction, probes, spread, tops, turns
-from .vec import Array, unit
+from .vec import Complex, Real, dot, unit
 
+# Where a biarc is compared with its curve. Fewer let the largest deviation slip between two; more cost time.
 SHARES = np.linspace(0, 1, 26)[1:-1]
 # Neighbouring arcs whose curvatures differ by less than this turn over their length, rad, are one arc.
 # Larger would break the tangent by that much; smaller leaves a true circle in pieces.
 SAME = 1e-8
 # Vertices, first and last included, and the bulges between them.
-Chain = tuple[Array, Array]
+Chain = tuple[Complex, Real]
 
 
 @checked
@@ -26,9 +27,10 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     """Arcs and straight edges nowhere farther than `tolerance`, mm, from the curve.
 
     The tangent is continuous within each smooth piece of the curve, and the points where arcs of
-    different pieces meet lie on it. Built of biarcs (two arcs, tangent to the curve at both ends)
-    that all have the same error; within 15 % of what a greedy choice would need. Circles and straight
-    pieces come back exactly. No arc exceeds half a turn.
+    different pieces meet lie on it. Built of biarcs, two arcs that are tangent to the curve at both ends (Bolton,
+    "Biarc curves", Computer-Aided Design 7, 1975, 89-92), that all have the same error; within 15 % of what a greedy
+    choice would need. Circles and straight pieces come back exactly. No arc exceeds half a turn. DesignError unless
+    the tolerance is above 0.
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
@@ -36,9 +38,7 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     return Polyline(vertices[:-1] if curve.closed else vertices, bulges, curve.closed)
 
 
-def _chain(
-    curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, tuple[Array, Array]]
-) -> tuple[Array, Array]:
+def _chain(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Chain]) -> Chain:
     """What `to_arcs` gives. Congruent pieces are worked out once.
 
     known: the chains of curves met before.
@@ -79,7 +79,7 @@ def _chain(
     return known[curve]
 
 
-def _over_seam(z: Array, bulges: Array, turn: complex) -> Chain:
+def _over_seam(z: Complex, bulges: Real, turn: complex) -> Chain:
     """The chain from its second vertex on, where its last edge and the first of its turned copy are one arc."""
     if len(bulges) < 3:
         return z, bulges
@@ -104,7 +104,7 @@ def _no_large_arcs(curve: Polyline) -> Chain:
     return vertices, np.tan(np.repeat(np.arctan(bulges) / halves, halves))
 
 
-def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
+def _biarcs(curve: AbstractCurve, edges: Real) -> tuple[Complex, ...]:
     """Ends, joints and end tangents of the biarc over each interval.
 
     The joint is the middle of p0 + d t0 and p1 - d t1 with one d for both ends, in the form without
@@ -115,7 +115,7 @@ def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
     p0, p1 = p[:-1], p[1:]
     chord, along = p1 - p0, t0 + t1
     c2 = np.abs(chord) ** 2
-    ahead = np.real(np.conj(chord) * along)
+    ahead = dot(chord, along)
     # 2 (1 - t0 . t1) is |t1 - t0|^2, which keeps its digits for nearly parallel tangents.
     root = np.sqrt(ahead**2 + np.abs(t1 - t0) ** 2 * c2)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -123,20 +123,20 @@ def _biarcs(curve: AbstractCurve, edges: Array) -> tuple[Array, ...]:
         return p0, p1, 0.5 * (p0 + p1 + d * (t0 - t1)), t0, t1
 
 
-def _bulge(chord: Array, tangent: Array) -> Array:
+def _bulge(chord: Complex, tangent: Complex) -> Real:
     """tan(sweep / 4) of the arc over `chord` that leaves along `tangent`: half the angle between the two."""
     w = chord * np.conj(tangent)
     return w.imag / (np.abs(w) + w.real)
 
 
-def _alternating(p0: Array, p1: Array, joint: Array, t0: Array, t1: Array) -> tuple[Array, Array]:
+def _alternating(p0: Complex, p1: Complex, joint: Complex, t0: Complex, t1: Complex) -> Chain:
     """Vertices and bulges of the biarcs, one after the other."""
     z = np.append(np.stack([p0, joint], axis=1).ravel(), p1[-1])
     first, second = _bulge(joint - p0, t0), -_bulge(joint - p1, -t1)
     return z, np.stack([first, second], axis=1).ravel()
 
 
-def _merge(z: Array, bulge: Array) -> tuple[Array, Array]:
+def _merge(z: Complex, bulge: Real) -> Chain:
     """One arc for each row of arcs of the same circle, up to half a turn."""
     chord, sweep = np.diff(z), 4 * np.arctan(bulge)
     length = np.abs(chord) / np.sinc(sweep / (2 * np.pi))
@@ -155,13 +155,13 @@ def _merge(z: Array, bulge: Array) -> tuple[Array, Array]:
 
 
 def _biarc_judge(curve: AbstractCurve) -> Judge:
-    def judge(edges: Array) -> tuple[Array, Array]:
+    def judge(edges: Real) -> tuple[Real, Real]:
         p0, p1, joint, t0, t1 = (a[:, None] for a in _biarcs(curve, edges))
         inside = probes(edges, SHARES)
         z = curve.point(inside)
         # Direction at the joint: the first tangent mirrored in the first arc's chord.
         middle = t0.conj() * unit(joint - p0) ** 2
-        first = np.real(np.conj(middle) * (z - joint)) < 0
+        first = dot(middle, z - joint) < 0
         off = np.where(first, _off_arc(z, p0, t0, joint), _off_arc(z, p1, -t1, joint))
         v = curve.velocity(inside)
         # A biarc that does not exist (its tangents face each other) is as wrong as its chord is long.
@@ -171,7 +171,7 @@ def _biarc_judge(curve: AbstractCurve) -> Judge:
     return judge
 
 
-def _off_arc(z: Array, start: Array, tangent: Array, end: Array) -> Array:
+def _off_arc(z: Complex, start: Complex, tangent: Complex, end: Complex) -> Real:
     """Distance of points from the circle that leaves `start` along `tangent` and passes `end`.
 
     Written with the curvature, so that a circle as flat as a line keeps its digits.
@@ -180,4 +180,5 @@ def _off_arc(z: Array, start: Array, tangent: Array, end: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         bend = 2 * w.imag / np.abs(w) ** 2
     q = (z - start) * np.conj(tangent)
-    return np.abs(bend * np.abs(q) ** 2 - 2 * q.imag) / (1 + np.abs(bend * q - 1j))
+    off: Real = np.abs(bend * np.abs(q) ** 2 - 2 * q.imag) / (1 + np.abs(bend * q - 1j))
+    return off

@@ -11,40 +11,49 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .vec import Array
+from ..brief import one_line
+from .vec import Complex, Real, cross
 
 
 class AbstractCurve(ABC):
-    """A plane curve, smooth between its breaks.
+    """A plane curve: a point, mm, that depends on a parameter t and never changes otherwise.
 
-    `point(t)`, mm, and `velocity(t)` = dP/dt take arrays of any shape, inside the domain
-    [breaks[0], breaks[-1]]. At a break both answer for the piece that starts there.
+    A curve must say `point`, `velocity`, `breaks` and `closed`, and may say `curvature` where a closed form is known.
+    All that is offered for curves (`flatten`, `to_arcs`, `length`, `area`, `nearest`, `Moved`, `Offset`, the outline
+    of a `Part`) asks no more. The domain is breaks[0] <= t <= breaks[-1]; outside it nothing is promised. At a break
+    velocity and curvature are those of the piece that starts there, at the last one of the piece that ends. Curves
+    are told apart by identity: what is worked out for one is kept, so none may change once it is made.
     """
 
-    @abstractmethod
-    def point(self, t: ArrayLike) -> Array:
-        """Points (...,) complex, mm."""
+    __repr__ = one_line
 
     @abstractmethod
-    def velocity(self, t: ArrayLike) -> Array:
-        """dP/dt (...,) complex, mm per unit of t; analytic."""
+    def point(self, t: ArrayLike) -> Complex:
+        """Points, mm, at parameters of any shape, in that shape; continuous over the whole domain."""
+
+    @abstractmethod
+    def velocity(self, t: ArrayLike) -> Complex:
+        """dP/dt, mm per unit of t, at parameters of any shape: exact, not by differences; 0 at cusps alone."""
 
     @property
     @abstractmethod
-    def breaks(self) -> Array:
-        """Rising parameters between which the curve is smooth; the first and last are the domain."""
+    def breaks(self) -> Real:
+        """Rising parameters (n,), n > 1: the ends of the domain, and between them each corner, cusp and jump of curvature.
+
+        From one to the next all derivatives are continuous. More breaks do no harm.
+        """
 
     @property
     @abstractmethod
     def closed(self) -> bool:
-        """Whether the end is the start."""
+        """Whether the end is the start, and the curve an outline: it may run either way round."""
 
-    def curvature(self, t: ArrayLike) -> Array:
-        """Signed curvature, 1/mm, positive where the curve turns left along rising t.
+    def curvature(self, t: ArrayLike) -> Real:
+        """Signed curvature, 1/mm, positive where the curve turns left along rising t; not finite at a cusp.
 
-        Unless a curve knows better, from the analytic velocity: the derivative of the polynomial of
-        degree 8 through nine neighbours inside the same smooth piece, good to about 1e-9 of the
-        largest value where the piece is smooth on a scale of a sixteenth of its length.
+        Unless a curve knows better, from the velocity: the derivative of the polynomial of degree 8 through nine
+        neighbours inside the same smooth piece, good to about 1e-9 of the largest value where the piece is smooth
+        on a scale of a sixteenth of its length (derived here).
         """
         t, breaks = np.asarray(t, dtype=float), self.breaks
         piece = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
@@ -59,12 +68,20 @@ class AbstractCurve(ABC):
         powers = np.linalg.inv(np.vander(nodes, increasing=True))
         slope = np.concatenate([x**0 * 0, *[k * x ** (k - 1) for k in range(1, 9)]], axis=-1) @ powers
         value = np.concatenate([x**k for k in range(9)], axis=-1) @ powers
-        v0, acceleration = np.sum(value * v, axis=-1), np.sum(slope * v, axis=-1) / half
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.imag(np.conj(v0) * acceleration) / np.abs(v0) ** 3
+        return bend(np.sum(value * v, axis=-1), np.sum(slope * v, axis=-1) / half)
 
 
-def just_before(t: Array, breaks: Array) -> Array:
+def bend(velocity: ArrayLike, acceleration: ArrayLike) -> Real:
+    """Curvature, positive to the left, from the first two derivatives by any parameter; nan where a point stands still.
+
+    v x a / |v|^3 (do Carmo, Differential Geometry of Curves and Surfaces, section 1-5, exercise 12).
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn: Real = cross(velocity, acceleration) / np.abs(velocity) ** 3
+    return turn
+
+
+def just_before(t: Real, breaks: Real) -> Real:
     """Parameters, with those at a break moved before it: by more than the rounding that finds a piece again."""
     at = t == breaks[0] if len(breaks) == 1 else np.isin(t, breaks)
     return np.where(at, t - 64 * np.spacing(np.abs(breaks).max()), t) if at.any() else t

@@ -10,30 +10,20 @@ from numpy.typing import ArrayLike
 from ..arguments import check_fields
 from .curve import AbstractCurve, just_before
 from .pose import Pose
-from .vec import Array, unit
+from .vec import Complex, Real, unit
 
 
-@dataclass(frozen=True, eq=False)
-class Moved(AbstractCurve):
-    """A curve seen from outside when its own frame stands at `pose`."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Derived(AbstractCurve):
+    """What is made from one curve: over the same parameters, unless it says otherwise."""
 
     curve: AbstractCurve
-    pose: Pose
 
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def point(self, t: ArrayLike) -> Array:
-        return self.pose.place(self.curve.point(t))
-
-    def velocity(self, t: ArrayLike) -> Array:
-        return self.pose.direction * self.curve.velocity(t)
-
-    def curvature(self, t: ArrayLike) -> Array:
-        return self.curve.curvature(t)
-
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return self.curve.breaks
 
     @property
@@ -41,83 +31,76 @@ class Moved(AbstractCurve):
         return self.curve.closed
 
 
-@dataclass(frozen=True, eq=False)
-class Reversed(AbstractCurve):
+@dataclass(frozen=True, eq=False, repr=False)
+class Moved(Derived):
+    """A curve seen from outside when its own frame stands at `pose`."""
+
+    pose: Pose
+
+    def point(self, t: ArrayLike) -> Complex:
+        return self.pose.place(self.curve.point(t))
+
+    def velocity(self, t: ArrayLike) -> Complex:
+        return self.pose.direction * self.curve.velocity(t)
+
+    def curvature(self, t: ArrayLike) -> Real:
+        return self.curve.curvature(t)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reversed(Derived):
     """The same points the other way round: t runs over the negated domain."""
 
-    curve: AbstractCurve
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self.curve.point(-np.asarray(t, dtype=float))
 
     # The piece that starts at a break here is the one that ends there in the curve itself.
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return -self.curve.velocity(just_before(-np.asarray(t, dtype=float), self.curve.breaks[1:]))
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return -self.curve.curvature(just_before(-np.asarray(t, dtype=float), self.curve.breaks[1:]))
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return -self.curve.breaks[::-1]
 
-    @property
-    def closed(self) -> bool:
-        return self.curve.closed
 
-
-@dataclass(frozen=True, eq=False)
-class Mirrored(AbstractCurve):
+@dataclass(frozen=True, eq=False, repr=False)
+class Mirrored(Derived):
     """The mirror image of a curve in the y axis."""
 
-    curve: AbstractCurve
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return -np.conj(self.curve.point(t))
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return -np.conj(self.curve.velocity(t))
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return -self.curve.curvature(t)
 
-    @property
-    def breaks(self) -> Array:
-        return self.curve.breaks
 
-    @property
-    def closed(self) -> bool:
-        return self.curve.closed
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch(AbstractCurve):
+@dataclass(frozen=True, eq=False, repr=False)
+class Stretch(Derived):
     """The part of a curve over `run`, rising parameters of it; the curve may jump at the last."""
 
-    curve: AbstractCurve
-    run: Array
+    run: Real
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self.curve.point(self._inside(t))
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return self.curve.velocity(self._inside(t))
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return self.curve.curvature(self._inside(t))
 
-    def _inside(self, t: ArrayLike) -> Array:
+    def _inside(self, t: ArrayLike) -> Real:
         """At its end the curve would answer for the piece beyond."""
         return just_before(np.asarray(t, dtype=float), self.run[-1:])
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return self.run
 
     @property
@@ -125,8 +108,8 @@ class Stretch(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False)
-class Offset(AbstractCurve):
+@dataclass(frozen=True, eq=False, repr=False)
+class Offset(Derived):
     """The parallel curve at a signed distance, mm, to the right of a curve.
 
     Right is outside for a counterclockwise outline. Exact, loops included: where the distance
@@ -134,20 +117,16 @@ class Offset(AbstractCurve):
     Corners of the curve leave gaps.
     """
 
-    curve: AbstractCurve
     distance: float
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self.curve.point(t) - 1j * self.distance * unit(self._moving(t)[1])
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         t, v = self._moving(t)
         return v * (1 + self.distance * self.curve.curvature(t))
 
-    def _moving(self, t: ArrayLike) -> tuple[Array, Array]:
+    def _moving(self, t: ArrayLike) -> tuple[Real, Complex]:
         """Parameters and velocities; at a cusp, where the curve stands still, those just inside the piece."""
         t = np.asarray(t, dtype=float)
         v = self.curve.velocity(t)
@@ -158,15 +137,7 @@ class Offset(AbstractCurve):
             v = self.curve.velocity(t)
         return t, v
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         bend = self.curve.curvature(t)
         with np.errstate(divide="ignore"):
-            return bend / np.abs(1 + self.distance * bend)
-
-    @property
-    def breaks(self) -> Array:
-        return self.curve.breaks
-
-    @property
-    def closed(self) -> bool:
-        return self.curve.closed
+            return bend / abs(1 + self.distance * bend)

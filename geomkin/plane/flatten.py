@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arguments import checked
 from ..errors import DesignError
-from .arc_chain import chain_points, chords_of_arc, edges_of
 from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
-from .primitives import Circle, Polyline
+from .primitives import Arc, Circle, Polyline, Segment
 from .spread import CORNER, Judge, cells_of, direction, probes, spread, tops, turns
-from .vec import Array
+from .vec import Complex, Real
 
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
 # curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
@@ -20,21 +22,22 @@ SHARES = np.linspace(0, 1, 11)
 
 
 @checked
-def flatten(curve: AbstractCurve, tolerance: float) -> Array:
+def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     """Points (n,) complex on the curve, mm, whose chords are nowhere farther than `tolerance` from it.
 
     A closed curve does not repeat its start, which need not be among the points; an open one includes both ends.
     Every corner is a point. All chords get the same error instead of the same length, which takes the least count
     possible for chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
     involutes and cams; up to 8 % where a stretch has an inflection every twenty chords). Of curves made of arcs and
-    straight edges alone each arc takes the least count, and the edges stay where they are.
+    straight edges alone each arc takes the least count, and the edges stay where they are. DesignError unless the
+    tolerance, mm, is above 0. Derived here.
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     return _points(curve, tolerance, {})
 
 
-def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Array]) -> Array:
+def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Complex]) -> Complex:
     """What `flatten` gives. Congruent pieces are worked out once, and arcs by their own rule.
 
     known: the points of curves met before.
@@ -55,12 +58,12 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, A
             points = _points(curve.curve, tolerance, known)[::-1]
             return np.roll(points, 1) if curve.closed else points
         case Circle():
-            chords = max(3, int(np.ceil(chords_of_arc(curve.radius, 2 * np.pi, tolerance))))
+            chords = max(3, int(np.ceil(_chords_of_arc(curve.radius, 2 * np.pi, tolerance))))
             return curve.point(np.linspace(0, 2 * np.pi, chords + 1)[:-1])
         case Polyline() if curve.bulges is None:
             return np.asarray(curve.vertices, dtype=complex)
-        case _ if edges := edges_of(curve):
-            return chain_points(curve, *edges, tolerance)
+        case _ if edges := _edges_of(curve):
+            return _chain_points(curve, *edges, tolerance)
     runs = smooth_runs(curve)
     if len(groups := _between_corners(curve, runs)) > 1:
         parts = [_end_to_end(group, tolerance, known) for group in groups]
@@ -73,22 +76,63 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, A
     return known[curve]
 
 
-def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Array]) -> Array:
+def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Complex]) -> Complex:
     """The same with the end, where that is the start too."""
     points = _points(curve, tolerance, known)
     return np.append(points, points[0]) if curve.closed else points
 
 
-def _between_corners(curve: AbstractCurve, runs: list[Array]) -> list[AbstractCurve]:
+def _between_corners(curve: AbstractCurve, runs: list[Real]) -> list[AbstractCurve]:
     """A path cut where its pieces meet in corners, so that what is known of a piece's form can be used."""
     if not isinstance(curve, Path):
         return [curve]
     cuts = [0, *(int(run[-1]) for run in runs if run[-1] == int(run[-1]))]
-    groups = [curve.pieces[i:j] for i, j in zip(cuts, cuts[1:])]
+    groups = [curve.pieces[i:j] for i, j in pairwise(cuts)]
     return [group[0] if len(group) == 1 else Path(group) for group in groups]
 
 
-def smooth_runs(curve: AbstractCurve) -> list[Array]:
+def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
+    """Sweep, rad, and radius, mm, of each edge, 0 and 1 of a straight one; None for curves with other pieces.
+
+    Edge k runs evenly over k <= t <= k + 1.
+    """
+    pieces = curve.pieces if isinstance(curve, (Path, Polyline)) else (curve,)
+    if not all(isinstance(piece, (Arc, Segment)) for piece in pieces):
+        return None
+    sizes = [(abs(p.sweep), abs(p.start - p.centre)) if isinstance(p, Arc) else (0.0, 1.0) for p in pieces]
+    sweep, radius = np.array(sizes).T
+    return sweep, radius
+
+
+def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Real:
+    """Least number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
+    half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
+    # A circle asked for with a tolerance that just gives a whole number gets that.
+    count: Real = np.asarray(sweep) / (2 * half)
+    return count - 1e-9
+
+
+def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: float) -> Complex:
+    """Points whose chords keep the tolerance, the end of an open curve included.
+
+    Straight edges stay where they are: they guide and carry, and a chord that reached into the arc beyond one, for
+    the sake of one point less, would shift it by the tolerance.
+    """
+    bent, edge = sweep > 0, np.arange(len(sweep), dtype=float)
+    chords = np.where(bent, np.ceil(_chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
+    smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
+    smooth[0] &= curve.closed
+    # Where one straight edge goes on in the next there is nothing to tell.
+    chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
+    if curve.closed and chords.sum() < 3:
+        # A tolerance as large as the curve would leave no area.
+        chords = chords + 1
+    first = np.repeat(np.cumsum(chords) - chords, chords)
+    t = np.repeat(edge, chords) + (np.arange(len(first)) - first) / np.repeat(chords, chords)
+    return curve.point(t if curve.closed else np.append(t, edge[-1] + 1))
+
+
+def smooth_runs(curve: AbstractCurve) -> list[Real]:
     """The breaks, cut into stretches without a corner; a chord may well span a jump of curvature."""
     b = curve.breaks
     if not (inner := len(b) - 2):
@@ -99,7 +143,7 @@ def smooth_runs(curve: AbstractCurve) -> list[Array]:
 
 
 def _chord_judge(curve: AbstractCurve) -> Judge:
-    def judge(edges: Array) -> tuple[Array, Array]:
+    def judge(edges: Real) -> tuple[Real, Real]:
         # A chord across a break is looked at on both sides of it: each side is smooth.
         cells, owner = cells_of(edges, curve.breaks)
         inside = curve.point(probes(cells, SHARES))
@@ -113,7 +157,7 @@ def _chord_judge(curve: AbstractCurve) -> Judge:
     return judge
 
 
-def _distance(a: Array, b: Array, p: Array) -> Array:
+def _distance(a: Complex, b: Complex, p: Complex) -> Real:
     """Distance of points from the segments a-b (not from the lines: a loop may pass an end)."""
     chord = b - a
     length = np.abs(chord)

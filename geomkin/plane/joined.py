@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import Count, check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
-from .vec import Array
+from .vec import Complex, Real, Whole
 
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
 # a visible gap pass as closed, smaller refuses pieces that differ by rounding.
 GAP = 1e-9
+# Start, middle and end of a piece: where they lie tells its place and its size.
 _SHARES = np.array([0.0, 0.5, 1.0])
+Number = TypeVar("Number", np.complex128, np.float64)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path(AbstractCurve):
     """Pieces end to end; piece k runs over k <= t <= k + 1, whatever its own parameter."""
 
@@ -39,7 +43,7 @@ class Path(AbstractCurve):
             )
 
     @cached_property
-    def _samples(self) -> Array:
+    def _samples(self) -> Complex:
         """Start, middle and end of each piece, (n, 3)."""
         return np.array([p.point(p.breaks[0] * (1 - _SHARES) + p.breaks[-1] * _SHARES) for p in self.pieces])
 
@@ -49,7 +53,7 @@ class Path(AbstractCurve):
         return float(GAP * np.abs(self._samples).max())
 
     @cached_property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         inner = [np.array([0.0])]
         for k, piece in enumerate(self.pieces):
             b = piece.breaks
@@ -60,16 +64,19 @@ class Path(AbstractCurve):
     def closed(self) -> bool:
         return bool(abs(self._samples[-1, 2] - self._samples[0, 0]) <= self._rounding)
 
-    def point(self, t: ArrayLike) -> Array:
-        return self._each(t, lambda piece, s, span: piece.point(s), complex)
+    def point(self, t: ArrayLike) -> Complex:
+        return self._each(t, lambda piece, s, span: piece.point(s), np.complex128)
 
-    def velocity(self, t: ArrayLike) -> Array:
-        return self._each(t, lambda piece, s, span: piece.velocity(s) * span, complex)
+    def velocity(self, t: ArrayLike) -> Complex:
+        return self._each(t, lambda piece, s, span: piece.velocity(s) * span, np.complex128)
 
-    def curvature(self, t: ArrayLike) -> Array:
-        return self._each(t, lambda piece, s, span: piece.curvature(s), float)
+    def curvature(self, t: ArrayLike) -> Real:
+        return self._each(t, lambda piece, s, span: piece.curvature(s), np.float64)
 
-    def _each(self, t: ArrayLike, value, dtype) -> Array:
+    def _each(
+        self, t: ArrayLike, value: Callable[[AbstractCurve, Real, float], Complex | Real], dtype: type[Number]
+    ) -> NDArray[Number]:
+        """What `value` gives of each piece at its own parameters, per unit of which t moves 1 / span."""
         t = np.asarray(t, dtype=float)
         out = np.empty(t.shape, dtype)
         if not t.size:
@@ -91,12 +98,12 @@ class Path(AbstractCurve):
         return out
 
     @cached_property
-    def _domains(self) -> list[tuple[Array, float, float]]:
+    def _domains(self) -> list[tuple[Real, float, float]]:
         """Breaks of each piece, the first and the last: asked for at every point."""
         return [(b, b[0], b[-1]) for b in (p.breaks for p in self.pieces)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ring(AbstractCurve):
     """`count` copies of a piece, each turned about the origin by one count-th of a turn more.
 
@@ -115,12 +122,13 @@ class Ring(AbstractCurve):
             raise DesignError("piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap")
 
     @cached_property
-    def turns(self) -> Array:
+    def turns(self) -> Complex:
         """Direction of each copy, (count,)."""
-        return np.exp(2j * np.pi * np.arange(self.count) / self.count)
+        turns: Complex = np.exp(2j * np.pi * np.arange(self.count) / self.count)
+        return turns
 
     @cached_property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         b = self.piece.breaks - self.piece.breaks[0]
         return np.append((np.arange(self.count)[:, None] * b[-1] + b[:-1]).ravel(), self.count * b[-1])
 
@@ -128,18 +136,18 @@ class Ring(AbstractCurve):
     def closed(self) -> bool:
         return True
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         copy, s = self._local(t)
         return self.piece.point(s) * self.turns[copy]
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         copy, s = self._local(t)
         return self.piece.velocity(s) * self.turns[copy]
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return self.piece.curvature(self._local(t)[1])
 
-    def _local(self, t: ArrayLike) -> tuple[Array, Array]:
+    def _local(self, t: ArrayLike) -> tuple[Whole, Real]:
         t = np.asarray(t, dtype=float)
         span = self.piece.breaks[-1] - self.piece.breaks[0]
         # At a break between copies the quotient may fall short of the whole number by rounding.
@@ -149,10 +157,11 @@ class Ring(AbstractCurve):
         )
 
 
-def _at_breaks(t: Array, breaks: Array, rounding: float) -> Array:
+def _at_breaks(t: Real, breaks: Real, rounding: float) -> Real:
     """Parameters that rounding has moved off an inner break put back on it, so that the right piece answers."""
     if len(breaks) == 2:
-        return np.minimum(np.maximum(t, breaks[0]), breaks[1])
+        inside: Real = np.minimum(np.maximum(t, breaks[0]), breaks[1])
+        return inside
     near = np.clip(np.searchsorted(breaks, t), 1, len(breaks) - 1)
     near = near - (t - breaks[near - 1] < breaks[near] - t)
     return np.where(np.abs(t - breaks[near]) <= 8 * rounding, breaks[near], t)

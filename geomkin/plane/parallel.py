@@ -10,7 +10,7 @@ from .flatten import smooth_runs
 from .joined import Path, Ring
 from .primitives import Arc, Polyline, Segment
 from .spread import CORNER, direction
-from .vec import Array, cross
+from .vec import Real, cross
 
 # Newton steps to where two curves meet. From the ends of neighbours that overlap by far less than they are long
 # four do; what has not met by then misses, or would have to be trimmed beyond the neighbours.
@@ -103,7 +103,7 @@ def _part(curve: AbstractCurve, low: float, high: float) -> AbstractCurve:
     return Stretch(curve, np.array([low, *inner, high]))
 
 
-def _beside(curve: AbstractCurve, run: Array, distance: float, known: Known) -> list[AbstractCurve]:
+def _beside(curve: AbstractCurve, run: Real, distance: float, known: Known) -> list[AbstractCurve]:
     """A stretch without a corner moved to its right: piece by piece, where it is made of whole ones."""
     first, last = int(run[0]), int(run[-1])
     if isinstance(curve, (Path, Polyline)) and (run[0], run[-1]) == (first, last):

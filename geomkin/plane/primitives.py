@@ -14,10 +14,10 @@ from .curve import AbstractCurve
 from .derived import Moved
 from .joined import Path
 from .pose import Pose
-from .vec import Array, cross
+from .vec import Complex, Real, Whole, cross
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Segment(AbstractCurve):
     """The straight line from `start` to `end`, mm, over 0 <= t <= 1."""
 
@@ -27,18 +27,18 @@ class Segment(AbstractCurve):
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         return self.start * (1 - t) + self.end * t
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return np.full(np.shape(t), self.end - self.start, dtype=complex)
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return np.zeros(np.shape(t))
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return np.array([0.0, 1.0])
 
     @property
@@ -46,7 +46,7 @@ class Segment(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Arc(AbstractCurve):
     """The circular arc about `centre` from the point `start` over `sweep` rad, counterclockwise positive.
 
@@ -60,18 +60,18 @@ class Arc(AbstractCurve):
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self.centre + (self.start - self.centre) * np.exp(1j * self.sweep * np.asarray(t))
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return 1j * self.sweep * (self.point(t) - self.centre)
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         with np.errstate(divide="ignore"):
             return np.full(np.shape(t), np.sign(self.sweep) / np.abs(self.start - self.centre))
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return np.array([0.0, 1.0])
 
     @property
@@ -79,7 +79,7 @@ class Arc(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Circle(AbstractCurve):
     """A whole circle, counterclockwise from its rightmost point; t is the angle in rad."""
 
@@ -91,17 +91,17 @@ class Circle(AbstractCurve):
         if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
             raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self.centre + self.radius * np.exp(1j * np.asarray(t))
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return 1j * self.radius * np.exp(1j * np.asarray(t))
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         return np.full(np.shape(t), 1 / self.radius)
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return np.array([0.0, 2 * np.pi])
 
     @property
@@ -109,16 +109,18 @@ class Circle(AbstractCurve):
         return True
 
 
-# Sweep, rad, below which the area under an arc is told by a series: its next term is a 2e-15th there.
+# Sweep, rad, below which the area under an arc is told by a series, whose next term is a 2e-15th of it there. Larger,
+# and the series lacks that term; smaller, and the closed form loses digits.
 FLAT = 0.02
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Polyline(AbstractCurve):
     """Straight edges and arcs through `vertices`; edge k runs over k <= t <= k + 1.
 
     vertices: (n,) complex, mm, the start not repeated. bulges: (n,) for a closed, (n - 1,) for an open
-    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left.
+    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left, as in
+    an LWPOLYLINE of DXF.
     """
 
     vertices: Row
@@ -134,7 +136,7 @@ class Polyline(AbstractCurve):
             raise DesignError("bulges", f"found shape {np.shape(self.bulges)}", f"give ({edges},), one for each edge")
 
     @cached_property
-    def _edges(self) -> tuple[Array, Array]:
+    def _edges(self) -> tuple[Complex, Real]:
         z = np.asarray(self.vertices, dtype=complex)
         chords = np.roll(z, -1) - z if self.is_closed else np.diff(z)
         sweeps = np.zeros(len(chords)) if self.bulges is None else 4 * np.arctan(self.bulges)
@@ -156,23 +158,25 @@ class Polyline(AbstractCurve):
         share = np.where(flat, s / 12 * (1 + s**2 / 30 + s**4 / 840), share)
         return float(np.sum(0.5 * cross(start, chords) + np.abs(chords) ** 2 * share))
 
-    def _local(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    def _local(self, t: ArrayLike) -> tuple[Whole, Real, Complex, Real]:
         t = np.asarray(t, dtype=float)
         chords, sweeps = self._edges
         k = np.clip(np.floor(t), 0, len(chords) - 1).astype(int)
         return k, t - k, chords[k], sweeps[k]
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         k, s, chord, sweep = self._local(t)
         # np.sinc keeps a straight edge (sweep 0) an ordinary case: s sinc(s phi) / sinc(phi) -> s.
         along = s * np.sinc(s * sweep / (2 * np.pi)) / np.sinc(sweep / (2 * np.pi))
-        return np.asarray(self.vertices)[k] + chord * along * np.exp(0.5j * sweep * (s - 1))
+        point: Complex = np.asarray(self.vertices)[k] + chord * along * np.exp(0.5j * sweep * (s - 1))
+        return point
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         _, s, chord, sweep = self._local(t)
-        return chord / np.sinc(sweep / (2 * np.pi)) * np.exp(0.5j * sweep * (2 * s - 1))
+        velocity: Complex = chord / np.sinc(sweep / (2 * np.pi)) * np.exp(0.5j * sweep * (2 * s - 1))
+        return velocity
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         _, _, chord, sweep = self._local(t)
         return 2 * np.sin(sweep / 2) / np.abs(chord)
 
@@ -188,7 +192,7 @@ class Polyline(AbstractCurve):
         return tuple(found)
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return np.arange(len(self._edges[0]) + 1.0)
 
     @property
@@ -207,7 +211,7 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
 def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
     """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
 
-    centres: (n,) complex, mm, any order; those inside the hull add nothing. Counterclockwise; one
+    centres: (n,) complex, mm, any order; those inside the hull add nothing. radius, mm. Counterclockwise; one
     centre gives a circle, two a slot.
     """
     z = np.atleast_1d(np.asarray(centres, dtype=complex))
@@ -229,12 +233,15 @@ def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
 
 @checked
 def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
-    """The outline swept by a disc from `start` to `end`, counterclockwise."""
+    """The outline swept by a disc of `radius` from `start` to `end`, mm, counterclockwise."""
     return rounded_hull([start, end], radius)
 
 
-def _convex_hull(z: Array) -> list[complex]:
-    """Corners of the convex hull, counterclockwise, by the monotone chain; no three in line."""
+def _convex_hull(z: Complex) -> list[complex]:
+    """Corners of the convex hull, counterclockwise, no three in line, by the monotone chain.
+
+    Andrew, Information Processing Letters 9, 1979, 216-219.
+    """
     size = float(np.abs(z - z[0]).max())
     rounding = 1e-12 * (size + float(np.abs(z).max()))
     points: list[complex] = []

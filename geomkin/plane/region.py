@@ -12,19 +12,19 @@ import numpy as np
 import shapely
 
 from ..errors import DesignError
-from .vec import Array, cross, dot, unit, xy
+from .vec import Complex, Mask, Whole, cross, dot, unit, xy
 
-Loops = list[Array]
+Loops = list[Complex]
 
 
-def is_simple(loop: Array) -> bool:
+def is_simple(loop: Complex) -> bool:
     """Whether a closed polygon neither crosses nor touches itself and encloses something."""
     if len(loop) < 3:
         return False
     return bool(shapely.LinearRing(xy(loop)).is_simple and shapely.Polygon(xy(loop)).area > 0)
 
 
-def union(loops: Sequence[Array]) -> list[Loops]:
+def union(loops: Sequence[Complex]) -> list[Loops]:
     """The area covered by any of the given simple polygons, as separate regions, each outline first."""
     return _regions(shapely.union_all([shapely.Polygon(xy(loop)) for loop in loops]))
 
@@ -50,7 +50,7 @@ def overlap(a: Loops, b: Loops) -> float:
     return float(_polygon(a).intersection(_polygon(b)).area)
 
 
-def apart_inside(outer: Array, inner: Sequence[Array], distance: float) -> Array:
+def apart_inside(outer: Complex, inner: Sequence[Complex], distance: float) -> Mask:
     """Of each inner polygon, whether it lies wholly inside the outer one, at least so far, mm, from its boundary."""
     if not inner:
         return np.empty(0, bool)
@@ -64,7 +64,7 @@ def apart_inside(outer: Array, inner: Sequence[Array], distance: float) -> Array
     return inside
 
 
-def overlapping(loops: Sequence[Array]) -> Array:
+def overlapping(loops: Sequence[Complex]) -> Whole:
     """All pairs (n, 2) of simple polygons that have area in common, by index, the smaller first."""
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
     one, two = shapely.STRtree(shapes).query(shapes, predicate="intersects")
@@ -73,19 +73,19 @@ def overlapping(loops: Sequence[Array]) -> Array:
     return np.stack([one[common], two[common]], axis=1)
 
 
-def gap(a: Array, b: Array) -> float:
+def gap(a: Complex, b: Complex) -> float:
     """Least distance between two polygons' boundaries, mm."""
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
-def thinned(loop: Array, tolerance: float) -> Array:
+def thinned(loop: Complex, tolerance: float) -> Complex:
     """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from what they leave out."""
     return shapely.get_coordinates(shapely.LinearRing(xy(loop)).simplify(tolerance, preserve_topology=False)).view(
         complex
     )[:-1, 0]
 
 
-def spacing(loops: Sequence[Array], radii: Sequence[float]) -> float:
+def spacing(loops: Sequence[Complex], radii: Sequence[float]) -> float:
     """Least distance, mm, between the boundaries of a plate and its openings; inf where there is but one.
 
     loops: the outline and what lies in it, apart from each other. One place stands for a circle of its radius about
@@ -110,7 +110,7 @@ def spacing(loops: Sequence[Array], radii: Sequence[float]) -> float:
     return min(least, float(between.min(initial=np.inf)))
 
 
-def neck(loops: Sequence[Array], tried: Sequence[int], within: float) -> float:
+def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float:
     """Least width, mm, of material between two places of one boundary; inf where none is less than `within`.
 
     A neck is where the boundary faces itself squarely: a step along it from either end makes the way across no
@@ -127,8 +127,7 @@ def neck(loops: Sequence[Array], tried: Sequence[int], within: float) -> float:
     after, before = start + (index - start + 1) % count, start + (index - start - 1) % count
     ahead = unit(z[after] - z)
     behind = ahead[before]
-    edges = shapely.linestrings(np.stack([xy(z), xy(z[after])], axis=1))
-    tree = shapely.STRtree(edges)
+    tree = shapely.STRtree(np.asarray(shapely.linestrings(np.stack([xy(z), xy(z[after])], axis=1))))
     sought = index[index - start < np.asarray(tried)[loop]]
     least = within
     # So many at a time that a place's neighbours fit into memory, however far the neck reaches.
@@ -158,7 +157,7 @@ def neck(loops: Sequence[Array], tried: Sequence[int], within: float) -> float:
     return least if least < within else np.inf
 
 
-def triangulate(loops: Loops) -> tuple[Array, Array]:
+def triangulate(loops: Loops) -> tuple[Complex, Whole]:
     """Corner points (n,) complex and triangles (m, 3) of a region, counterclockwise, no point added."""
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygon(loops)))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
@@ -166,7 +165,7 @@ def triangulate(loops: Loops) -> tuple[Array, Array]:
     points, index = np.unique(flat.ravel(), return_inverse=True)
     faces = index.reshape(-1, 3)
     edge = points[faces]
-    clockwise = np.imag(np.conj(edge[:, 1] - edge[:, 0]) * (edge[:, 2] - edge[:, 0])) < 0
+    clockwise = cross(edge[:, 1] - edge[:, 0], edge[:, 2] - edge[:, 0]) < 0
     faces[clockwise] = faces[clockwise][:, ::-1]
     return points, faces
 
@@ -187,6 +186,6 @@ def _regions(shape: shapely.Geometry) -> list[Loops]:
     return [[_loop(ring, outer=k == 0) for k, ring in enumerate([p.exterior, *p.interiors])] for p in polygons]
 
 
-def _loop(ring: shapely.LinearRing, outer: bool) -> Array:
+def _loop(ring: shapely.LinearRing, outer: bool) -> Complex:
     z = shapely.get_coordinates(ring).view(complex)[:-1, 0]
     return z if shapely.is_ccw(ring) == outer else z[::-1]

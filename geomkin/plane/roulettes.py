@@ -1,4 +1,4 @@
-"""Curves traced by a line that rolls on a circle: the involute, and the trochoid under a rounded corner."""
+"""Curves traced by rolling: the involute, the trochoid under a rounded corner, epicycloid and hypocycloid."""
 
 from __future__ import annotations
 
@@ -8,16 +8,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Positive, check_fields
+from ..errors import DesignError
 from .curve import AbstractCurve
-from .vec import Array
+from .vec import Complex, Real
 
 
-@dataclass(frozen=True, eq=False)
-class Involute(AbstractCurve):
+class Traced(AbstractCurve):
+    """What rolling traces from one roll angle to another: open, and smooth all along."""
+
+    start: float
+    end: float
+
+    @property
+    def breaks(self) -> Real:
+        return np.array([self.start, self.end])
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Involute(Traced):
     """The path of the end of a taut string unwound counterclockwise from a circle about the origin.
 
     base_radius, mm; t is the roll angle in rad from `start` to `end` (0 <= start), 0 at the cusp on
-    +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there.
+    +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there (ISO 21771).
     """
 
     base_radius: Positive
@@ -27,29 +43,22 @@ class Involute(AbstractCurve):
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         return self.base_radius * (1 - 1j * t) * np.exp(1j * t)
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
-        return self.base_radius * t * np.exp(1j * t)
+        tangent: Complex = np.exp(1j * t)
+        return self.base_radius * t * tangent
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         with np.errstate(divide="ignore"):
             return 1 / (self.base_radius * np.asarray(t, dtype=float))
 
-    @property
-    def breaks(self) -> Array:
-        return np.array([self.start, self.end])
 
-    @property
-    def closed(self) -> bool:
-        return False
-
-
-@dataclass(frozen=True, eq=False)
-class Trochoid(AbstractCurve):
+@dataclass(frozen=True, eq=False, repr=False)
+class Trochoid(Traced):
     """What the rounded corner of a rolling rack leaves: the envelope of a small circle on a rolling line.
 
     A line rolls outside a circle of `radius` r about the origin, mm. The small circle, of radius
@@ -60,7 +69,7 @@ class Trochoid(AbstractCurve):
     t = psi is the lean of the contact normal from the radius to the touching point, rad, counterclockwise,
     from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling
     point, a distance D tan(psi) along the line. This parameter keeps its digits where D vanishes and
-    the whole corner is cut at one instant, which the roll angle does not.
+    the whole corner is cut at one instant, which the roll angle does not. Derived here.
     """
 
     radius: Positive
@@ -72,34 +81,67 @@ class Trochoid(AbstractCurve):
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         along = self.depth * np.tan(t)
         corner = self.radius - self.depth - 1j * along - self.rounding * np.exp(1j * t)
-        return corner * np.exp(1j * along / self.radius)
+        point: Complex = corner * np.exp(1j * along / self.radius)
+        return point
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
-        return -1j * self._speed(t) * np.exp(1j * (t + self.depth * np.tan(t) / self.radius))
+        tangent: Complex = np.exp(1j * (t + self.depth * np.tan(t) / self.radius))
+        return -1j * self._speed(t) * tangent
 
-    def _turning(self, t: Array) -> Array:
+    def _turning(self, t: Real) -> Real:
         """Turn of the rolling line per lean of the normal."""
         return self.depth / (self.radius * np.cos(t) ** 2)
 
-    def _speed(self, t: Array) -> Array:
+    def _speed(self, t: Real) -> Real:
         """Signed speed along the tangent: the centre turns about the rolling point, the contact about it."""
         turning = self._turning(t)
         return turning * self.depth / np.cos(t) + self.rounding * (1 + turning)
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         t = np.asarray(t, dtype=float)
         with np.errstate(divide="ignore"):
             return (1 + self._turning(t)) / np.abs(self._speed(t))
 
-    @property
-    def breaks(self) -> Array:
-        return np.array([self.start, self.end])
 
-    @property
-    def closed(self) -> bool:
-        return False
+@dataclass(frozen=True, eq=False, repr=False)
+class Cycloid(Traced):
+    """The path of a rim point of a circle that rolls counterclockwise round a circle about the origin.
+
+    radius r of the fixed circle, mm; `rolling` radius g, mm, above 0 outside it (epicycloid), below 0 inside
+    it (hypocycloid; -r / 2 gives a diameter). t is the angle of the rolling contact, rad, from `start` to
+    `end`; 0 at the cusp on +x, the next one at 2 pi |g| / r. Derived here.
+    """
+
+    radius: Positive
+    rolling: float
+    start: float
+    end: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.rolling:
+            raise DesignError("rolling", "found 0", "give a radius above 0 to roll outside, below 0 to roll inside")
+
+    def point(self, t: ArrayLike) -> Complex:
+        t = np.asarray(t, dtype=float)
+        contact: Complex = np.exp(1j * t)
+        return contact * (self.radius + self.rolling * (1 - np.exp(1j * t * self.radius / self.rolling)))
+
+    def velocity(self, t: ArrayLike) -> Complex:
+        """The rim point turns about the rolling contact."""
+        t = np.asarray(t, dtype=float)
+        half = t * self.radius / (2 * self.rolling)
+        tangent: Complex = np.exp(1j * (t + half))
+        speed: Real = 2 * (self.radius + self.rolling) * np.sin(half)
+        return speed * tangent
+
+    def curvature(self, t: ArrayLike) -> Real:
+        r, g = self.radius, self.rolling
+        speed = np.abs(2 * (r + g) * np.sin(np.asarray(t, dtype=float) * r / (2 * g)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (1 + r / (2 * g)) / speed

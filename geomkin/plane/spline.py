@@ -10,18 +10,18 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Row, check_fields
 from ..errors import DesignError
-from .curve import AbstractCurve
-from .vec import Array
+from .curve import AbstractCurve, bend
+from .vec import Complex, Real
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Spline(AbstractCurve):
     """The cubic spline through `points` (n,) complex, mm, two or more: open, with continuous curvature.
 
     t is the length along the chords from the first point, mm, so that points may lie unevenly. At both ends
-    the first two pieces are one cubic ("not a knot"), which assumes nothing of the ends: three points give
-    a parabola, two a straight line. Between points of a smooth curve it errs by the fourth power of their
-    distance.
+    the first two pieces are one cubic ("not a knot": de Boor, A Practical Guide to Splines, chapter IV), which
+    assumes nothing of the ends: three points give a parabola, two a straight line. Between points of a smooth curve
+    it errs by the fourth power of their distance. DesignError where neighbours are at one place.
     """
 
     points: Row
@@ -37,47 +37,48 @@ class Spline(AbstractCurve):
             raise DesignError("points", f"points {k + 1} and {k + 2} are at one place", "leave one of them out")
 
     @cached_property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.points)))])
 
     @property
     def closed(self) -> bool:
         return False
 
-    def point(self, t: ArrayLike) -> Array:
-        u, (a, b, c, d) = self._local(t)
+    def point(self, t: ArrayLike) -> Complex:
+        u, a, b, c, d = self._local(t)
         return a + u * (b + u * (c + u * d))
 
-    def velocity(self, t: ArrayLike) -> Array:
-        u, (_, b, c, d) = self._local(t)
+    def velocity(self, t: ArrayLike) -> Complex:
+        u, _, b, c, d = self._local(t)
         return b + u * (2 * c + u * 3 * d)
 
-    def acceleration(self, t: ArrayLike) -> Array:
+    def acceleration(self, t: ArrayLike) -> Complex:
         """d2P/dt2 (...,) complex, 1/mm; continuous."""
-        u, (_, _, c, d) = self._local(t)
+        u, _, _, c, d = self._local(t)
         return 2 * c + 6 * u * d
 
-    def curvature(self, t: ArrayLike) -> Array:
-        v = self.velocity(t)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.imag(np.conj(v) * self.acceleration(t)) / np.abs(v) ** 3
+    def curvature(self, t: ArrayLike) -> Real:
+        return bend(self.velocity(t), self.acceleration(t))
 
-    def _local(self, t: ArrayLike) -> tuple[Array, Array]:
+    def _local(self, t: ArrayLike) -> tuple[Real, Complex, Complex, Complex, Complex]:
+        """Way past the knot, mm, and the coefficients of its powers there."""
         t = np.asarray(t, dtype=float)
         k = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
-        return t - self.breaks[k], self._coefficients[:, k]
+        a, b, c, d = self._coefficients
+        return t - self.breaks[k], a[k], b[k], c[k], d[k]
 
     @cached_property
-    def _coefficients(self) -> Array:
+    def _coefficients(self) -> Complex:
         """Coefficients (4, n - 1) of the powers of t - knot."""
-        z, h = np.asarray(self.points, dtype=complex), np.diff(self.breaks)
+        h: Real = np.diff(self.breaks)
+        z: Complex = np.asarray(self.points, dtype=complex)
         slope = np.diff(z) / h
         v = _slopes(h, slope)
         c = (3 * slope - 2 * v[:-1] - v[1:]) / h
         return np.array([z[:-1], v[:-1], c, (v[:-1] + v[1:] - 2 * slope) / h**2])
 
 
-def _slopes(h: Array, slope: Array) -> Array:
+def _slopes(h: Real, slope: Complex) -> Complex:
     """Velocities (n,) at the knots from the widths and mean velocities (n - 1,) between them.
 
     Each inner row says that the acceleration is continuous, the two end rows that the third derivative is so
@@ -90,7 +91,7 @@ def _slopes(h: Array, slope: Array) -> Array:
         bend = (slope[1] - slope[0]) / (h[0] + h[1])
         return np.array([slope[0] - h[0] * bend, slope[0] + h[0] * bend, slope[1] + h[1] * bend])
     below, here, above = np.zeros(n), np.zeros(n), np.zeros(n)
-    right = np.zeros(n, dtype=complex)
+    right: Complex = np.zeros(n, dtype=complex)
     below[1:-1], here[1:-1], above[1:-1] = h[1:], 2 * (h[:-1] + h[1:]), h[:-1]
     right[1:-1] = 3 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
     here[0], above[0], right[0] = _end_row(h[0], h[1], slope[0], slope[1])

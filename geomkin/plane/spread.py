@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .curve import AbstractCurve
-from .vec import Array, unit
+from .vec import Complex, Mask, Real, Whole, unit
 
 # A tangent that jumps by more than this, rad, is a corner and gets a point of its own. Smaller takes
 # rounding for corners and spends points on them; larger lets a chord cut a visible corner.
@@ -27,7 +27,8 @@ _FIRST = np.arange(CELLS) / CELLS
 MOST_TURN = 2.2
 # Looks at most; smooth pieces need three or four. Fewer leave intervals unequal, and more of them.
 ROUNDS = 12
-# What an interval that stays over is counted for beyond its share; without it, it stays over.
+# An interval that is over the tolerance after two looks counts for this times its share, so that it shrinks by more
+# than the law of small intervals asks. Smaller, and it stays just over; larger, and its neighbours grow too long.
 PUSH = 1.05
 # Steps of an interval's share. The last bits of an error differ from processor to processor; where intervals do not
 # settle, round after round would multiply them until they show in files. Finer lets more of them through, coarser
@@ -41,10 +42,10 @@ ROUNDING = 1e-13
 # points along them as far as files tell; larger makes intervals unequal.
 TRACE = 1e-4
 
-Judge = Callable[[Array], tuple[Array, Array]]
+Judge = Callable[[Real], tuple[Real, Real]]
 
 
-def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
+def spread(judge: Judge, breaks: Real, tolerance: float, order: int) -> Real:
     """The fewest parameters, first and last break included, whose intervals all keep the tolerance.
 
     judge(edges) gives each interval's error, mm, and its turn, rad; for small intervals the error
@@ -60,7 +61,7 @@ def spread(judge: Judge, breaks: Array, tolerance: float, order: int) -> Array:
     return best
 
 
-def _settle(judge: Judge, breaks: Array, tolerance: float, order: int) -> tuple[Array, bool]:
+def _settle(judge: Judge, breaks: Real, tolerance: float, order: int) -> tuple[Real, bool]:
     """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
     edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
     best, fewest, settled = edges, np.inf, False
@@ -85,23 +86,23 @@ def _settle(judge: Judge, breaks: Array, tolerance: float, order: int) -> tuple[
     return _halve(judge, best, spoilt, breaks, tolerance), settled
 
 
-def _spoilt(error: Array, turn: Array, tolerance: float) -> Array:
+def _spoilt(error: Real, turn: Real, tolerance: float) -> Mask:
     """Which intervals are over the tolerance."""
     return (error > tolerance) | (turn > 1.5 * MOST_TURN)
 
 
-def _share(error: Array, turn: Array, tolerance: float, order: int) -> Array:
+def _share(error: Real, turn: Real, tolerance: float, order: int) -> Real:
     """How many intervals each interval ought to be, in whole GRAINs: 1 when it just keeps the tolerance."""
-    share = np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN)
-    return np.rint(share / GRAIN) * GRAIN
+    grains: Real = np.rint(np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN) / GRAIN)
+    return grains * GRAIN
 
 
-def _divide(edges: Array, used: Array, count: int) -> Array:
+def _divide(edges: Real, used: Real, count: int) -> Real:
     """Edges of `count` intervals of equal share, from what the present ones use up to each edge.
 
-    Between present edges t follows `used` by the monotone cubic of Fritsch and Carlson (slopes by the
-    harmonic mean): shares change smoothly along a smooth curve, and a straight line between edges would
-    leave steps of some percent that never settle.
+    Between present edges t follows `used` by the monotone cubic of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5,
+    1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, and a straight line
+    between edges would leave steps of some percent that never settle.
     """
     used = used + (TRACE * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
     width = used[1:] - used[:-1]
@@ -110,14 +111,14 @@ def _divide(edges: Array, used: Array, count: int) -> Array:
     wanted = used[-1] * np.arange(count + 1) / count
     i = np.minimum(used[1:-1].searchsorted(wanted, side="right"), len(width) - 1)
     x = (wanted - used[i]) / width[i]
-    out = edges[i] + width[i] * (
+    out: Real = edges[i] + width[i] * (
         secant[i] * x**2 * (3 - 2 * x) + slope[i] * x * (1 - x) ** 2 - slope[i + 1] * x**2 * (1 - x)
     )
     out[0], out[-1] = edges[0], edges[-1]
     return out
 
 
-def _halve(judge: Judge, edges: Array, over: Array, breaks: Array, tolerance: float) -> Array:
+def _halve(judge: Judge, edges: Real, over: Mask, breaks: Real, tolerance: float) -> Real:
     """Split what is over the tolerance, at a break inside it or in half, until nothing is or digits end."""
     for _ in range(60):
         if not over.any():
@@ -133,7 +134,7 @@ def _halve(judge: Judge, edges: Array, over: Array, breaks: Array, tolerance: fl
     return edges
 
 
-def cells_of(edges: Array, breaks: Array) -> tuple[Array, Array]:
+def cells_of(edges: Real, breaks: Real) -> tuple[Real, Whole]:
     """The intervals between `edges` cut at breaks: the edges of the cells, and each cell's interval."""
     inner = breaks[(breaks > edges[0]) & (breaks < edges[-1])]
     inner = inner[edges[edges.searchsorted(inner)] != inner]
@@ -144,12 +145,12 @@ def cells_of(edges: Array, breaks: Array) -> tuple[Array, Array]:
     return cells, edges.searchsorted(cells[:-1], side="right") - 1
 
 
-def probes(edges: Array, shares: Array) -> Array:
+def probes(edges: Real, shares: Real) -> Real:
     """Parameters (intervals, probes) at the given shares of each interval."""
     return edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * shares
 
 
-def tops(off: Array, places: Array) -> Array:
+def tops(off: Real, places: Complex) -> Real:
     """Largest distance along each row of probes at `places`, by the parabola through it and its neighbours.
 
     What rounding alone explains is 0: its root would move points along straight lines, one way on one processor
@@ -161,10 +162,11 @@ def tops(off: Array, places: Array) -> Array:
     left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]
     bend = 2 * mid - left - right
     rise = np.where(bend > 0, (right - left) ** 2 / (8 * np.where(bend > 0, bend, 1)), 0)
-    return np.where(peak == i, mid + rise, off.max(axis=1))
+    top: Real = np.where(peak == i, mid + rise, off.max(axis=1))
+    return top
 
 
-def direction(curve: AbstractCurve, t: Array, after: bool | Array) -> Array:
+def direction(curve: AbstractCurve, t: Real, after: bool | Mask) -> Complex:
     """Unit tangent just after, or just before, each parameter: one-sided at breaks, defined at cusps."""
     b = curve.breaks
     i = np.where(after, b.searchsorted(t, side="right"), b.searchsorted(t, side="left") - 1)
@@ -174,7 +176,8 @@ def direction(curve: AbstractCurve, t: Array, after: bool | Array) -> Array:
     return unit(curve.velocity(t + inward))
 
 
-def turns(v: Array) -> Array:
+def turns(v: Complex) -> Real:
     """Total absolute turn along each row of velocities, rad; standing still turns nothing."""
     ratio = v[:, 1:] * np.conj(v[:, :-1])
-    return np.abs(np.angle(np.where(ratio == 0, 1, ratio))).sum(axis=1)
+    total: Real = np.abs(np.angle(np.where(ratio == 0, 1, ratio))).sum(axis=1)
+    return total

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,37 +24,45 @@ BESIDE_HALF = 2.0**-44
 
 
 @checked
-def xy(z: Numbers) -> Array:
+def xy(z: Numbers) -> Real:
     """Points (...,) complex as coordinates (..., 2): a view where `z` is contiguous complex128."""
     z = np.ascontiguousarray(z, dtype=complex)
     return z.view(float).reshape(*z.shape, 2)
 
 
-def unit(z: ArrayLike) -> Array:
+def unit(z: ArrayLike) -> Complex:
     """Direction of each vector; nan where the vector is zero."""
     z = np.asarray(z, dtype=complex)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return z / np.abs(z)
+        ways: Complex = z / abs(z)
+        return ways
 
 
-def dot(a: ArrayLike, b: ArrayLike) -> Array:
+def dot(a: ArrayLike, b: ArrayLike) -> Real:
     """Scalar product of vectors."""
-    return np.real(np.conj(a) * b)
+    product: Complex = np.conj(a) * b
+    return product.real
 
 
-def cross(a: ArrayLike, b: ArrayLike) -> Array:
+def cross(a: ArrayLike, b: ArrayLike) -> Real:
     """z of the vector product: positive where `b` lies to the left of `a`."""
-    return np.imag(np.conj(a) * b)
+    product: Complex = np.conj(a) * b
+    return product.imag
 
 
-def direction_deg(angle: ArrayLike) -> Array:
+def direction_deg(angle: ArrayLike) -> Complex:
     """Direction at an angle in degrees, counterclockwise from +x; exact at multiples of 90."""
     angle = np.asarray(angle, dtype=float)
     quarters = np.rint(angle / 90.0)
-    rest = np.exp(1j * np.radians(angle - 90.0 * quarters))
-    return rest * np.array([1, 1j, -1, -1j])[quarters.astype(int) % 4]
+    rest: Complex = np.exp(1j * np.radians(angle - 90.0 * quarters))
+    whole: Complex = np.array([1, 1j, -1, -1j])[quarters.astype(int) % 4]
+    return rest * whole
 
 
+@overload
+def rounded(z: Real | float, decimals: int) -> Real: ...
+@overload
+def rounded(z: Complex | complex, decimals: int) -> Complex: ...
 def rounded(z: ArrayLike, decimals: int) -> Array:
     """Rounded to decimals, real or complex, to the same number on every processor, and never to -0.0.
 
@@ -65,4 +73,5 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
         parts = rounded(np.ascontiguousarray(z, dtype=complex).view(float), decimals)
         return parts.view(complex).reshape(z.shape)
     finite = np.abs(z[np.isfinite(z)])
-    return np.round(z + np.copysign(BESIDE_HALF * finite.max(initial=0.0), z), decimals) + 0.0
+    even: Real = np.round(z + np.copysign(BESIDE_HALF * finite.max(initial=0.0), z), decimals)
+    return even + 0.0

@@ -1,8 +1,9 @@
-"""A validator's findings in a person's words: key, what was found, what is allowed, the nearest name."""
+"""What is wrong in a recipe, in a person's words: key, what was found, what is allowed, the nearest name."""
 
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterable
 from dataclasses import MISSING
 from difflib import get_close_matches
@@ -13,10 +14,14 @@ from pydantic import ValidationError
 
 from ..errors import TOLD, DesignError, Problem, printable, shown
 from ..sizes import allowed
-from .slips import number_meant
 
 # Problems looked into: many more come of one slip or of a file that is no recipe, and each takes a while.
 EXPLAINED = 200
+NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
+# One `key = value` of a line whose value is no text, list or table.
+PLAIN = re.compile(r"([\w.-]+)[ \t]*=[ \t]*([^\s\"'\[{,}#][^\"'\[{}#]*?|)[ \t]*(?=,\s*[\w.-]+\s*=|[}#]|$)")
+# Lines longer than this are no slip of a person, and looking into them would take long.
+LONGEST_LINE = 1000
 
 
 @cache
@@ -125,10 +130,10 @@ def _wanted(about: Any) -> str:
     return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
 
 
-def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dataclasses.Field | None, Any, str]:
+def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dataclasses.Field[Any] | None, Any, str]:
     """Dataclasses that may stand at a place, the field it is (None for an unknown one), its hint, its dotted key."""
     tables: list[type] = [recipe]
-    field: dataclasses.Field | None = None
+    field: dataclasses.Field[Any] | None = None
     key, chosen, hint = "", False, None
     for part in loc:
         if isinstance(part, int):
@@ -150,10 +155,12 @@ def _place(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], datacl
 
 
 def tables_in(hint: Any) -> list[type]:
-    """Dataclasses that a type hint names; of one that is written as the list of its segments, those."""
+    """Dataclasses that a type hint names, or their table; of one that is written as the list of its segments, those."""
     if dataclasses.is_dataclass(hint):
         segments = "segments" in (f.name for f in dataclasses.fields(hint))
         return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
+    if isinstance(hint, type) and hasattr(hint, "KINDS"):
+        return list(hint.KINDS.values())
     return [table for part in get_args(hint) for table in tables_in(part)]
 
 
@@ -168,3 +175,58 @@ def _join(key: str, part: str) -> str:
     if part == last or part.startswith(f"{last}["):
         return key + part[len(last) :]
     return f"{key}.{part}" if key else part
+
+
+def slip(text: str, complaint: str) -> Problem | None:
+    """What is wrong in the line that a reader of TOML complains of, in a person's words; None where it is no slip."""
+    found = re.search(r"line (\d+)", complaint)
+    lines = text.split("\n")
+    if found is None or int(found[1]) > len(lines):
+        return None
+    above, line = lines[: int(found[1]) - 1], lines[int(found[1]) - 1]
+    if len(line) > LONGEST_LINE:
+        return None
+    if re.search("[“”„‟«»‘’‚]", line) and "=" in line:  # noqa: RUF001  # what word processors write
+        return Problem(_key_at(above, line.partition("=")[0]), "found curly quotes", 'write straight ones: "')
+    for key, value in PLAIN.findall(line):
+        remedy = _remedy_for(key, value)
+        if remedy:
+            return Problem(_key_at(above, key), f"found {printable(value) or 'nothing'}", remedy)
+    return None
+
+
+def _remedy_for(key: str, value: str) -> str:
+    if not value:
+        return "give a value, or take the line out"
+    if value.lower() in ("true", "yes", "on"):
+        return "" if value == "true" else "write true"
+    if value.lower() in ("false", "no", "off"):
+        return "" if value == "false" else "write false"
+    if re.fullmatch(r"[^\W\d][\w -]*", value) and value not in ("inf", "nan"):
+        return f'a text needs quotes: write {key} = "{value}"'
+    return number_meant(value)
+
+
+def number_meant(text: str, quoted: bool = False) -> str:
+    """What to write where a person wrote a number with a comma, a unit or quotes; "" where it is no such number."""
+    found = NUMBER.fullmatch(text)
+    if not found or (not quoted and text == found[1] == _with_point(found[1])):
+        return ""
+    unit = f" (lengths are in mm, angles in deg, not in {found[2]})" if found[2] not in ("", "mm", "deg", "°") else ""
+    return f"write {_with_point(found[1])}, a number with a point and without unit or quotes{unit}"
+
+
+def _with_point(number: str) -> str:
+    """TOML wants a point, and digits on both sides of it."""
+    number = re.sub(r"(?<!\d)\.", "0.", number.replace(",", "."))
+    return re.sub(r"\.(?!\d)", ".0", number)
+
+
+def _key_at(above: list[str], key: str) -> str:
+    """The dotted key, by the last heading above its line."""
+    heads = [
+        found[1]
+        for line in above
+        if (found := re.match(r"\s*\[+\s*([\w. -]+?)\s*\]+\s*(?:#.*)?$", line[:LONGEST_LINE]))
+    ]
+    return printable(f"{heads[-1]}.{key.strip()}" if heads else key.strip())

@@ -12,9 +12,9 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable, shown
-from .explain import explain, nearest
+from ..sizes import KindTable
+from .explain import explain, nearest, slip
 from .recipe import AbstractRecipe
-from .slips import slip
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
 LARGEST = 500_000
@@ -66,9 +66,13 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
         raise RecipeError(file, explain(error, kinds[name])) from None
 
 
-@cache
 def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
-    """Validator and serialiser of a kind's recipes."""
+    """Validator and serialiser of a kind's recipes, with the rows that tables of kinds have by now."""
+    return _adapter(recipe, KindTable.changes)
+
+
+@cache
+def _adapter(recipe: type[AbstractRecipe], changes: int) -> TypeAdapter[AbstractRecipe]:
     return TypeAdapter(recipe)
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
+from ..arguments import checked
+from ..brief import one_line
 from ..check import Check
 from ..part import Part
 from ..table import Table
@@ -25,10 +28,16 @@ class AbstractRecipe(ABC):
 
     kind: str
     files: Files
-    # Of the folder and the files that are made; "" for that of the kind.
+    # Of the folder and the files that are made; "" for that of the kind. It is no part of what two recipes compare.
     name: str = ""
     # What a template says of the kind, besides what it is.
     advice: ClassVar[str] = ""
+    # Every subclass is a dataclass, which a type checker cannot know.
+    __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
+
+    def __init_subclass__(cls) -> None:
+        # A dataclass writes a repr of its own, of many lines, into a class that has none.
+        cls.__repr__ = one_line  # type: ignore[method-assign]
 
     @property
     @abstractmethod
@@ -53,7 +62,9 @@ class AbstractRecipe(ABC):
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
-        return (*self.judged, *wall_checks(self.parts, self.files.kerf))
+        # Parts first: what cannot be made at all is told before what is poor.
+        walls = wall_checks(self.parts, self.files.kerf)
+        return (*self.judged, *walls)
 
     @property
     def scene(self) -> object | None:
@@ -78,8 +89,41 @@ class AbstractRecipe(ABC):
         """
         return {}
 
+    @checked
     def called(self, name: str) -> Self:
         """The same recipe under another name, that of its folder and files."""
         other = copy.copy(self)
         object.__setattr__(other, "name", name)
         return other
+
+
+class AbstractGoal(AbstractRecipe):
+    """A recipe that finds another one: its `design` is that recipe, and what is known of that one is handed on.
+
+    A subclass says how it is found, and adds what it has to tell of the search to `judged`, `parts` and `notes`.
+    """
+
+    @property
+    @abstractmethod
+    def design(self) -> AbstractRecipe:
+        """The recipe that was found."""
+
+    @property
+    def table(self) -> Table:
+        return self.design.table
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        return self.design.parts
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return self.design.judged
+
+    @property
+    def scene(self) -> object | None:
+        return self.design.scene
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return self.design.notes

@@ -3,36 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from ..check import Check
 from ..arguments import Sort
+from ..check import Check
 from ..errors import DesignError
 from ..export.writers import WRITERS
-from ..plane.vec import Array
+from ..plane.vec import Real
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core.core_schema import CoreSchema
 
 
 class OneOfFormats(Sort):
-    """Marks a text as the ending of a format that can be written, those of later on among them."""
+    """Marks a text as the ending of a format: one of those in WRITERS when it is asked, not when this was loaded."""
 
     def __init__(self) -> None:
-        super().__init__(lambda value: value in WRITERS, "the ending of a format")
+        super().__init__(lambda value: isinstance(value, str) and value in WRITERS, "the ending of a format")
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import PydanticCustomError, core_schema
 
-        def known(value: str) -> str:
-            if value not in WRITERS:
-                expected = " or ".join([", ".join(map(repr, list(WRITERS)[:-1])), repr(list(WRITERS)[-1])])
+        def known(value: object) -> object:
+            if not self.fits(value):
+                *others, last = map(repr, WRITERS)
+                expected = f"{', '.join(others)} or {last}"
                 raise PydanticCustomError("literal_error", "one of {expected}", {"expected": expected})
             return value
 
         return core_schema.no_info_plain_validator_function(known)
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"type": "string", "enum": list(WRITERS)}
 
 
@@ -70,7 +75,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
 class Files:
     """What is written, and how true to the exact curves."""
 
-    write: tuple[Format, ...] = entry("files to write", default=("dxf", "stl", "svg", "csv"))
+    write: tuple[Format, ...] = entry("files to write", default=tuple(WRITERS))
     tolerance: float = quantity(
         "largest distance between a curve and its chords", "mm", default=0.005, at_least=1e-6, at_most=10
     )
@@ -88,6 +93,11 @@ class Files:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+
+    @property
+    def wants_parts(self) -> bool:
+        """Whether any of the formats is made of the parts."""
+        return any(WRITERS[ending].needs == "parts" for ending in self.write)
 
 
 @dataclass(frozen=True)
@@ -112,7 +122,7 @@ class Drive:
         return self.speed_rpm * np.pi / 30
 
     @property
-    def angles(self) -> Array:
+    def angles(self) -> Real:
         """Driver angles over one turn, rad, both ends included, in equal steps no larger than asked."""
         return np.linspace(0, 2 * np.pi, int(np.ceil(360 / self.step_deg - 1e-9)) + 1)
 
@@ -153,16 +163,16 @@ class Turn:
         return self.speed_rpm * np.pi / 30
 
     @property
-    def frames(self) -> Array:
+    def frames(self) -> Real:
         """Driver angles, rad, both ends included, in equal steps no larger than asked."""
         return self._in_steps(self.step_deg)
 
     @property
-    def fine(self) -> Array:
+    def fine(self) -> Real:
         """The same in steps in which nothing slips through between two plates; finer ones only take longer."""
         return self._in_steps(float(np.clip(self.step_deg, FINEST_DEG, 1.0)))
 
-    def _in_steps(self, step: float) -> Array:
+    def _in_steps(self, step: float) -> Real:
         turn = self.end_deg - self.start_deg
         count = int(np.ceil(turn / step - 1e-9)) + 1
         return np.linspace(np.radians(self.start_deg), np.radians(self.end_deg), count)
@@ -196,15 +206,15 @@ class Stroke:
         check_rows("stroke.step", self.end - self.start, self.step, "mm", columns)
 
     @property
-    def frames(self) -> Array:
+    def frames(self) -> Real:
         """Driver places, mm, both ends included, in equal steps no larger than asked."""
         return self._in_steps(self.step)
 
     @property
-    def fine(self) -> Array:
+    def fine(self) -> Real:
         """The same in steps in which nothing slips through between two plates."""
         way = self.end - self.start
         return self._in_steps(float(np.clip(self.step, way / 1440, way / 180)))
 
-    def _in_steps(self, step: float) -> Array:
+    def _in_steps(self, step: float) -> Real:
         return np.linspace(self.start, self.end, int(np.ceil((self.end - self.start) / step - 1e-9)) + 1)

@@ -3,21 +3,19 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .cam.cams import CamStock as CamStock
-    from .cam.cams import cam_parts as cam_parts
+    from .cam import CamStock as CamStock
+    from .cam import cam_parts as cam_parts
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
-    from .gear.conjugates import LanternStock as LanternStock
-    from .gear.conjugates import PairStock as PairStock
-    from .gear.conjugates import lantern_parts as lantern_parts
-    from .gear.conjugates import pair_parts as pair_parts
     from .gear.gears import GearStock as GearStock
+    from .gear.gears import LanternStock as LanternStock
+    from .gear.gears import PairStock as PairStock
     from .gear.gears import RingStock as RingStock
     from .gear.gears import base_plate as base_plate
     from .gear.gears import carrier as carrier
     from .gear.gears import gear_parts as gear_parts
-    from .gear.gears import rack_part as rack_part
-    from .gear.gears import ring_part as ring_part
+    from .gear.gears import lantern_parts as lantern_parts
+    from .gear.gears import pair_parts as pair_parts
     from .gear.spokes import Web as Web
     from .linkage.plates import LinkStock as LinkStock
     from .linkage.stack import Stack as Stack

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
+from geomkin.cam.measures import tightest_convex
 from geomkin.cam.program.laws import LAWS
-from geomkin.cam.limits import tightest_convex
 
 CLASSIC = gk.Program(
     [

@@ -5,9 +5,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam import undercut as tracing
-from geomkin.cam.crossings import chord_crossings, crossings
-from geomkin.cam.raw_outline import RawOutline
+from geomkin.cam.self_crossings import chord_crossings, crossings
 from geomkin.cam.undercut import undercut
+from geomkin.cam.untrimmed_outline import UntrimmedOutline
 from geomkin.plane.curve import AbstractCurve
 
 
@@ -169,7 +169,7 @@ def test_a_cam_of_many_waves_leaves_its_valleys_as_corners(follower):
 
 def test_of_a_piece_of_which_only_rounding_is_left_nothing_is_kept():
     uniform = gk.Program((gk.Rise("uniform", rise=10, end_deg=90), gk.Return("uniform", end_deg=360)))
-    raw = RawOutline(gk.Cam(gk.TranslatingRoller(5), uniform, 40))
+    raw = UntrimmedOutline(gk.Cam(gk.TranslatingRoller(5), uniform, 40))
     assert len(raw.pieces) >= 4
     for k in (1, 2, 3):
         assert len(raw.between(k - 0.5, k + 0.5)) == 2

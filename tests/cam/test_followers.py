@@ -7,8 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
-from geomkin.cam.limits import contact_travel
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.measures import contact_travel
 
 from .cams import CAMS, FOLLOWERS, LIFTS, SWINGS, depth, placed, programme, resting, rolls, seen_from_cam
 
@@ -305,7 +305,7 @@ def test_contact_travel_covers_every_contact(name):
 
 def test_a_flat_face_has_no_pitch_curve():
     with pytest.raises(gk.DesignError, match="pitch curve"):
-        gk.Cam(TranslatingFlat(), LIFTS, 40).pitch_curve  # noqa: B018
+        gk.Cam(TranslatingFlat(), LIFTS, 40).pitch_curve
 
 
 @pytest.mark.parametrize(

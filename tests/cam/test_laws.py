@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program.laws import LAWS, breaks_of, checked, sine_constant_cosine
+from geomkin.cam.program.laws import LAWS, breaks_of, law_of, sine_constant_cosine
 
 pi = np.pi
 each_law = pytest.mark.parametrize("law", LAWS)
@@ -128,7 +128,7 @@ def test_arrays_of_any_shape_go_through(law):
 
 @each_law
 def test_every_law_passes_the_trial_of_a_law_of_ones_own(law):
-    assert checked(LAWS[law]) is LAWS[law] and checked(law) is LAWS[law]
+    assert law_of(LAWS[law]) is LAWS[law] and law_of(law) is LAWS[law]
 
 
 class Kinked:
@@ -144,9 +144,9 @@ class Told(Kinked):
 
 
 def test_a_law_of_ones_own_may_jump_where_it_says_so():
-    assert isinstance(checked(Told()), Told)
+    assert isinstance(law_of(Told()), Told)
     with pytest.raises(gk.DesignError, match="breaks"):
-        checked(Kinked())
+        law_of(Kinked())
 
 
 @pytest.mark.parametrize(
@@ -165,4 +165,4 @@ def test_a_law_of_ones_own_may_jump_where_it_says_so():
 )
 def test_a_law_that_cannot_be_is_refused(law, words):
     with pytest.raises(gk.DesignError, match=words):
-        checked(law)
+        law_of(law)

@@ -6,8 +6,8 @@ import pytest
 import geomkin as gk
 from geomkin.cam.base_circle import flat_face_base_radius, least_base_circle
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
-from geomkin.cam.limits import segment_limits, tightest_convex
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.measures import segment_limits, tightest_convex
 from geomkin.cam.undercut import undercut
 
 from .cams import CAMS, LIFTS, SWINGS, programme, rolls

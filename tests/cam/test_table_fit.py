@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program.band_matrix import BandMatrix
+from geomkin.cam.program.given_lifts import TableFit
+from geomkin.cam.program.polynomials import spline_through
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
-from geomkin.cam.program.smoothest import smoothest_within
-from geomkin.cam.program.spline import spline_through
-from geomkin.cam.program.table_fit import TableFit
+from geomkin.cam.program.smoothing_spline import BandMatrix, smoothest_within
 from geomkin.kinds.disk_cam import DiskCamRecipe
 
 NOISE = 0.005

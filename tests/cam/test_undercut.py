@@ -6,8 +6,8 @@ import shapely
 
 import geomkin as gk
 from geomkin.cam.followers.flat import TranslatingFlat
-from geomkin.cam.limits import segment_limits, tightest_convex
 from geomkin.cam.followers.roller import TranslatingRoller
+from geomkin.cam.measures import segment_limits, tightest_convex
 from geomkin.cam.undercut import undercut
 
 from .cams import CAMS, UNDERCUT, depth, programme, resting, rolls, seen_from_cam

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.gear.ring_tooth import RingTooth
 
 GEAR = gk.SpurGear(24, 2)
 
@@ -15,7 +16,7 @@ def ring(teeth=60, module=2, cutter=24, **sizes):
 
 
 def flank_gear(m):
-    return gk.gear.StraightSidedGear(40, m, 25, 0.8, 1.2).gear
+    return gk.gear.StraightSidedGear(40, m, 25, 0.8, 1.2)
 
 
 def mate(m, addendum, internal=False, clearance=0.0):
@@ -219,8 +220,8 @@ def test_a_ring_into_which_the_cutter_does_not_fit_is_refused_with_what_makes_on
 
 def test_the_largest_cutter_that_does_is_found_however_many_do_not(monkeypatch):
     """Every cutter is looked at once: what one more tooth needs is no longer doubled by it."""
-    looks, gap = [], gk.RingGear._cutting.fget
-    monkeypatch.setattr(gk.RingGear, "_cutting", property(lambda ring: looks.append(1) or gap(ring)))
+    looks, gap = [], RingTooth.trochoid_gap.fget
+    monkeypatch.setattr(RingTooth, "trochoid_gap", property(lambda tooth: looks.append(1) or gap(tooth)))
 
     def cut_by(teeth):
         return gk.RingGear(200, 2, cutter=gk.gear.PinionCutter(teeth, 14.5, 1.0, 0.1), addendum=0.8)

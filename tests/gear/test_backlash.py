@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.flank_gear import FlankGear
+from geomkin.gear.conjugate.flank_gears import FlankGear
 from geomkin.plane import region
 
 from .sweeping import inner_points, least_clearance
@@ -17,13 +17,13 @@ TOLERANCE = 1e-5
 
 def straight(backlash, internal, clearance=0.2):
     gear = gk.gear.StraightSidedGear(40, 2, 25, 0.8, 1.2)
-    cutter = gear.gear.cutter(clearance, backlash)
+    cutter = gear.cutter(clearance, backlash)
     return gear, conjugate(cutter, 40, gear.pitch_radius, 64 if internal else 50, 1.6, internal)
 
 
 def points(backlash, internal, clearance=0.5):
     gear = gk.gear.PointToothGear(24, 3, POINTS)
-    return gear, conjugate(gear.gear.cutter(clearance, backlash), 24, gear.pitch_radius, 32, 2.6, internal)
+    return gear, conjugate(gear.cutter(clearance, backlash), 24, gear.pitch_radius, 32, 2.6, internal)
 
 
 def lantern(backlash, internal, clearance=0.5):
@@ -117,7 +117,7 @@ def test_backlash_thins_the_mate_s_teeth_and_nothing_else(made, backlash, intern
 @pytest.mark.parametrize(
     "gear",
     [
-        gk.gear.StraightSidedGear(40, 2, 25, 0.8, 1.2).gear,
+        gk.gear.StraightSidedGear(40, 2, 25, 0.8, 1.2),
         gk.gear.LanternPinion(12, 4, 5.5),
         FlankGear(gk.plane.Segment(1.4 + 18.7j, 0.6 + 21j), 20, 20.0),
     ],

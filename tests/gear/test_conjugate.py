@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.flank_gear import FlankGear
-from geomkin.gear.conjugate.point_tooth import PointToothGear
-from geomkin.gear.conjugate.straight_sided import StraightSidedGear
-from geomkin.gear.conjugate.untouched import BEYOND, MISSES
+from geomkin.gear.conjugate.conjugate import BEYOND, MISSES, conjugate
+from geomkin.gear.conjugate.flank_gears import FlankGear, PointToothGear, StraightSidedGear
 from geomkin.plane import region
-from geomkin.plane.cycloid import Cycloid
+from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.spline import Spline
 
 from .sweeping import inner_points, least_clearance
@@ -131,7 +128,7 @@ CLASSIC = StraightSidedGear(100, 0.2, 25, 1.0, 1.2)
 
 
 def test_the_classic_straight_sided_gear_has_its_published_sizes():
-    mate = mate_of(CLASSIC.gear, 30, 0.2, 0.04)
+    mate = mate_of(CLASSIC, 30, 0.2, 0.04)
     assert mate.distance == pytest.approx(13)
     flank = CLASSIC.flank
     at_pitch = flank.start + (flank.end - flank.start) * 1.2 / 2.2
@@ -160,7 +157,7 @@ STRAIGHT = [
 
 def straight(teeth, mate_teeth, angle, height, addendum, clearance, internal):
     gear = StraightSidedGear(teeth, 2, angle, height, 1.2)
-    return gear, mate_of(gear.gear, mate_teeth, addendum, clearance, internal)
+    return gear, mate_of(gear, mate_teeth, addendum, clearance, internal)
 
 
 def off_straight_tooth(gear, clearance):
@@ -242,12 +239,10 @@ def contact_angle(gear_points, mate_points, centre, sign):
 def test_the_finished_outlines_turn_at_a_constant_ratio(kind):
     """One pair of flanks as polygons: the gear is turned, the mate follows till they touch, over the contact."""
     if kind == "points":
-        gear = PointToothGear(
-            24, 3, (3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j)
-        ).gear
+        gear = PointToothGear(24, 3, (3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j))
         mate = mate_of(gear, 32, 2.6, 0.5)
     else:
-        gear = StraightSidedGear(40, 2, 25, 0.8, 1.2).gear
+        gear = StraightSidedGear(40, 2, 25, 0.8, 1.2)
         mate = mate_of(gear, 64 if kind == "ring" else 50, 1.6, 0.2, internal=kind == "ring")
     found = mate.contact(np.linspace(0, 1, 2001))
     on = np.isfinite(found.angle)
@@ -276,7 +271,7 @@ def test_the_finished_outlines_turn_at_a_constant_ratio(kind):
 @pytest.mark.parametrize("internal", [False, True])
 def test_exported_outlines_do_not_overlap_through_a_pitch_and_do_when_turned(internal):
     gear = StraightSidedGear(40, 2, 25, 0.8, 1.2)
-    mate = mate_of(gear.gear, 64 if internal else 30, 1.6, 0.4, internal)
+    mate = mate_of(gear, 64 if internal else 30, 1.6, 0.4, internal)
     tolerance = 1e-3
     one, two = gk.flatten(gear.outline, tolerance), gk.flatten(mate.outline, tolerance)
     centre = complex(mate.pose.origin)
@@ -296,7 +291,7 @@ def test_exported_outlines_do_not_overlap_through_a_pitch_and_do_when_turned(int
 
 def test_contacts_obey_the_law_of_gearing():
     """The normal passes the pitch point, and the two bodies' velocities at the contact differ along the tangent."""
-    gear = StraightSidedGear(40, 2, 25, 0.8, 1.2).gear
+    gear = StraightSidedGear(40, 2, 25, 0.8, 1.2)
     mate = mate_of(gear, 30, 1.6, 0.2)
     t = np.linspace(0.3, 0.7, 9)
     c = mate.contact(t)
@@ -320,7 +315,7 @@ def test_contacts_obey_the_law_of_gearing():
 def test_what_no_normal_reaches_is_told_with_its_place():
     """On a straight flank the normal misses the pitch circle beyond the pitch radius from the axis' foot on it."""
     gear = StraightSidedGear(12, 2, 15, 1.0, 1.2)
-    mate = mate_of(gear.gear, 18, 2.0, 0.4)
+    mate = mate_of(gear, 18, 2.0, 0.4)
     lost = [u for u in mate.untouched if u.why == MISSES and u.start < 1]
     a = np.radians(15)
     apart = gear.pitch_radius * np.sin(a) + np.pi * 2 / 4 * np.cos(a)
@@ -330,7 +325,7 @@ def test_what_no_normal_reaches_is_told_with_its_place():
 
 def test_every_point_of_the_flank_either_touches_or_is_told():
     gear = StraightSidedGear(40, 2, 25, 1.0, 1.2)
-    mate = mate_of(gear.gear, 18, 2.0, 0.4)
+    mate = mate_of(gear, 18, 2.0, 0.4)
     t = np.linspace(0.0005, 0.9995, 1000)
     touches = np.isfinite(mate.contact(t).angle)
     told = np.zeros(len(t), dtype=int)
@@ -384,12 +379,12 @@ def test_leaning_teeth_shape_a_mate_too():
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: conjugate(CLASSIC.gear.cutter(0), 100, 10.0, 30, -1), "addendum"),
-        (lambda: conjugate(CLASSIC.gear.cutter(0), 100, 10.0, 30, 5.0), "addendum"),
-        (lambda: conjugate(CLASSIC.gear.cutter(0), 100, np.nan, 30, 0.2), "pitch_radius"),
-        (lambda: conjugate(CLASSIC.gear.cutter(0), 100, 10.0, 30.5, 0.2), "mate_teeth"),
-        (lambda: conjugate(CLASSIC.gear.cutter(0), 100, 10.0, 100, 0.2, True), "mate_teeth"),
-        (lambda: CLASSIC.gear.cutter(1.0), "clearance"),
+        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30, -1), "addendum"),
+        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30, 5.0), "addendum"),
+        (lambda: conjugate(CLASSIC.cutter(0), 100, np.nan, 30, 0.2), "pitch_radius"),
+        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30.5, 0.2), "mate_teeth"),
+        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 100, 0.2, True), "mate_teeth"),
+        (lambda: CLASSIC.cutter(1.0), "clearance"),
         (lambda: StraightSidedGear(40, 2, 45, 1.0), "addendum"),
         (lambda: StraightSidedGear(40, 2, 25, 0.8, 3.0), "dedendum"),
         (lambda: StraightSidedGear(3, 2), "teeth"),
@@ -418,12 +413,12 @@ def test_the_values_named_in_refusals_work(gear):
     addendum, refusals = 3 * gear.dedendum, 0
     while refusals < 3:
         try:
-            mate = mate_of(gear.gear, 12, addendum)
+            mate = mate_of(gear, 12, addendum)
             break
         except gk.DesignError as error:
             addendum, refusals = float(error.remedy.split("at most ")[1].split(",")[0]), refusals + 1
     assert 1 <= refusals <= 2 and 0 < mate.tip_thickness
     steeper = replace(gear, addendum=0.5)
     with pytest.raises(gk.DesignError) as caught:
-        steeper.gear.cutter(50.0)
-    steeper.gear.cutter(float(caught.value.remedy.split("at most ")[1]))
+        steeper.cutter(50.0)
+    steeper.cutter(float(caught.value.remedy.split("at most ")[1]))

@@ -8,13 +8,13 @@ import pytest
 from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve
 from geomkin.gear.conjugate.envelope import GRID, Swept
+from geomkin.gear.conjugate.flank_gears import StraightSidedGear
 from geomkin.gear.conjugate.lantern import LanternPinion
-from geomkin.gear.conjugate.straight_sided import StraightSidedGear
 
 
 def straight():
     gear = StraightSidedGear(100, 2, 25, 1.0, 1.2)
-    return conjugate(gear.gear.cutter(0.4), 100, gear.pitch_radius, 30, 2.0)
+    return conjugate(gear.cutter(0.4), 100, gear.pitch_radius, 30, 2.0)
 
 
 def lantern():
@@ -35,7 +35,7 @@ def test_curves_of_the_boundary_meet_to_rounding_where_they_cross():
     crossings = 0
     for height in (0.8, 0.5, 0.305, 0.3012, 0.3):
         gear = StraightSidedGear(40, 2, 20, height, 1.2)
-        mate = conjugate(gear.gear.cutter(0.0), 40, gear.pitch_radius, 9, 1.5)
+        mate = conjugate(gear.cutter(0.0), 40, gear.pitch_radius, 9, 1.5)
         for one, two in zip(mate.steps, mate.steps[1:]):
             end, start = complex(one.curve.point(one.end)), complex(two.curve.point(two.start))
             assert abs(end - start) < 1e-12 * mate.pitch_radius

@@ -94,7 +94,6 @@ CALLS = {
             "internal": False,
         },
     ),
-    "base_pitch": (lambda: gk.gear.base_pitch, {"gear": GEAR}),
     "chord": (lambda: gk.gear.chord, {"gear": GEAR, "radius": None}),
     "span": (lambda: gk.gear.span, {"gear": GEAR, "teeth": None}),
     "over_pins": (lambda: gk.gear.over_pins, {"gear": GEAR, "pin": None}),
@@ -108,7 +107,7 @@ CALLS = {
     "PlanetarySet.speeds": (lambda: planets().speeds, {"sun": 1.0, "ring": 0.0}),
     "SpurGear.thickness": (lambda: GEAR.thickness, {"radius": 24.0}),
     "RingGear.thickness": (lambda: gk.RingGear(60, 2).thickness, {"radius": 59.0}),
-    "FlankGear.cutter": (lambda: pointed().gear.cutter, {"clearance": 0.1, "backlash": 0.1}),
+    "FlankGear.cutter": (lambda: pointed().cutter, {"clearance": 0.1, "backlash": 0.1}),
     "LanternPinion.cutter": (lambda: gk.gear.LanternPinion(12, 4, 5).cutter, {"clearance": 0.1, "backlash": 0.1}),
     "Conjugate.contact": (lambda: mate().contact, {"t": 0.5}),
     "Conjugate.contact_ratio": (lambda: mate().contact_ratio, {"start": 0.0, "end": 1.0}),
@@ -185,7 +184,7 @@ def test_points_far_off_the_pitch_circle_are_refused_with_a_reach_that_is_looked
     def tall(reach):
         return gk.gear.PointToothGear(24, 3, (3 + 33j, 2 + 60j, 0.1 + 1j * reach))
 
-    assert tall(named - 1e-3).gear.tip_radius == pytest.approx(named, rel=1e-4)
+    assert tall(named - 1e-3).tip_radius == pytest.approx(named, rel=1e-4)
     with pytest.raises(gk.DesignError, match="lies"):
         tall(named * 1.0001)
 

@@ -7,7 +7,7 @@ import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.lantern import LanternPinion
 from geomkin.plane import region
-from geomkin.plane.cycloid import Cycloid
+from geomkin.plane.roulettes import Cycloid
 
 from .sweeping import inner_points, least_clearance
 

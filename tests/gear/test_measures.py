@@ -60,10 +60,8 @@ def test_pins_touch_at_the_reference_line_unless_another_is_asked_for():
 
 def test_base_pitch_is_the_step_of_the_span():
     gear = gk.SpurGear(30, 2)
-    assert gk.gear.span(gear, 5).length - gk.gear.span(gear, 4).length == pytest.approx(
-        gk.gear.base_pitch(gear), rel=1e-12
-    )
-    assert gk.gear.base_pitch(gear) == pytest.approx(2 * np.pi * np.cos(np.radians(20)), rel=1e-12)
+    assert gk.gear.span(gear, 5).length - gk.gear.span(gear, 4).length == pytest.approx(gear.base_pitch, rel=1e-12)
+    assert gear.base_pitch == pytest.approx(2 * np.pi * np.cos(np.radians(20)), rel=1e-12)
 
 
 @pytest.mark.parametrize(

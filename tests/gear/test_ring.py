@@ -206,7 +206,7 @@ def test_the_nearest_values_named_in_refusals_work():
 
 
 def test_a_cutter_is_refused_just_when_its_tips_would_hit_the_teeth_on_their_way_out(monkeypatch):
-    monkeypatch.setattr("geomkin.gear.internal.InternalMesh.trochoid_gap", 1.0)
+    monkeypatch.setattr("geomkin.gear.interference.InternalMesh.trochoid_gap", 1.0)
     hit = {}
     for teeth in (50, 51, 52, 53):
         ring = gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.settings import Files
 from geomkin.kinds.tooth_points import MOST, check_tooth_points
+from geomkin.recipe.settings import Files
 
 
 def drawn(outlines, tolerance):

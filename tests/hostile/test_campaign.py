@@ -114,6 +114,7 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
     import trimesh.creation  # noqa: F401
+
     from geomkin import build  # noqa: F401
 
     made, tried, faults = 0, 0, []
@@ -148,6 +149,7 @@ def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
     import trimesh.creation  # noqa: F401
+
     from geomkin import build  # noqa: F401
 
     faults = []

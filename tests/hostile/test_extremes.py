@@ -8,7 +8,7 @@ import pytest
 from shapely.geometry import Polygon
 
 from geomkin.gear import pair
-from geomkin.gear.limit import last_fit
+from geomkin.sizes import last_fit
 from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'

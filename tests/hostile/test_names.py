@@ -5,9 +5,10 @@ import json
 import os
 import sys
 
-import geomkin as gk
 import numpy as np
 import pytest
+
+import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.table import Column, Table
 

@@ -59,7 +59,7 @@ GOOD = {
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
     "Follow": {"start": -1},
-    "FollowerMotion": {name: DRIVE for name in ("lift", "velocity", "acceleration", "jerk")},
+    "FollowerMotion": dict.fromkeys(("lift", "velocity", "acceleration", "jerk"), DRIVE),
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
     "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
@@ -113,7 +113,6 @@ GOOD = {
     "acceleration_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
-    "base_pitch": {"gear": GEAR},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
@@ -122,6 +121,7 @@ GOOD = {
     "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
     "cognates": {"four_bar": FOUR_BAR},
     "conjugate": {"tooth": GEAR.outline.piece, "teeth": 24, "pitch_radius": 24.0, "mate_teeth": 40, "addendum": 2.0, "internal": False},
+    "contact_travel": {"cam": gk.Cam(gk.TranslatingFlat(), PROGRAM, 60)},
     "convexity": {"curve": CIRCLE, "t": DRIVE},
     "coupler_curves": {"motion": MOTION, "points": np.array([1j, 2.0]), "body": "coupler"},
     "coupler_grid": {"length": 10.0, "height": 5.0, "rows": 2, "columns": 3, "centre": 1j},
@@ -170,7 +170,8 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
+    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.solve.placement import Poses
 from geomkin.linkage.solve.plan import plan
-from geomkin.linkage.solve.steps import Pass
-from tests.linkage.examples import ALL, between, boom, lift_table, pushed
 from tests.linkage.exact import actuator
+from tests.linkage.examples import ALL, between, boom, lift_table, pushed
 
 ULPS = 8 * np.finfo(float).eps
 # name: (linkage driven by its slide, branch, another driver of it, that one's angles)
@@ -122,10 +122,10 @@ def test_limits_are_those_of_the_triangle(still, bar, offset, scale):
     parts = gk.driver_limits(linkage, span=(-300 * scale, 300 * scale))
     found = np.array(parts).ravel() / scale
     assert found == pytest.approx(expected, rel=1e-14)
-    dyad = next(step for step in plan(linkage) if hasattr(step, "gaps"))
+    dyad = next(one for one in plan(linkage) if hasattr(one, "gaps"))
     for k, edge in enumerate(found * scale):
         inside = 1 if k % 2 == 0 else -1
-        gaps = [min(dyad.gaps(Pass(drive=np.array(edge + way * 1e-9 * abs(edge))))) for way in (inside, -inside)]
+        gaps = [min(dyad.gaps(Poses(drive=np.array(edge + way * 1e-9 * abs(edge))))) for way in (inside, -inside)]
         assert gaps[1] < 0 < gaps[0]
         assert gk.move(linkage, [edge + inside * 1e-12 * abs(edge)]).closed[0]
         assert not gk.move(linkage, [edge - inside * 1e-12 * abs(edge)]).closed[0]
@@ -210,10 +210,10 @@ def test_a_crosshead_is_pushed_from_where_the_cylinder_reaches_the_rail(rail_hei
     parts = gk.driver_limits(linkage, span=(0, 100))
     nearest = np.sqrt(max(0, rail_height**2 - 12**2))
     assert parts == ((pytest.approx(nearest, abs=1e-12), 100.0),)
-    dyad = next(step for step in plan(linkage) if hasattr(step, "gaps"))
+    dyad = next(one for one in plan(linkage) if hasattr(one, "gaps"))
     if nearest:
-        assert dyad.gaps(Pass(drive=np.array(nearest))) == (pytest.approx(0.0, abs=1e-12),)
-        assert dyad.gaps(Pass(drive=np.array(nearest - 1e-6)))[0] < 0
+        assert dyad.gaps(Poses(drive=np.array(nearest))) == (pytest.approx(0.0, abs=1e-12),)
+        assert dyad.gaps(Poses(drive=np.array(nearest - 1e-6)))[0] < 0
 
 
 @pytest.mark.parametrize("order", [["cylinder", "rod", "bar"], ["bar", "rod", "cylinder"]])

@@ -185,4 +185,4 @@ def test_what_is_no_contact_is_refused_by_name(field, change):
         DirectContact(**asked)
     assert caught.value.field == field
     with pytest.raises(gk.DesignError, match="one position"):
-        DirectContact(ANGLES, 1j, 5, 5, follower_pivot=50).linkage  # noqa: B018
+        DirectContact(ANGLES, 1j, 5, 5, follower_pivot=50).linkage

@@ -307,8 +307,8 @@ def test_what_is_no_start_is_refused(start):
 def test_turns_without_end_are_refused_with_the_number_that_works():
     six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
     with pytest.raises(gk.DesignError, match="give at most") as caught:
-        gk.move(six_bar, [0, 1e9], "follow").closed  # noqa: B018
+        gk.move(six_bar, [0, 1e9], "follow").closed
     most = int(caught.value.remedy.split()[-2])
     assert gk.move(six_bar, [0, np.radians(most)], "follow").closed.all()
     with pytest.raises(gk.DesignError, match="give at most"):
-        gk.move(six_bar, [0, np.radians(most + 2)], "follow").closed  # noqa: B018
+        gk.move(six_bar, [0, np.radians(most + 2)], "follow").closed

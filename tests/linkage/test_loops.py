@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve.plan import _Planner
-from geomkin.linkage.solve.trace import polished
+from geomkin.linkage.solve.continuation import polished
+from geomkin.linkage.solve.plan import Planner
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 
@@ -17,12 +17,12 @@ def posed(linkage, motion, carried=True):
     linkage = linkage.linkage
     pins = {pin: motion.point(pin).position[0] for pin in linkage.pins}
     same = replace(linkage, estimate=pins)
-    planner = _Planner(same, False)
+    planner = Planner(same, False)
     planner.drive()
     if carried:
         planner.carry()
     planner.rest()
-    same.__dict__["_plans"] = {False: planner.steps}
+    same.plans[False] = tuple(planner.placements)
     return same
 
 
@@ -275,11 +275,11 @@ def test_dead_centres_of_loops_are_those_of_the_dyads():
 def test_drives_too_far_to_follow_are_refused_with_a_number_that_works():
     linkage, start, _ = triad(4)
     with pytest.raises(gk.DesignError, match="drive") as caught:
-        gk.move(linkage, [start, start + 1e9]).closed  # noqa: B018
+        gk.move(linkage, [start, start + 1e9]).closed
     most = float(caught.value.remedy.split("within ")[1].split(" ")[0])
     assert gk.move(linkage, [start, start + most - 1e-3]).closed[0]
     with pytest.raises(gk.DesignError, match="drive"):
-        gk.move(linkage, [start, start + most + 1e-2]).closed  # noqa: B018
+        gk.move(linkage, [start, start + most + 1e-2]).closed
 
 
 def test_many_linkages_at_once_are_refused_where_iteration_is_needed():

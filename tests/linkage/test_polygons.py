@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.linkage import Linkage, Slider
 from geomkin.linkage.instant.polygons import POLE, acceleration_polygon, velocity_polygon
+from geomkin.linkage.linkage import Linkage, Slider
 from geomkin.linkage.named.slider_crank import SliderCrank
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, 40 + 25j)

@@ -7,7 +7,8 @@
 
 Each fault is one change of one operator, number, name, sign or condition of a random line. In a copy of the project the
 tests that run the line are run until one fails, the quickest first, for so many seconds. What survives is tried again
-with all tests that run the line, the folder of tests that has the name of the source's folder, and the kept drawings.
+with all tests that run the line, the folder of tests that has the name of the source's folder, the kept results and the kept
+drawings.
 What then survives is for a person to judge: some changes alter nothing that can be seen (an equal bound, a message's
 wording, an example's size, a speed). The first round takes
 some 5 seconds a fault, the second a minute or two a survivor.
@@ -41,6 +42,9 @@ ROOT = Path(__file__).parent.parent.parent
 MAP = ROOT / ".mutation"
 LEFT_OUT = ["tests/hostile/test_kills.py", "tests/hostile/test_same_bytes.py", "tests/test_recipes.py"]
 GALLERY = "tests/test_recipes.py"
+# The kept results read nearly every line, those that are run while the source is imported among them, which the map
+# puts down to whichever test came first.
+NET = "tests/kept"
 # Reads what is written where classes are made, so it is tried for every line that is run while the source is imported.
 AT_IMPORT = "tests/test_quantities.py"
 # Of the tests that run a line, as many as take this long together are tried first: more, and a survivor costs minutes.
@@ -165,10 +169,12 @@ def try_fault(home, file, fault, seconds):
 def look_again(home, file, fault):
     """Try a survivor with all tests that run the line and the whole folder of its name, then with the kept drawings."""
     folder = f"tests/{Path(file).parts[1]}"
-    tests = sorted(name for name in tests_by_line(file).get(fault[0], ()) if not name.startswith(folder))
+    tests = sorted(name for name in tests_by_line(file).get(fault[0], ()) if not name.startswith((folder, NET)))
     with put(home, file, fault):
-        if not _pass(home, [folder] * (home / folder).is_dir() + tests, 900):
+        if not _pass(home, [folder] * (home / folder).is_dir() + [AT_IMPORT, *tests], 900):
             return "caught at the second look"
+        if not _pass(home, [NET], 900):
+            return "caught by the kept results"
         return "survived" if _pass(home, [GALLERY], 900) else "caught by the kept drawings only"
 
 

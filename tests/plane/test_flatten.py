@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from geomkin.errors import DesignError
-from geomkin.gear.rack import RackCutter
+from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.derived import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from geomkin.errors import DesignError
-from geomkin.plane.cycloid import Cycloid
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import length
+from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.spline import Spline
 
 POINTS = np.array([0, 1 + 2j, 3 + 2.5j, 4 + 1j, 7 - 1j, 7.5 + 0.2j])

@@ -76,7 +76,7 @@ def test_what_is_no_branch_is_refused_by_its_key(branches, key, found):
 def test_what_the_linkage_has_not_is_refused_with_what_it_has(branches, known):
     recipe = told("linkage", "", branches)
     with pytest.raises(gk.DesignError, match=known) as caught:
-        recipe.motion  # noqa: B018
+        recipe.motion
     assert caught.value.field == "branches"
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.texts import parse
 
+from tests.texts import parse
 
 FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = {}\ncrank = 30\ncoupler = 90\nrocker = 70\n'
 # Where crank and ground line up, the pins of coupler and rocker are this far apart at 40 deg and at 5 deg.

@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.csv import csv as written
-from geomkin.linkage.tables import motion_table
+from geomkin.linkage.motion import motion_table
 from geomkin.table import Column, Table, xy_columns
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -3,7 +3,7 @@
 import pytest
 
 import geomkin as gk
-from geomkin.judge.gear import gear_checks, ring_checks
+from geomkin.judge.gear import gear_checks
 from geomkin.shop.gear.gears import GearStock
 from geomkin.shop.gear.spokes import Web
 
@@ -31,5 +31,5 @@ def test_rim_under_the_teeth_is_told_in_modules(module):
 def test_rim_outside_a_ring_s_teeth_is_told_in_modules(module):
     ring = gk.RingGear(60, module)
     for rim in (0.9, 1.1, 4.0):
-        check = value(ring_checks(ring, rim * module), "rim outside the teeth")
+        check = value(gear_checks(ring, rim * module), "rim outside the teeth")
         assert check.value == pytest.approx(rim, rel=1e-12) and check.passed == (rim >= 1)

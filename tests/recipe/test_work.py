@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.kinds import KINDS
 from geomkin.kinds.linkages import SlidRecipe, TurnedRecipe
 from geomkin.linkage.coupler import curves
-from geomkin.linkage.tables import motion_table
+from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
 from tests.texts import parse, template_of
@@ -130,10 +130,10 @@ def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatc
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
-    from geomkin.cam.program import lift_rows
+    from geomkin.cam.program import given_lifts
 
     (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
-    monkeypatch.setattr(lift_rows.csv, "reader", lambda *a: pytest.fail("taken apart"))
+    monkeypatch.setattr(given_lifts.csv, "reader", lambda *a: pytest.fail("taken apart"))
     (tmp_path / "r.toml").write_text(
         template_of("disk-cam", ["program=table"])
         .replace("rows = [", "# rows = [")

@@ -8,7 +8,7 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.plane import region
-from geomkin.shop.gear.gears import GearStock, RingStock, base_plate, carrier, gear_parts, ring_part
+from geomkin.shop.gear.gears import GearStock, RingStock, base_plate, carrier, gear_parts
 from geomkin.shop.gear.spokes import Web, openings
 
 
@@ -59,7 +59,7 @@ def test_a_keyed_and_spoked_gear_has_its_openings_apart():
 
 def test_a_ring_is_its_rim_about_its_teeth():
     ring = gk.RingGear(60, 2)
-    part = ring_part(ring, RingStock(rim=7))
+    (part,) = gear_parts(ring, RingStock(rim=7))
     assert part.outline.radius == pytest.approx(ring.root_radius + 7)
     assert region.gap(polygon(part.outline), polygon(part.holes[0])) == pytest.approx(7, abs=1e-3)
 

@@ -96,7 +96,7 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
     assert model.troubles() == {}
     assert 1 + max(stack.layers.values()) == layers
     assert ("bridge" in stack.layers) == bridge == (stack.spacers > 0)
-    assert stack.layers["ground"] == 0 and not bridge or stack.layers["bridge"] == layers - 1
+    assert (stack.layers["ground"] == 0 and not bridge) or stack.layers["bridge"] == layers - 1
 
 
 @pytest.mark.parametrize("thickness", [3.0, 5.0])

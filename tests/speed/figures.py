@@ -1,6 +1,6 @@
 """Prints the project's figures: start-up, vertices, time per vertex and triangle. Never pass or fail.
 
-.venv/bin/python tests/speed/figures.py
+.venv/bin/python tests/speed/figures.py; those that are kept, to be compared later, are in timings.py.
 """
 
 import resource

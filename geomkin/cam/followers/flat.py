@@ -9,24 +9,90 @@ import numpy as np
 
 from ...errors import DesignError
 from ...plane.pose import Pose
-from ...plane.vec import Array
+from ...plane.primitives import Segment
+from ...plane.vec import Complex, Real, dot
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from .contact import AbstractFollower, Contact, on_face
-from ..extremes import largest
-from .pivot import Side, arm_direction, check_side, side_sign
+from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program
+from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
+from .plates import CORNER, Bars, Hole, Plate, faced_arm, rounded, stemmed_face
+
+
+class AbstractFace(AbstractFollower):
+    """A follower that touches the cam with a flat face; it cannot follow a cam that is hollow anywhere.
+
+    Source: Rothbart, Cams (1956), flat-faced followers.
+    """
+
+    rounding = 0.0
+    knife_edge = None
+
+    def covered_from(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
+        # Of the face's line, the point nearest to the axis.
+        contact = self.contact(motion, base_radius, sense)
+        return dot(contact.normal, contact.point)
+
+    def joint(self, pose: Pose, start: complex, end: complex) -> Segment:
+        return Segment(start, end)
+
+    def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
+        def below(angle: Real) -> Real:
+            contact = self.contact(program.motion(angle), base_radius, sense)
+            return -contact.advance / np.abs(contact.turn)
+
+        radius, at = highest(program.breaks, below)
+        return -radius, at
+
+    def excess(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
+        contact = self.contact(motion, base_radius, sense)
+        return least_radius * np.abs(contact.turn) - contact.advance
+
+    def contact_travel(self, program: Program, base_radius: float, sense: int) -> tuple[float, float]:
+        def along(angle: Real) -> Real:
+            motion = program.motion(angle)
+            contact = self.contact(motion, base_radius, sense)
+            return np.real(self.place(motion.lift, base_radius).locate(contact.point))
+
+        return -largest(program.breaks, lambda t: -along(t))[0], largest(program.breaks, along)[0]
+
+    def face(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[float, float]:
+        """Ends of the face that is cut, mm along its x axis: what is touched, and the overhang on both sides."""
+        low, high = self.contact_travel(program, base_radius, sense)
+        return low - bars.overhang, high + bars.overhang
+
+
+def on_face(
+    normal: Complex, distance: tuple[Real, Real, Real], turn: tuple[Real, Real], pressure_angle: Real, sense: int
+) -> Contact:
+    """Contact of a flat face.
+
+    distance: p, mm, of the face from the cam's axis and its derivatives by cam angle; turn: rate of the
+    normal's angle phi as seen from the cam, and its derivative. The cam's support function is p(phi), so
+    it touches at n (p + i dp/dphi) with the radius of curvature p + d2p/dphi2.
+
+    Source: derived here, from the support function of a convex curve.
+    """
+    p, p1, p2 = distance
+    rate, rate1 = turn
+    along = p1 / rate
+    radius = p + (p2 - along * rate1) / rate**2
+    return Contact(normal * (p + 1j * along), normal, rate, -sense * rate * radius, pressure_angle)
 
 
 @dataclass(frozen=True)
-class TranslatingFlat(AbstractFollower):
-    """A flat face that moves along y. At lift 0 it touches the base circle."""
+class TranslatingFlat(AbstractFace):
+    """A flat face that moves along y. At lift 0 it touches the base circle.
+
+    The pressure angle is the tilt all the way round, and 0 for a face square to y.
+
+    Source: Rothbart, Cams (1956), flat-faced follower; the tilted face derived here.
+    """
 
     tilt_deg: float = quantity(
         "angle of the face from the x axis, counterclockwise", "deg", default=0.0, above=-90, below=90
     )
     kind: Literal["translating-flat"] = "translating-flat"
-    oscillates: ClassVar[bool] = False
-    rolls: ClassVar[bool] = False
+    oscillates = False
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -36,7 +102,11 @@ class TranslatingFlat(AbstractFollower):
         """rad."""
         return float(np.radians(self.tilt_deg))
 
-    def check(self, base_radius: float, program: Program, sense: int) -> None:
+    @property
+    def size(self) -> float:
+        return 0.0
+
+    def check(self, program: Program, base_radius: float, sense: int) -> None:
         """Nothing: a face that moves straight reaches every cam."""
 
     def base_radii(self, largest_lift: float) -> tuple[float, float]:
@@ -50,21 +120,40 @@ class TranslatingFlat(AbstractFollower):
         normal = 1j * np.exp(1j * self.tilt) + still
         return on_face(normal, distance, (still - sense, still), still + sense * self.tilt, sense)
 
-    def place(self, lift: Array, base_radius: float) -> Pose:
+    def place(self, lift: Real, base_radius: float) -> Pose:
         """Origin where the face crosses the y axis, x axis along the face."""
         origin = 1j * (base_radius / np.cos(self.tilt) + lift)
         return Pose(origin, np.full(np.shape(lift), np.exp(1j * self.tilt)))
 
-    def resting_lift(self, points: Array, base_radius: float) -> Array:
-        return (np.imag(points * np.exp(-1j * self.tilt)) - base_radius) / np.cos(self.tilt)
+    def resting_lift(self, points: Complex, base_radius: float) -> Real:
+        return np.asarray((np.imag(points * np.exp(-1j * self.tilt)) - base_radius) / np.cos(self.tilt))
+
+    def least_base_radius(self, program: Program, least_radius: float) -> float:
+        """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so that least_radius - min(s + s'') cos(tilt)."""
+
+        def below(angle: Real) -> Real:
+            motion = program.motion(angle)
+            return -motion.lift - motion.acceleration
+
+        return least_radius + float(np.cos(np.radians(self.tilt_deg))) * largest(program.breaks, below)[0]
+
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The face on its stem."""
+        face, width = self.face(bars, program, base_radius, sense), bars.bar_width
+        outline, end = stemmed_face(face, self.tilt, width, bars.stem_length)
+        hole = Hole("pivot_bore", bars.pivot_bore, width, end)
+        # The corners of a face lie beyond what the cam touches.
+        return (Plate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
 
 
 @dataclass(frozen=True)
-class OscillatingFlat(AbstractFollower):
+class OscillatingFlat(AbstractFace):
     """A flat face on an arm that swings about a pivot at (pivot_distance, 0).
 
     psi = asin((Rb - f) / c) + lift is the angle at the pivot between the line to the cam's axis and the
     face, with Rb the base radius, c the pivot distance and f the face offset.
+
+    Source: Rothbart, Cams (1956), oscillating flat-faced follower; formulas derived here.
     """
 
     pivot_distance: float = quantity(
@@ -79,14 +168,18 @@ class OscillatingFlat(AbstractFollower):
     )
     side: Side = entry("side of the line from cam axis to pivot on which the face rides", default="above")
     kind: Literal["oscillating-flat"] = "oscillating-flat"
-    oscillates: ClassVar[bool] = True
-    rolls: ClassVar[bool] = False
+    oscillates = True
+    # A smaller cam is undercut.
+    example_base_radius: ClassVar[float] = 60.0
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        check_side(self.side)
 
-    def check(self, base_radius: float, program: Program, sense: int) -> None:
+    @property
+    def size(self) -> float:
+        return max(self.pivot_distance, abs(self.face_offset))
+
+    def check(self, program: Program, base_radius: float, sense: int) -> None:
         """The face must reach the cam on the cam's side of its pivot, and turn against it all the way round."""
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
         low, high = self.base_radii(lift)
@@ -130,14 +223,22 @@ class OscillatingFlat(AbstractFollower):
         pressure_angle = np.arctan2(self.face_offset + still, along)
         return on_face(-1j * tau * arm_direction(psi, tau), distance, turn, pressure_angle, sense)
 
-    def place(self, lift: Array, base_radius: float) -> Pose:
+    def place(self, lift: Real, base_radius: float) -> Pose:
         """Origin at the pivot, x axis along the face towards the cam."""
         direction = arm_direction(self.start_angle(base_radius) + lift, side_sign(self.side))
         return Pose(np.full(np.shape(lift), complex(self.pivot_distance)), direction)
 
-    def resting_lift(self, points: Array, base_radius: float) -> Array:
+    def resting_lift(self, points: Complex, base_radius: float) -> Real:
         away = points - self.pivot_distance
         with np.errstate(invalid="ignore"):
             along = np.sqrt(np.abs(away) ** 2 - self.face_offset**2)
         psi = -side_sign(self.side) * np.angle(-away) - np.arctan2(self.face_offset, along)
         return np.where(np.isfinite(along), psi - self.start_angle(base_radius), -np.inf)
+
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The arm about its pivot, with the face."""
+        face, width = self.face(bars, program, base_radius, sense), bars.bar_width
+        outline = faced_arm(face, self.face_offset, width, side_sign(self.side))
+        hole = Hole("pivot_bore", bars.pivot_bore, width)
+        # The corners of a face lie beyond what the cam touches.
+        return (Plate("arm", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)

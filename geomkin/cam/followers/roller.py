@@ -2,26 +2,111 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Literal
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import Literal, Self
 
 import numpy as np
 
 from ...errors import DesignError
 from ...plane.pose import Pose
-from ...plane.vec import Array
+from ...plane.primitives import Arc, Circle, rounded_hull
+from ...plane.vec import Complex, Real, cross
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from .contact import AbstractFollower, Contact, on_roller
-from ..extremes import largest
-from .pivot import Side, arm_direction, check_side, side_sign
+from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program
+from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
+from .plates import Bars, Hole, Plate
 
 
 @dataclass(frozen=True)
-class TranslatingRoller(AbstractFollower):
-    """A roller that moves along a straight line parallel to y; radius 0 is a knife edge."""
+class AbstractRoller(AbstractFollower):
+    """A follower that touches the cam with a roller; radius 0 is a knife edge.
+
+    The profile is the curve parallel to the pitch curve, the path of the roller's centre on the cam, at the distance
+    of the roller's radius.
+
+    Source: Rothbart, Cams (1956), pitch curve and cam profile.
+    """
 
     roller_radius: float = quantity("radius of the roller", "mm", at_least=0, at_most=FARTHEST, example=10)
+
+    @property
+    @abstractmethod
+    def centre(self) -> complex:
+        """The roller's centre in the follower's own frame, mm."""
+
+    @property
+    def rounding(self) -> float:
+        return self.roller_radius
+
+    @property
+    def knife_edge(self) -> Self:
+        return replace(self, roller_radius=0.0)
+
+    def covered_from(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
+        return np.abs(self.knife_edge.contact(motion, base_radius + self.roller_radius, sense).point)
+
+    def joint(self, pose: Pose, start: complex, end: complex) -> Arc:
+        centre = complex(pose.place(self.centre))
+        return Arc(centre, start, float(np.angle((end - centre) / (start - centre))))
+
+    def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
+        knife, prime_radius = self.knife_edge, base_radius + self.roller_radius
+
+        def curvature(angle: Real) -> Real:
+            contact = knife.contact(program.motion(angle), prime_radius, sense)
+            return -sense * contact.turn / np.abs(contact.advance)
+
+        # By curvature, which stays finite where the pitch curve is straight and its radius is not.
+        bend, at = highest(program.breaks, curvature)
+        with np.errstate(divide="ignore"):
+            return np.where(bend > 0, 1 / np.maximum(bend, 0), np.inf) - self.roller_radius, at
+
+    def excess(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
+        # A profile with this radius left is one that a roller larger by as much just does not undercut.
+        larger = replace(self, roller_radius=self.roller_radius + least_radius) if least_radius else self
+        return -larger.contact(motion, base_radius - least_radius, sense).advance
+
+    def contact_travel(self, program: Program, base_radius: float, sense: int) -> None:
+        return None
+
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The roller; none of a knife edge. One that moves straight is carried by the guide at hand, not by a plate."""
+        radius = self.roller_radius
+        hole = Hole("roller_bore", bars.roller_bore, 2 * radius)
+        return (Plate("roller", Circle(0j, radius), (hole,)),) if radius else ()
+
+
+def on_roller(
+    centre: Complex, slope: Complex, bend: Complex, radius: float, sense: int, way: Complex | complex, sign: int
+) -> Contact:
+    """Contact of a roller of a radius, mm, whose centre has the derivatives slope and bend by cam angle.
+
+    way: unit direction in which the centre moves as the lift grows. sign: +1 or -1, of the pressure angle. With B the
+    centre, the pitch curve E B has the velocity E u, u = B' - i sgn B, and the roller lies to the left of it for
+    sgn = +1.
+
+    Source: derived here.
+    """
+    u = slope - 1j * sense * centre
+    speed = np.abs(u)
+    normal = 1j * sense * u / speed
+    turn = cross(u, bend - 2j * sense * slope - centre) / speed**2
+    pressure_angle = sign * np.angle(normal * np.conj(way))
+    return Contact(centre - radius * normal, normal, turn, speed + sense * radius * turn, pressure_angle)
+
+
+@dataclass(frozen=True)
+class TranslatingRoller(AbstractRoller):
+    """A roller that moves along a straight line parallel to y; radius 0 is a knife edge.
+
+    The line passes the cam's axis at `offset`, mm, positive to +x. With the cam's sense times the offset above 0 the
+    pressure angle is smaller on the rise and larger on the return.
+
+    Source: Rothbart, Cams (1956), offset radial follower; formulas derived here.
+    """
+
     offset: float = quantity(
         "distance of the follower's line from the cam axis, positive to +x",
         "mm",
@@ -30,13 +115,20 @@ class TranslatingRoller(AbstractFollower):
         at_most=FARTHEST,
     )
     kind: Literal["translating-roller"] = "translating-roller"
-    oscillates: ClassVar[bool] = False
-    rolls: ClassVar[bool] = True
+    oscillates = False
 
     def __post_init__(self) -> None:
         check_sizes(self)
 
-    def check(self, base_radius: float, program: Program, sense: int) -> None:
+    @property
+    def size(self) -> float:
+        return max(self.roller_radius, abs(self.offset))
+
+    @property
+    def centre(self) -> complex:
+        return 0j
+
+    def check(self, program: Program, base_radius: float, sense: int) -> None:
         prime = base_radius + self.roller_radius
         if abs(self.offset) >= prime:
             raise DesignError(
@@ -57,11 +149,11 @@ class TranslatingRoller(AbstractFollower):
         slope, bend = 1j * motion.velocity, 1j * motion.acceleration
         return on_roller(centre, slope, bend, self.roller_radius, sense, 1j, sense)
 
-    def place(self, lift: Array, base_radius: float) -> Pose:
+    def place(self, lift: Real, base_radius: float) -> Pose:
         """Origin at the roller's centre, x axis as the ground's."""
         return Pose(self.offset + 1j * (self.start_height(base_radius) + lift), np.ones(np.shape(lift), complex))
 
-    def resting_lift(self, points: Array, base_radius: float) -> Array:
+    def resting_lift(self, points: Complex, base_radius: float) -> Real:
         aside = points.real - self.offset
         with np.errstate(invalid="ignore"):
             lift = points.imag + np.sqrt(self.roller_radius**2 - aside**2) - self.start_height(base_radius)
@@ -69,14 +161,15 @@ class TranslatingRoller(AbstractFollower):
 
 
 @dataclass(frozen=True)
-class OscillatingRoller(AbstractFollower):
+class OscillatingRoller(AbstractRoller):
     """A roller on an arm that swings about a pivot at (pivot_distance, 0); radius 0 is a knife edge.
 
     psi = acos((c^2 + L^2 - Rp^2) / 2 c L) + lift is the angle at the pivot between the lines to the cam's
     axis and to the roller's centre, with c the pivot distance, L the arm length and Rp the prime radius.
+
+    Source: Rothbart, Cams (1956), oscillating roller follower; formulas derived here.
     """
 
-    roller_radius: float = quantity("radius of the roller", "mm", at_least=0, at_most=FARTHEST, example=10)
     pivot_distance: float = quantity(
         "distance of the arm's pivot from the cam axis, along +x", "mm", above=0, at_most=FARTHEST, example=100
     )
@@ -85,14 +178,20 @@ class OscillatingRoller(AbstractFollower):
     )
     side: Side = entry("side of the line from cam axis to pivot on which the roller rides", default="above")
     kind: Literal["oscillating-roller"] = "oscillating-roller"
-    oscillates: ClassVar[bool] = True
-    rolls: ClassVar[bool] = True
+    oscillates = True
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        check_side(self.side)
 
-    def check(self, base_radius: float, program: Program, sense: int) -> None:
+    @property
+    def size(self) -> float:
+        return max(self.roller_radius, self.pivot_distance, self.arm_length)
+
+    @property
+    def centre(self) -> complex:
+        return complex(self.arm_length)
+
+    def check(self, program: Program, base_radius: float, sense: int) -> None:
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
         low, high = self.base_radii(lift)
         if not low < base_radius < high:
@@ -126,12 +225,12 @@ class OscillatingRoller(AbstractFollower):
         way = -1j * tau * reach / self.arm_length
         return on_roller(self.pivot_distance + reach, slope, bend, self.roller_radius, sense, way, tau)
 
-    def place(self, lift: Array, base_radius: float) -> Pose:
+    def place(self, lift: Real, base_radius: float) -> Pose:
         """Origin at the pivot, x axis towards the roller's centre."""
         direction = arm_direction(self.start_angle(base_radius) + lift, side_sign(self.side))
         return Pose(np.full(np.shape(lift), complex(self.pivot_distance)), direction)
 
-    def resting_lift(self, points: Array, base_radius: float) -> Array:
+    def resting_lift(self, points: Complex, base_radius: float) -> Real:
         away = points - self.pivot_distance
         arm, gap = self.arm_length, np.abs(away)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -139,3 +238,13 @@ class OscillatingRoller(AbstractFollower):
         # Angle at the pivot from the line to the axis to that to the point, and on to the roller beyond it.
         psi = -side_sign(self.side) * np.angle(-away) + spread
         return np.where(np.isfinite(spread), psi - self.start_angle(base_radius), -np.inf)
+
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The roller, and the arm about its pivot."""
+        roller, width = super().plates(bars, program, base_radius, sense), bars.bar_width
+        pivot, pin = (
+            Hole("pivot_bore", bars.pivot_bore, width),
+            Hole("roller_bore", bars.roller_bore, width, self.centre),
+        )
+        outline = rounded_hull([0j, self.centre], width / 2)
+        return *roller, Plate("arm", outline, (pivot, pin) if roller else (pivot,))

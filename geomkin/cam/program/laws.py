@@ -1,24 +1,26 @@
-"""Laws of motion from 0 to 1 over 0 <= x <= 1, each with its derivatives to the third.
+"""Laws of motion from 0 to 1 over 0 <= x <= 1, each with its derivatives to the third: normalised as in VDI 2143.
 
 Every law returns (4, ...): f, f', f'', f''' by x. Scaled to a rise h over an angle beta, the k-th
 derivative by angle is h f^(k) / beta^k. A law whose derivatives jump inside carries an attribute
 `breaks`: x from 0 to 1, the jumps between; at a jump it answers for the piece that starts there.
-The peaks in the docstrings are those of f', f'' and f'''.
+The peaks in the docstrings are those of f', f'' and f'''. They and the laws stand in VDI 2143 Blatt 1 (1980) and in
+Norton, Cam Design and Manufacturing Handbook, on double-dwell cams; the forms here are derived.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from itertools import pairwise
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from ...errors import DesignError, shown
-from ...plane.vec import Array
+from ...plane.vec import Real
 
-Law = Callable[[Array], Array]
+Law = Callable[[Real], Real]
 LawName = Literal[
     "uniform",
     "parabolic",
@@ -31,12 +33,12 @@ LawName = Literal[
 ]
 
 
-def uniform(x: Array) -> Array:
+def uniform(x: Real) -> Real:
     """f = x: constant velocity. Beside a dwell the acceleration is infinite. Peaks 1, 0, 0."""
     return np.stack([x, np.ones_like(x), np.zeros_like(x), np.zeros_like(x)])
 
 
-def cycloidal(x: Array) -> Array:
+def cycloidal(x: Real) -> Real:
     """f = x - sin(2 pi x) / 2 pi: no acceleration at either end. Peaks 2, 2 pi, 4 pi^2."""
     turn = 2 * np.pi * x
     return np.stack(
@@ -44,7 +46,7 @@ def cycloidal(x: Array) -> Array:
     )
 
 
-def harmonic(x: Array) -> Array:
+def harmonic(x: Real) -> Real:
     """f = (1 - cos(pi x)) / 2: acceleration jumps against a dwell. Peaks pi / 2, pi^2 / 2, pi^3 / 2."""
     turn = np.pi * x
     return 0.5 * np.stack([1 - np.cos(turn), np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
@@ -55,7 +57,7 @@ def _polynomial(coefficients: list[float]) -> Law:
     # Rows: the polynomial and its derivatives; columns: powers from the highest, as Horner takes them.
     rows = [np.pad(f.deriv(k).coef if k else f.coef, (0, k))[::-1] for k in range(4)]
 
-    def law(x: Array) -> Array:
+    def law(x: Real) -> Real:
         value = np.zeros((4, *np.shape(x)))
         for column in np.array(rows).T:
             value = value * x + column.reshape(4, *[1] * np.ndim(x))
@@ -77,10 +79,10 @@ class Waves:
     breaks (n + 1,); coefficients (6, n): c0, c1, c2, p, w, q.
     """
 
-    breaks: Array
-    coefficients: Array
+    breaks: Real
+    coefficients: Real
 
-    def __call__(self, x: Array) -> Array:
+    def __call__(self, x: Real) -> Real:
         piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
         u = x - self.breaks[piece]
         c0, c1, c2, p, w, q = self.coefficients[:, piece]
@@ -141,6 +143,15 @@ LAWS: dict[str, Law] = {
 }
 
 
+@runtime_checkable
+class BrokenLaw(Protocol):
+    """A law whose derivatives jump inside."""
+
+    @property
+    def breaks(self) -> Real:
+        """Where they do, x from 0 to 1, both included."""
+
+
 class NamedLaw:
     """Marks a law that a recipe can only name; the library also takes a callable."""
 
@@ -148,9 +159,9 @@ class NamedLaw:
         return handler.generate_schema(LawName)
 
 
-def breaks_of(law: Law) -> Array:
+def breaks_of(law: Law) -> Real:
     """Where the derivatives of a law may jump, x from 0 to 1, both included."""
-    return np.asarray(getattr(law, "breaks", (0.0, 1.0)), dtype=float)
+    return np.asarray(law.breaks if isinstance(law, BrokenLaw) else (0.0, 1.0), dtype=float)
 
 
 # How far a law of the caller's own may miss 0, 1 and its own integrals, relative to its size: more hides a
@@ -158,7 +169,7 @@ def breaks_of(law: Law) -> Array:
 TRUST = 1e-6
 
 
-def checked(law: Any) -> Law:
+def law_of(law: LawName | Law) -> Law:
     """A law by name, or a callable that has been tried: shape, ends, finite, each row the derivative of the last."""
     if isinstance(law, str):
         if law not in LAWS:
@@ -171,7 +182,7 @@ def checked(law: Any) -> Law:
         raise DesignError("law.breaks", f"found {breaks}", "give rising numbers from 0 to 1")
     nodes, weights = np.polynomial.legendre.leggauss(8)
     # Sixteen steps in each piece, eight nodes in each step: polynomials to degree 15 pass exactly.
-    edges = np.concatenate([np.linspace(a, b, 17)[:-1] for a, b in zip(breaks[:-1], breaks[1:])] + [[1.0]])
+    edges = np.concatenate([np.linspace(a, b, 17)[:-1] for a, b in pairwise(breaks)] + [[1.0]])
     step = np.diff(edges)
     x = edges[:-1, None] + step[:, None] * (nodes + 1) / 2
     inside, ends = np.asarray(law(x), dtype=float), np.asarray(law(edges), dtype=float)

@@ -16,13 +16,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Array
-from .boundary import chebyshev_law, condition_row, derive
+from ...plane.vec import Real
 from .laws import Law
-from .least_peak import bound, least_peak
-from .level_peaks import extremes, level_peaks, peak
-from .spline import PiecewisePolynomial
+from .least_peak import bound, extremes, least_peak, level_peaks, peak
+from .polynomials import PiecewisePolynomial, chebyshev_law, condition_row, derive
 
 # How far the peak may lie above the bound, and the jerk above its limit, relative. Less is lost in
 # rounding at degree 15, more shows in the files.
@@ -40,6 +39,8 @@ class Optimum:
 
     law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
     peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below.
+
+    Source: derived here.
     """
 
     law: Law
@@ -48,6 +49,8 @@ class Optimum:
     bound: float
     rise: float
     angle: float = 1.0
+
+    __repr__ = one_line
 
     @property
     def gap(self) -> float:
@@ -105,7 +108,7 @@ def optimal_polynomial(
     return Optimum(chebyshev_law([lift, velocity, best, jerk]), peak(best), peak(jerk), proven, rise)
 
 
-def _of_least_peak(peaked: int, equal: Array, values: Array, limited: int, limit: float) -> tuple[Array | None, float]:
+def _of_least_peak(peaked: int, equal: Real, values: Real, limited: int, limit: float) -> tuple[Real | None, float]:
     """Chebyshev series whose derivative of order `peaked` has the least peak, and the bound that proves it.
 
     Its derivative of order `limited` is at most `limit`. The linear programme looks at places, to which
@@ -116,7 +119,7 @@ def _of_least_peak(peaked: int, equal: Array, values: Array, limited: int, limit
     limited_places = places if np.isfinite(limit) else places[:0]
     best, least, proven = None, np.inf, 0.0
 
-    def prove(places: Array, weights: Array, limited_places: Array, shares: Array, c: Array) -> float:
+    def prove(places: Real, weights: Real, limited_places: Real, shares: Real, c: Real) -> float:
         return bound(
             equal, values, _rows(places, peaked, n), weights, _rows(limited_places, limited, n) / limit, shares, c
         )
@@ -145,12 +148,12 @@ def _of_least_peak(peaked: int, equal: Array, values: Array, limited: int, limit
     return None, proven
 
 
-def _grid(n: int) -> Array:
+def _grid(n: int) -> Real:
     """Eight places for each coefficient, close together at the ends: they see every wave of the series."""
     return 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 8 * n + 1))
 
 
-def _rows(places: Array, order: int, n: int) -> Array:
+def _rows(places: Real, order: int, n: int) -> Real:
     return condition_row(places, order, n - 1).T
 
 
@@ -192,7 +195,7 @@ def optimal_spline(
     return Optimum(law, float(np.abs(a).max()), float(np.abs(jerk).max()), proven, rise)
 
 
-def _check_jerk(limit: float | None, equal: Array, values: Array, jerks: Array) -> None:
+def _check_jerk(limit: float | None, equal: Real, values: Real, jerks: Real) -> None:
     """Refuse a limit no motion can keep, and say the least that would do: it is a peak as well."""
     if limit is None:
         return

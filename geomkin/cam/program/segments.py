@@ -9,10 +9,11 @@ speed in rad/s it is a velocity; by the degree a jerk would be 190000 times smal
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal, get_args
 
 from ...arguments import check_fields
+from ...brief import short
 from ...sizes import FARTHEST, OneOfKinds, entry, quantity
 from .laws import Law, LawName, NamedLaw
 
@@ -35,27 +36,39 @@ class Pairs:
 Rows = Annotated[tuple[tuple[float, float], ...], Pairs()]
 
 
-def _angle(meaning: str) -> float | None:
+def _as_given(self: Any) -> str:
+    """What `__repr__` gives: the fields that differ from what is meant where they are left out."""
+    values = {f.name: vars(self)[f.name] for f in fields(self) if f.name != "kind" and vars(self)[f.name] != f.default}
+    text = ", ".join(f"{name}={short(value)}" for name, value in values.items())
+    return f"{type(self).__name__}({text})"
+
+
+def _angle(meaning: str) -> Any:
     return quantity(meaning, "deg", default=None, at_least=-360, at_most=360)
 
 
-def _lift(meaning: str, unit: str = "mm") -> float | None:
+def _lift(meaning: str, unit: str = "mm") -> Any:
     most = FARTHEST if unit == "mm" else 360
     return quantity(meaning, unit, default=None, at_least=-most, at_most=most)
 
 
-def _derivative(meaning: str, unit: str) -> float | None:
+def _derivative(meaning: str, unit: str) -> Any:
     return quantity(meaning, unit, default=None, at_least=-FARTHEST, at_most=FARTHEST)
 
 
 @dataclass(frozen=True)
 class Dwell:
-    """The follower rests. Give two of start, end and duration; the start may be left to the segment before."""
+    """The follower rests. Give two of start, end and duration; the start may be left to the segment before.
+
+    Source: the word is that of Rothbart, Cams (1956).
+    """
 
     kind: Literal["dwell"] = "dwell"
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
+
+    __repr__ = _as_given
 
 
 @dataclass(frozen=True)
@@ -63,8 +76,9 @@ class Rise:
     """The follower moves away, by `rise` or to `end_lift`; give one of the two.
 
     In the library, `law` may be a callable: of x (...) from 0 to 1, it returns f, f', f'', f''' as
-    (4, ...), with f from 0 to 1. Where a derivative jumps inside, its attribute `breaks` says so: see
-    `geomkin.cam.laws`.
+    (4, ...), with f from 0 to 1. Where a derivative jumps inside, its attribute `breaks` says so, x from 0 to 1.
+
+    Source of the named laws: VDI 2143 Blatt 1 (1980); Norton, Cam Design and Manufacturing Handbook.
     """
 
     law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
@@ -77,10 +91,15 @@ class Rise:
     rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
+    __repr__ = _as_given
+
 
 @dataclass(frozen=True)
 class Return:
-    """The follower moves back to `end_lift`, 0 unless given. `law` as for a rise."""
+    """The follower moves back to `end_lift`, 0 unless given. `law` as for a rise.
+
+    Source of the named laws: VDI 2143 Blatt 1 (1980); Norton, Cam Design and Manufacturing Handbook.
+    """
 
     law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
     end_lift: float = quantity(
@@ -92,6 +111,8 @@ class Return:
     duration_deg: float | None = _angle("cam angle it takes")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
+    __repr__ = _as_given
+
 
 @dataclass(frozen=True)
 class LiftPolynomial:
@@ -99,6 +120,8 @@ class LiftPolynomial:
 
     The lift at the start is that of the segment before; the lift at the end is given, and any of the
     derivatives at either end. Values between raise the degree by one each.
+
+    Source: polynomials from boundary conditions, Norton, Cam Design and Manufacturing Handbook.
     """
 
     rise: float | None = _lift("how far it moves, positive outward")
@@ -117,6 +140,8 @@ class LiftPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
+    __repr__ = _as_given
+
 
 @dataclass(frozen=True)
 class LiftSpline:
@@ -124,11 +149,16 @@ class LiftSpline:
 
     Its ends take slope and curvature from the neighbours, so that nothing jumps there but the jerk.
     Alone in a programme it closes on itself. First in a programme it sets the lift at angle 0.
+
+    Source: natural splines of odd degree as the smoothest curves, de Boor, A Practical Guide to Splines (1978); the
+    equations are derived here.
     """
 
     points: Rows | None = entry("values, as [cam angle in deg, lift in mm], from its start to its end", default=None)
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
+
+    __repr__ = _as_given
 
 
 @dataclass(frozen=True)
@@ -147,6 +177,8 @@ class LiftTable:
     Ends as for a spline. Alone in a programme it closes on itself, and rows in equal steps may leave out
     that at 360 deg. The file is CSV with a first line that names the columns `cam_angle_deg` and `lift_mm`, or
     `lift_deg` for an arm; others are ignored. A relative name is looked for beside the recipe.
+
+    Source: smoothing splines after Reinsch, Numer. Math. 10 (1967) 177-183, with a bound for each row; derived here.
     """
 
     decimals: int | None = quantity(
@@ -169,6 +201,8 @@ class LiftTable:
     )
     kind: Literal["table"] = "table"
 
+    __repr__ = _as_given
+
 
 @dataclass(frozen=True)
 class OptimisedPolynomial:
@@ -177,6 +211,8 @@ class OptimisedPolynomial:
 
     Where the neighbour meets its own neighbours too, as a spline does, both come to rest. Between two
     rests 3-4-5 is degree 5, and even degrees gain nothing.
+
+    Source: derived here, as a linear programme.
     """
 
     degree: int = quantity("degree of the polynomial", default=9, at_least=5, at_most=15, whole=True)
@@ -196,6 +232,8 @@ class OptimisedPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
+    __repr__ = _as_given
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -207,6 +245,8 @@ class OptimisedSpline:
 
     Many intervals come near the least of all motions: 4 rise / angle^2 between two rests, and with a
     jerk of at most J rise / angle^3 that times J/16 (1 - sqrt(1 - 32/J)), J at least 32.
+
+    Source: derived here, as a linear programme.
     """
 
     intervals: int = quantity("intervals of the acceleration", default=20, at_least=3, at_most=400, whole=True)
@@ -224,6 +264,8 @@ class OptimisedSpline:
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
+
+    __repr__ = _as_given
 
 
 # Those that move to a lift, those whose start and end are given as angles, those that bring their own points.

@@ -8,23 +8,49 @@ from typing import Annotated
 import numpy as np
 
 from ...arguments import RealsOrNan, checked, whole_between
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.derived import Reversed
 from ...plane.joined import Path, Ring
 from ...plane.pose import Pose
 from ...plane.primitives import Arc
+from ...plane.vec import Real
 from ...sizes import Size
-from .conjugate_curve import Contact
-from .envelope import GRID, Step, sweep
-from .untouched import Untouched, touched, untouched
+from ..contract import AbstractGear
+from .conjugate_curve import ConjugateCurve, ToothContact, ToothRun
+from .envelope import GRID, BoundaryPiece, Swept, sweep
 
 Teeth = Annotated[int, whole_between(2, 10_000)]
+# A contact that there is not: angle, place, tooth, mate, sliding, pressure angle.
+UNTOUCHED = (np.nan, *3 * (complex(np.nan, np.nan),), np.nan, np.nan)
+# Why a stretch of a tooth never touches.
+MISSES = "its normals miss the pitch circle"
+CUTS = "touching it would cut the mate's own flank away"
+TRIMMED = "another part of the tooth cuts away what it would touch"
+BEYOND = "the mate's teeth end before it"
+
+
+@dataclass(frozen=True)
+class Untouched:
+    """A stretch of a tooth that never touches its mate.
+
+    start, end: parameters of the tooth's curve; inner_radius, outer_radius: its least and largest distance from
+    the gear's axis, mm; why: what keeps it from touching.
+    """
+
+    start: float
+    end: float
+    inner_radius: float
+    outer_radius: float
+    why: str
+
+    __repr__ = one_line
 
 
 @dataclass(frozen=True, eq=False)
-class Conjugate:
-    """A mate cut by the law of gearing.
+class Conjugate(AbstractGear):
+    """A mate cut by the law of gearing (Litvin and Fuentes, Gear Geometry and Applied Theory, on conjugate profiles).
 
     teeth, pitch_radius, tip_radius and root_radius, mm, of the mate. outline: closed, counterclockwise, about
     the mate's centre, a tooth centred on +y; of a ring the hole of its plate. pose: where it stands while a
@@ -42,8 +68,15 @@ class Conjugate:
     is_ring: bool
     outline: AbstractCurve
     pose: Pose
-    steps: tuple[Step, ...]
+    steps: tuple[BoundaryPiece, ...]
     untouched: tuple[Untouched, ...]
+
+    __repr__ = one_line
+
+    @property
+    def module(self) -> float:
+        """Pitch diameter per tooth, mm."""
+        return 2 * self.pitch_radius / self.teeth
 
     @property
     def distance(self) -> float:
@@ -58,16 +91,16 @@ class Conjugate:
         return self.tip_radius * (2 * np.pi / self.teeth - space % (2 * np.pi))
 
     @checked
-    def contact(self, t: RealsOrNan) -> Contact:
+    def contact(self, t: RealsOrNan) -> ToothContact:
         """Where and when the tooth's points at parameters t (...,) touch; nan where never. Corners are left out."""
         t = np.asarray(t, dtype=float)
-        empty = (np.nan, *3 * (complex(np.nan, np.nan),), np.nan, np.nan)
-        values = [np.full(t.shape, nothing) for nothing in empty]
+        found = ToothContact(*(np.full(t.shape, nothing) for nothing in UNTOUCHED))
         for curve, low, high in touched(self.steps):
-            mask = (t >= low) & (t <= high) & np.isnan(values[0])
-            for value, found in zip(values, curve.contact(curve.parameter_of(t[mask]))):
-                value[mask] = found
-        return Contact(*values)
+            mask = (t >= low) & (t <= high) & np.isnan(found.angle)
+            part = curve.contact(curve.parameter_of(t[mask]))
+            for name in ToothContact.__dataclass_fields__:
+                getattr(found, name)[mask] = getattr(part, name)
+        return found
 
     @checked
     def contact_ratio(self, start: float, end: float) -> float:
@@ -143,11 +176,11 @@ def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, rin
         )
 
 
-def _ends(steps: tuple[Step, ...] | list[Step]) -> tuple[complex, complex]:
+def _ends(steps: tuple[BoundaryPiece, ...] | list[BoundaryPiece]) -> tuple[complex, complex]:
     return complex(steps[0].curve.point(steps[0].start)), complex(steps[-1].curve.point(steps[-1].end))
 
 
-def _piece(steps: list[Step], teeth: int, ring: bool, pitch_radius: float) -> tuple[Path, float]:
+def _piece(steps: list[BoundaryPiece], teeth: int, ring: bool, pitch_radius: float) -> tuple[Path, float]:
     """One pitch of the mate's outline, counterclockwise: a space and a tip land; and the root's radius."""
     pieces: list[AbstractCurve] = []
     for step in steps:
@@ -187,3 +220,52 @@ def _pointed(pieces: list[AbstractCurve], teeth: int, ring: bool) -> float:
     )
     land = 2 * np.pi / teeth - (right - left)
     return float(abs(levels[int(np.argmax(land <= 0))]))
+
+
+def touched(steps: tuple[BoundaryPiece, ...] | list[BoundaryPiece]) -> list[tuple[ConjugateCurve, float, float]]:
+    """Curves of the boundary that stretches of the tooth left, and the tooth's parameters between which they did."""
+    found = []
+    for step in steps:
+        if isinstance(step.curve.side, ToothRun):
+            low, high = np.sort(step.curve.tooth_parameter([step.start, step.end])).tolist()
+            found.append((step.curve, low, high))
+    return found
+
+
+def untouched(
+    tooth: AbstractCurve, swept: Swept, steps: list[BoundaryPiece], tip: float, rising: bool
+) -> tuple[Untouched, ...]:
+    """In order along the tooth; lands about the axis, which meet nothing but bottom lands, are left out.
+
+    tip: radius of the mate's tips, which lie outside its flanks where `rising`.
+    """
+    kept = touched(steps)
+    curves = [c for c in swept.curves if isinstance(c.side, ToothRun)]
+    ends = [c.tooth_parameter([c.start, c.end]) for c in curves]
+    reached = [[c.first, c.last] for c in curves]
+    edges = np.unique(np.concatenate([tooth.breaks, *reached, *ends, *([low, high] for _, low, high in kept)]))
+    # Ends that differ by rounding bound nothing.
+    edges = edges[np.append(True, np.diff(edges) > 1e-9 * (edges[-1] - edges[0]))]
+    found: list[Untouched] = []
+    for low, high in zip(edges.tolist(), edges[1:].tolist()):
+        t = 0.5 * (low + high)
+        if any(first <= t <= last for _, first, last in kept):
+            continue
+        radius = np.abs(tooth.point(np.linspace(low, high, 17)))
+        if np.ptp(radius) <= 1e-9 * radius.max():
+            continue
+        why = _why(t, curves, ends, tip, rising)
+        if found and found[-1].end == low and found[-1].why == why:
+            before = found.pop()
+            low, radius = before.start, np.append(radius, [before.inner_radius, before.outer_radius])
+        found.append(Untouched(low, high, float(radius.min()), float(radius.max()), why))
+    return tuple(found)
+
+
+def _why(t: float, curves: list[ConjugateCurve], ends: list[Real], tip: float, rising: bool) -> str:
+    over = [c for c, (low, high) in zip(curves, ends) if low < t < high]
+    if over:
+        radii = [abs(complex(c.point(c.parameter_of(t)))) for c in over]
+        beyond = [r > tip if rising else r < tip for r in radii]
+        return BEYOND if all(beyond) else TRIMMED
+    return CUTS if any(c.first < t < c.last for c in curves) else MISSES

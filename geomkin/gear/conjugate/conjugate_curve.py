@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...brief import one_line
 from ...plane.curve import AbstractCurve
 from ...plane.derived import Stretch
-from ...plane.vec import Array, unit
+from ...plane.vec import Complex, Mask, Real, unit
 
 # Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots
 # touch. Smaller drowns in rounding, larger tells the velocity of another place.
@@ -23,31 +24,31 @@ ONE_ROOT = 1e-14
 NEAR_FOLD = 1e-11
 
 
-class Touch(NamedTuple):
+class TangentPoint(NamedTuple):
     """Points of a tooth with unit tangents, the material to their left; both may move with a parameter.
 
     point (...,) mm; tangent (...,); speed (...,) of the point along the tangent, mm, and turning (...,) of the
     tangent, rad, per unit of the parameter.
     """
 
-    point: Array
-    tangent: Array
-    speed: Array
-    turning: Array
+    point: Complex
+    tangent: Complex
+    speed: Real
+    turning: Real
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class ToothRun:
     """A stretch of a tooth without a corner."""
 
     curve: Stretch
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         """Parameters between which the stretch is smooth."""
         return self.curve.breaks
 
-    def touch(self, t: Array) -> Touch:
+    def touch(self, t: Real) -> TangentPoint:
         """The curve itself; at a cusp with the tangent just inside."""
         v = self.curve.velocity(t)
         still, inner = np.abs(v) == 0, t
@@ -57,11 +58,11 @@ class Run:
             inner = np.where(still, t + INSIDE * (0.5 * (b[k] + b[k + 1]) - t), t)
             v = np.where(still, self.curve.velocity(inner), v)
         speed = np.abs(v)
-        return Touch(self.curve.point(t), unit(v), speed, self.curve.curvature(inner) * speed)
+        return TangentPoint(self.curve.point(t), unit(v), speed, self.curve.curvature(inner) * speed)
 
 
 @dataclass(frozen=True, eq=False)
-class Corner:
+class ToothCorner:
     """A convex corner: one point, whose tangent turns left from `tangent` by `sweep`, rad."""
 
     place: complex
@@ -69,17 +70,18 @@ class Corner:
     sweep: float
 
     @property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         """The turn of the tangent, from none to all."""
         return np.array([0.0, self.sweep])
 
-    def touch(self, t: Array) -> Touch:
+    def touch(self, t: Real) -> TangentPoint:
         """The corner at a turn of its tangent, rad."""
         one = np.ones(np.shape(t))
-        return Touch(self.place * one, self.tangent * np.exp(1j * t), 0 * one, one)
+        return TangentPoint(np.full(one.shape, self.place), self.tangent * np.exp(1j * t), 0 * one, one)
 
 
-class Contact(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class ToothContact:
     """Where points of a tooth touch its mate. All (...,), nan where they never do.
 
     angle: of the driving gear, rad counterclockwise from where its tooth stands on +y; place: in the fixed
@@ -88,23 +90,26 @@ class Contact(NamedTuple):
     gear; pressure_angle: between the common normal and the pitch circles' tangent, rad.
     """
 
-    angle: Array
-    place: Array
-    tooth: Array
-    mate: Array
-    sliding: Array
-    pressure_angle: Array
+    angle: Real
+    place: Complex
+    tooth: Complex
+    mate: Complex
+    sliding: Real
+    pressure_angle: Real
+
+    __repr__ = one_line
 
 
 class Meeting(NamedTuple):
     """A touch and its root: b, the pitch point's distance along the normal from the foot of the gear's axis on it,
 
-    q that from the tooth's point, and the pitch point's direction."""
+    q that from the tooth's point, and the pitch point's direction.
+    """
 
-    touch: Touch
-    b: Array
-    q: Array
-    direction: Array
+    touch: TangentPoint
+    b: Real
+    q: Real
+    direction: Complex
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +130,7 @@ class ConjugateCurve(AbstractCurve):
     square root, in which the curve passes on smoothly. turn: direction of the mate's frame.
     """
 
-    side: Run | Corner
+    side: ToothRun | ToothCorner
     pitch_radius: float
     mate_radius: float
     root: int
@@ -141,7 +146,7 @@ class ConjugateCurve(AbstractCurve):
         """Turn of the mate per turn of the line of centres, both seen from the gear."""
         return 1 + self.pitch_radius / self.mate_radius
 
-    def tooth_parameter(self, t: ArrayLike) -> Array:
+    def tooth_parameter(self, t: ArrayLike) -> Real:
         """Parameter of the tooth's piece."""
         u, span = np.asarray(t, dtype=float), self.last - self.first
         match self.folds:
@@ -153,7 +158,7 @@ class ConjugateCurve(AbstractCurve):
                 return self.last - span * (1 - u) ** 2
         return self.first + span * u
 
-    def parameter_of(self, tooth_parameter: ArrayLike) -> Array:
+    def parameter_of(self, tooth_parameter: ArrayLike) -> Real:
         """The inverse of `tooth_parameter`."""
         share = np.clip((np.asarray(tooth_parameter, dtype=float) - self.first) / (self.last - self.first), 0, 1)
         match self.folds:
@@ -165,7 +170,7 @@ class ConjugateCurve(AbstractCurve):
                 return 1 - np.sqrt(1 - share)
         return share
 
-    def _rate(self, u: Array) -> Array:
+    def _rate(self, u: Real) -> Real:
         """d tooth_parameter / dt."""
         span = self.last - self.first
         match self.folds:
@@ -177,7 +182,7 @@ class ConjugateCurve(AbstractCurve):
                 return 2 * span * (1 - u)
         return np.full(np.shape(u), span)
 
-    def _meeting(self, u: Array) -> Meeting:
+    def _meeting(self, u: Real) -> Meeting:
         touch = self.side.touch(self.tooth_parameter(u))
         r = self.pitch_radius
         seen = np.conj(touch.tangent) * touch.point
@@ -185,33 +190,34 @@ class ConjugateCurve(AbstractCurve):
         b = self.root * np.sqrt(np.where(squared > ONE_ROOT * r**2, squared, 0))
         return Meeting(touch, b, b - seen.imag, unit(touch.tangent * (seen.real + 1j * b)))
 
-    def _phi(self, m: Meeting) -> Array:
+    def _phi(self, m: Meeting) -> Real:
         """Angle of the pitch point from +y in the gear's frame, rad."""
         return np.angle(-1j * m.direction)
 
-    def _place(self, m: Meeting) -> Array:
+    def _place(self, m: Meeting) -> Complex:
         """The point in the mate's frame."""
         return (m.touch.point - (self.pitch_radius + self.mate_radius) * m.direction) * self._turned(m)
 
-    def _turned(self, m: Meeting) -> Array:
-        return self.turn * np.exp(-1j * self.k * self._phi(m))
+    def _turned(self, m: Meeting) -> Complex:
+        direction: Complex = self.turn * np.exp(-1j * self.k * self._phi(m))
+        return direction
 
-    def _g(self, m: Meeting) -> Array:
+    def _g(self, m: Meeting) -> Real:
         s, w = m.touch.speed, m.touch.turning
         return m.b * s + self.k * m.q * (s - w * m.q)
 
-    def sound(self, t: ArrayLike) -> Array:
+    def sound(self, t: ArrayLike) -> Real:
         """Negative where the two touch without cutting each other, 0 at a cusp."""
         m = self._meeting(np.asarray(t, dtype=float))
         return self.k * self._g(m) / (m.touch.speed + np.abs(m.touch.turning) * self.pitch_radius)
 
-    def point(self, t: ArrayLike) -> Array:
+    def point(self, t: ArrayLike) -> Complex:
         return self._place(self._meeting(np.asarray(t, dtype=float)))
 
-    def velocity(self, t: ArrayLike) -> Array:
+    def velocity(self, t: ArrayLike) -> Complex:
         return self.course(t)[1]
 
-    def course(self, t: ArrayLike) -> tuple[Array, Array]:
+    def course(self, t: ArrayLike) -> tuple[Complex, Complex]:
         """Point and velocity together, at the cost of one."""
         u = np.asarray(t, dtype=float)
         at = self._meeting(u)
@@ -230,17 +236,17 @@ class ConjugateCurve(AbstractCurve):
             # Endless where nothing is left of a piece too small to tell its points apart.
             return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
 
-    def curvature(self, t: ArrayLike) -> Array:
+    def curvature(self, t: ArrayLike) -> Real:
         u = np.asarray(t, dtype=float)
         _, m = self._inside(u, self._meeting(u))
         s, w = m.touch.speed, m.touch.turning
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.root * (w * m.b + self.k * (s - w * m.q)) / np.abs(self._g(m))
 
-    def _at_fold(self, u: Array) -> Array:
+    def _at_fold(self, u: Real) -> Mask:
         return ((u < 0.5) & self.folds[0]) | ((u >= 0.5) & self.folds[1])
 
-    def _inside(self, u: Array, m: Meeting) -> tuple[Array, Meeting]:
+    def _inside(self, u: Real, m: Meeting) -> tuple[Real, Meeting]:
         """The meeting m at u, or the one just inside the piece where two roots touch without a fold."""
         # Nearer to such a place than this the square root has lost more digits than the step costs.
         lost = (np.abs(m.b) < INSIDE * self.pitch_radius) & ~self._at_fold(u)
@@ -249,17 +255,17 @@ class ConjugateCurve(AbstractCurve):
             m = self._meeting(u)
         return u, m
 
-    def contact(self, t: ArrayLike) -> Contact:
+    def contact(self, t: ArrayLike) -> ToothContact:
         """Where and when these points touch."""
         m = self._meeting(np.asarray(t, dtype=float))
         phi = self._phi(m)
         place = m.touch.point * np.exp(-1j * phi)
         # Seen from the mate the gear turns by k about the pitch point: i k (z - P), which lies along T.
         angle = np.arccos(np.clip(np.abs(np.real(np.conj(m.touch.tangent) * m.direction)), 0, 1))
-        return Contact(-phi, place, m.touch.point, self._place(m), self.k * m.q, angle)
+        return ToothContact(-phi, place, m.touch.point, self._place(m), self.k * m.q, angle)
 
     @cached_property
-    def breaks(self) -> Array:
+    def breaks(self) -> Real:
         inner = self.parameter_of(self.side.breaks)
         return np.concatenate([[self.start], inner[(inner > self.start) & (inner < self.end)], [self.end]])
 

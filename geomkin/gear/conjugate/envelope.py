@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +14,8 @@ from ...plane.curve import AbstractCurve
 from ...plane.derived import Stretch
 from ...plane.flatten import smooth_runs
 from ...plane.spread import CORNER, direction
-from ...plane.vec import Array, cross
-from .conjugate_curve import ConjugateCurve, Corner, Run
+from ...plane.vec import Complex, Mask, Real, Whole, cross
+from .conjugate_curve import ConjugateCurve, ToothCorner, ToothRun
 
 # Shares of a piece at which it is looked at: evenly, and ever closer towards its ends, where an undercut that has only
 # just begun crosses within a millionth of them. Fewer let a crossing slip through.
@@ -31,7 +30,7 @@ GRAZE = 1e-9
 # Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle. Fewer lose
 # such crossings, more only repeat what leads nowhere.
 MOST_STEPS = 8
-# Step of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
+# BoundaryPiece of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
 # crossing off its place, smaller goes on where rounding alone moves it.
 SETTLED = 1e-12
 # Shares of an interval at which a change of sign is looked for at once: a call costs as much for many places as for one.
@@ -40,7 +39,8 @@ SHARES = np.linspace(0, 1, 33)
 MOST_CURVES = 400
 
 
-class Step(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class BoundaryPiece:
     """A conjugate curve from one of its parameters to another, in the direction walked."""
 
     curve: ConjugateCurve
@@ -58,11 +58,11 @@ class Swept:
 
     curves: list[ConjugateCurve]
     sense: list[int]
-    points: list[Array]
-    grids: list[Array]
+    points: list[Complex]
+    grids: list[Real]
     size: float
 
-    def boundary(self, limit: float, rising: bool) -> list[Step]:
+    def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
         """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.
 
         Walked along the tooth's tangent, from the limit through the deepest point to the limit.
@@ -73,16 +73,16 @@ class Swept:
         seed = float(self.grids[deepest][depths[deepest].argmin()])
         back = self._walk(deepest, seed, -1, limit, sign)
         ahead = self._walk(deepest, seed, 1, limit, sign)
-        middle = Step(self.curves[deepest], back[0].end, ahead[0].end)
-        reversed_back = [Step(s.curve, s.end, s.start) for s in back[:0:-1]]
+        middle = BoundaryPiece(self.curves[deepest], back[0].end, ahead[0].end)
+        reversed_back = [BoundaryPiece(s.curve, s.end, s.start) for s in back[:0:-1]]
         return [*reversed_back, middle, *ahead[1:]]
 
-    def _walk(self, at: int, u: float, along: int, limit: float, sign: int) -> list[Step]:
+    def _walk(self, at: int, u: float, along: int, limit: float, sign: int) -> list[BoundaryPiece]:
         """From a point of the boundary to the limit: at each crossing on to the curve that leads out of what is swept.
 
         Every curve lies in what is swept, so the boundary leaves one where another crosses it, and nowhere else.
         """
-        steps: list[Step] = []
+        steps: list[BoundaryPiece] = []
         while len(steps) < MOST_CURVES:
             curve, ahead = self.curves[at], along * self.sense[at]
             end = curve.end if ahead > 0 else curve.start
@@ -90,10 +90,10 @@ class Swept:
             stop = end if out is None else out
             if found := self._crossing(at, u, stop, along):
                 v, at, w = found
-                steps.append(Step(curve, u, v))
+                steps.append(BoundaryPiece(curve, u, v))
                 u = w
                 continue
-            steps.append(Step(curve, u, stop))
+            steps.append(BoundaryPiece(curve, u, stop))
             if out is not None:
                 return steps
             at = self._next(at, complex(curve.point(end)), along)
@@ -168,13 +168,14 @@ class Swept:
         return first
 
     @cached_property
-    def _boxes(self) -> list[Array]:
+    def _boxes(self) -> list[Real]:
         return [_boxes(t, curve) for t, curve in zip(self.grids, self.curves)]
 
-    def _are_joints(self, one: int, other: int, places: Array) -> Array:
+    def _are_joints(self, one: int, other: int, places: Complex) -> Mask:
         """Whether two curves merely meet end to end at places."""
         away = [np.abs(self.points[k][[0, -1], None] - places).min(axis=0) for k in (one, other)]
-        return np.maximum(*away) < MEET * self.size
+        near: Mask = np.max(away, axis=0) < MEET * self.size
+        return near
 
 
 def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius: float, turn: complex) -> Swept:
@@ -189,27 +190,29 @@ def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius:
     return Swept(curves, sense, points, grids, abs(mate_radius))
 
 
-def _sides(tooth: AbstractCurve, step: complex) -> list[Run | Corner]:
+def _sides(tooth: AbstractCurve, step: complex) -> list[ToothRun | ToothCorner]:
     """The tooth's stretches and its convex corners."""
     runs = smooth_runs(tooth)
-    sides: list[Run | Corner] = []
+    sides: list[ToothRun | ToothCorner] = []
     for k, run in enumerate(runs):
-        sides.append(Run(Stretch(tooth, run)))
+        sides.append(ToothRun(Stretch(tooth, run)))
         last = k == len(runs) - 1
         after = complex(direction(tooth, runs[(k + 1) % len(runs)][:1], after=True)[0]) * (step if last else 1)
         before = complex(direction(tooth, run[-1:], after=False)[0])
         bend = float(np.angle(after / before))
         if bend > CORNER:
-            sides.append(Corner(complex(tooth.point(run[-1])), before, bend))
+            sides.append(ToothCorner(complex(tooth.point(run[-1])), before, bend))
     return sides
 
 
-def _sound(side: Run | Corner, pitch_radius: float, mate_radius: float, turn: complex) -> list[ConjugateCurve]:
+def _sound(
+    side: ToothRun | ToothCorner, pitch_radius: float, mate_radius: float, turn: complex
+) -> list[ConjugateCurve]:
     """The parts of a side's two conjugate curves along which it touches the mate without cutting it."""
     b = side.breaks
     grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(b, b[1:])]))
 
-    def reach(t: Array) -> Array:
+    def reach(t: Real) -> Real:
         touch = side.touch(t)
         foot = np.real(np.conj(touch.tangent) * touch.point) / pitch_radius
         return (1 - foot) * (1 + foot)
@@ -238,7 +241,7 @@ def _sound(side: Run | Corner, pitch_radius: float, mate_radius: float, turn: co
     return found
 
 
-def _is_fold(side: Run | Corner, t: float, pitch_radius: float) -> bool:
+def _is_fold(side: ToothRun | ToothCorner, t: float, pitch_radius: float) -> bool:
     """Whether the foot of the gear's axis on the normals passes the pitch circle here, and does not just touch it."""
     touch = side.touch(np.array(t))
     seen = complex(np.conj(touch.tangent) * touch.point)
@@ -247,7 +250,7 @@ def _is_fold(side: Run | Corner, t: float, pitch_radius: float) -> bool:
     return abs(abs(seen.real) - pitch_radius) < 1e-12 * pitch_radius and grows > 1e-6 * size
 
 
-def _changes(f: Callable[[Array], Array], grid: Array) -> list[float]:
+def _changes(f: Callable[[Real], Real], grid: Real) -> list[float]:
     """The grid's two ends and the places between where f changes its sign, to rounding."""
     positive = f(grid) > 0
     changes = np.flatnonzero(positive[1:] != positive[:-1])
@@ -264,7 +267,7 @@ def _changes(f: Callable[[Array], Array], grid: Array) -> list[float]:
     return limits
 
 
-def first_change(f: Callable[[Array], Array], low: ArrayLike, high: ArrayLike) -> Array:
+def first_change(f: Callable[[Real], Real], low: ArrayLike, high: ArrayLike) -> Real:
     """Where f first changes its sign between pairs of parameters (...,), to rounding; a jump counts."""
     low, high = np.asarray(low, dtype=float)[..., None], np.asarray(high, dtype=float)[..., None]
     above = f(high) > 0
@@ -276,14 +279,15 @@ def first_change(f: Callable[[Array], Array], low: ArrayLike, high: ArrayLike) -
         before, (low, high) = (low, high), (np.take_along_axis(t, k - 1, -1), np.take_along_axis(t, k, -1))
         if (low == before[0]).all() and (high == before[1]).all():
             break
-    return (0.5 * (low + high))[..., 0]
+    middle: Real = (0.5 * (low + high))[..., 0]
+    return middle
 
 
-def _middles(t: Array) -> Array:
+def _middles(t: Real) -> Real:
     return 0.5 * (t[:-1] + t[1:])
 
 
-def _boxes(t: Array, curve: ConjugateCurve) -> Array:
+def _boxes(t: Real, curve: ConjugateCurve) -> Real:
     """Box (4, n - 1) about the curve between neighbouring parameters: low x, low y, high x, high y."""
     z, middle = curve.point(t), curve.point(_middles(t))
     # As far again as the middle stands off the chord, which is more than a smooth piece bulges.
@@ -293,7 +297,7 @@ def _boxes(t: Array, curve: ConjugateCurve) -> Array:
     return np.array([*low, *high])
 
 
-def _near(a: Array, b: Array) -> tuple[Array, Array]:
+def _near(a: Real, b: Real) -> tuple[Whole, Whole]:
     """Pairs of boxes that meet."""
     if (a[:2].min(axis=1) > b[2:].max(axis=1)).any() or (b[:2].min(axis=1) > a[2:].max(axis=1)).any():
         return np.array([], dtype=int), np.array([], dtype=int)
@@ -302,7 +306,7 @@ def _near(a: Array, b: Array) -> tuple[Array, Array]:
     return rows, columns
 
 
-def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Array, v: Array, size: float) -> tuple[Array, Array]:
+def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Real, v: Real, size: float) -> tuple[Real, Real]:
     """Parameters where two curves cross, by Newton's steps from near by; none for steps that lead nowhere."""
     u, v, moving = u.copy(), v.copy(), np.arange(len(u))
     for _ in range(MOST_STEPS):

@@ -14,11 +14,15 @@ from ...plane.joined import Path
 from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, Segment
 from ...sizes import Length, check_sizes, quantity, rounded_down
+from ..contract import AbstractShaper
 
 
 @dataclass(frozen=True)
-class LanternPinion:
-    """Round pins on a circle about the origin, one of them on +y, held between two discs."""
+class LanternPinion(AbstractShaper):
+    """Round pins on a circle about the origin, one of them on +y, held between two discs.
+
+    Raises DesignError where neighbouring pins meet.
+    """
 
     pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
     module: float = quantity("pin circle's diameter per pin", "mm", above=0, at_most=1e5, example=4)
@@ -33,6 +37,11 @@ class LanternPinion:
                 f"found {self.pin_diameter:g} mm, but neighbouring pins are {chord:.4g} mm apart",
                 f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
             )
+
+    @property
+    def teeth(self) -> int:
+        """Number of pins."""
+        return self.pins
 
     @property
     def pitch_radius(self) -> float:

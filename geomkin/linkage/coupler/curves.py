@@ -15,10 +15,12 @@ from ...errors import DesignError, shown
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, cross, unit
 from ...sizes import rounded_up
+from ..body_motion import PointMotion
 from ..limits import driver_limits
-from ..motion import Motion, PointMotion
+from ..linkage import AbstractLinkage, OneLinkage
+from ..motion import Motion
 from ..solve.branch import Branch, chosen
-from ..solve.move import Named, OneLinkage, move
+from ..solve.move import move
 
 # Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,
 # but 3 % too small; nearer to 1, such a chord may exceed the tolerance.
@@ -32,7 +34,7 @@ MOST_POINTS = 2_000_000
 SHORT = 8
 
 
-def moved_at(linkage: Named, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
+def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
     """The motion at drives of any shape and order, and which of its frames each of them is.
 
     A branch that is followed is followed from `start`, whatever drives are asked for.
@@ -176,7 +178,7 @@ def _check_body(bodies: Collection[str], body: str) -> None:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(bodies)}")
 
 
-def _dash_limits(linkage: Named, steps: Real, branch: Branch) -> Real:
+def _dash_limits(linkage: AbstractLinkage, steps: Real, branch: Branch) -> Real:
     """Limits (dashes, 2) of the drive over which the linkage is closed, none across the limits of a step."""
     first, last = float(steps[0]), float(steps[-1])
     short = SHORT * np.spacing(max(abs(first), abs(last)))
@@ -189,7 +191,7 @@ def _dash_limits(linkage: Named, steps: Real, branch: Branch) -> Real:
 
 
 def _drawn(
-    linkage: Named, local: Complex, limits: Real, tolerance: float, branch: Branch, body: str
+    linkage: AbstractLinkage, local: Complex, limits: Real, tolerance: float, branch: Branch, body: str
 ) -> list[list[Complex]]:
     found: list[dict[int, Complex]] = [{} for _ in local]
     waiting, worst = np.arange(len(limits)), 0.0

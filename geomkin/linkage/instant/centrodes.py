@@ -14,9 +14,9 @@ from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, dot
 from ..coupler.curves import moved_at
+from ..linkage import OneLinkage
 from ..motion import Motion
 from ..solve.branch import Branch
-from ..solve.move import OneLinkage
 from .centres import InstantCentre, instant_centre
 from .inflection import inflection_circle
 

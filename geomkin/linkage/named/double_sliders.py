@@ -8,11 +8,11 @@ from typing import Annotated, Literal
 
 from ...errors import DesignError
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..linkage import Linkage, Slider
+from ..linkage import AbstractLinkage, Linkage, Slider
 
 
 @dataclass(frozen=True)
-class EllipticTrammel:
+class EllipticTrammel(AbstractLinkage):
     """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
 
     The first slot lies along +x, the second at `angle_deg`; lengths in mm. Driven by the rod's angle or by the first
@@ -56,7 +56,7 @@ class EllipticTrammel:
 
 
 @dataclass(frozen=True)
-class ScotchYoke:
+class ScotchYoke(AbstractLinkage):
     """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
 
     The crank turns about the origin; the yoke is guided `guide` beyond its slot; lengths in mm.
@@ -96,7 +96,7 @@ class ScotchYoke:
 
 
 @dataclass(frozen=True)
-class OldhamCoupling:
+class OldhamCoupling(AbstractLinkage):
     """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
 
     The driving hub turns about the origin, the driven one about `shift` on +x; the disc's middle runs twice a

@@ -10,11 +10,11 @@ import numpy as np
 
 from ...errors import DesignError
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..linkage import Linkage
+from ..linkage import AbstractLinkage, Linkage
 
 
 @dataclass(frozen=True)
-class FourBar:
+class FourBar(AbstractLinkage):
     """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
 
     The crank turns about the origin; the rocker's ground pivot lies on +x at `ground`. `origin` and

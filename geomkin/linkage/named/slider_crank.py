@@ -1,4 +1,4 @@
-"""The slider-crank: its sizes, and nothing else."""
+"""The slider-crank and its inversions (slotted lever, Whitworth, sliding coupler): sizes, and nothing else."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from ...errors import DesignError
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..linkage import Linkage, Slider
+from ..linkage import AbstractLinkage, Linkage, Slider
 
 
 @dataclass(frozen=True)
-class SliderCrank:
+class SliderCrank(AbstractLinkage):
     """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
 
     The crank turns about the origin; the slider runs along a line parallel to +x at the height `offset`.
@@ -66,3 +66,74 @@ class SliderCrank:
             origin=self.origin,
             ground_angle_deg=self.ground_angle_deg,
         )
+
+
+@dataclass(frozen=True)
+class InvertedSliderCrank(AbstractLinkage):
+    """A crank whose pin slides along a rocker, or whose coupler slides through a rocking block; lengths in mm.
+
+    The crank turns about the origin, the rocker about the point `ground` on +x. With `line` "rocker" the
+    coupler is a block on the crank pin and the rocker a slotted lever: it swings where the crank is shorter
+    than the ground, and turns fully (Whitworth) where it is longer. With `line` "coupler" the coupler is a rod
+    and the rocker the block it slides through. branch +1: the rocker's x axis points from its pivot to the crank pin;
+    of a sliding coupler, the coupler's from the crank pin to the block.
+    """
+
+    ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80)
+    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    offset: float = quantity(
+        "distance of the slide line from the pin at which its body turns, to the left",
+        "mm",
+        default=0.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
+    point: Annotated[complex, PointXY(many=True)] = entry(
+        "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",
+        default=0j,
+        example=130 + 0j,
+    )
+    driver: Literal["crank", "rocker"] = entry("link whose angle is driven", default="crank")
+    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+        for field, value, allowed in (
+            ("line", self.line, ("rocker", "coupler")),
+            ("driver", self.driver, ("crank", "rocker")),
+        ):
+            if value not in allowed:
+                raise DesignError(field, f"found {value!r}", f"give {' or '.join(allowed)}")
+        reach = self.ground + self.crank
+        if np.ndim(reach + self.offset) == 0 and abs(self.offset) >= reach:
+            raise DesignError(
+                "offset",
+                f"found {self.offset:g} mm, but the crank pin comes no farther than {reach:g} mm from the rocker pivot",
+                f"give less than {reach:g} mm",
+            )
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: the sliding joint is named "slide"."""
+        through = 1j * self.offset
+        crank = {
+            "ground": {"crank_pivot": 0j, "rocker_pivot": self.ground + 0j},
+            "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
+        }
+        if self.line == "rocker":
+            bodies = crank | {
+                "rocker": {"rocker_pivot": 0j, "rocker_point": self.point},
+                "coupler": {"crank_pin": 0j},
+            }
+            slide = Slider("slide", "coupler", "rocker", through=through)
+        else:
+            bodies = crank | {
+                "coupler": {"crank_pin": 0j, "coupler_point": self.point},
+                "rocker": {"rocker_pivot": 0j},
+            }
+            slide = Slider("slide", "rocker", "coupler", through=through)
+        return Linkage(bodies, self.driver, (slide,), self.origin, self.ground_angle_deg)

@@ -6,6 +6,7 @@ is in closed form by the place x of the rod: no angle of the drive is needed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -13,11 +14,11 @@ from typing import ClassVar
 import numpy as np
 
 from ...errors import DesignError
-from ...plane.vec import Array, cross, dot
-from .driver_dyads import Driven
+from ...plane.vec import Complex, Real, Whole, cross, dot
+from .closing_roots import StrokeRoot, gap_of
+from .driver_dyads import Driven, DriverPoints
 from .dyads import RRP, RRR
-from .roots import gap_of
-from .steps import Pass
+from .placement import Coefficients, Placement, Poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,73 +28,18 @@ class Stroked:
     Seen along the slide it is x + i n with x = q + ahead: n, left, is how far the slide passes by the outer pin.
     """
 
-    start: complex
-    along: complex
+    start: complex | Complex
+    along: complex | Complex
 
     @cached_property
-    def ahead(self) -> Array:
+    def ahead(self) -> Real:
         """x at q = 0, mm."""
         return dot(self.along, np.asarray(self.start))
 
     @cached_property
-    def left(self) -> Array:
+    def left(self) -> Real:
         """n, mm."""
         return cross(self.along, np.asarray(self.start))
-
-
-@dataclass(frozen=True, eq=False)
-class StrokeRoot:
-    """r = branch f1 f2 of an actuator's dyad, f1^2 = most - x^2 and f2^2 = x^2 - least; most may be infinite.
-
-    change: where least is zero and followed, f2 is x with its sign, and r runs smoothly through zero.
-    """
-
-    x: Array
-    most: Array
-    least: Array
-    branch: Array | int
-    follow: bool
-
-    @cached_property
-    def change(self) -> Array | bool:
-        return self.least == 0 if self.follow and np.any(self.least == 0) else False
-
-    @cached_property
-    def f1(self) -> Array:
-        # With nothing to hold it back f1 is no factor.
-        bounded = np.isfinite(self.most)
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(np.where(bounded, self.most - self.x * self.x, 1.0))
-
-    @cached_property
-    def f2(self) -> Array:
-        with np.errstate(invalid="ignore"):
-            root = np.sqrt(self.x * self.x - self.least)
-        return root if self.change is False else np.where(self.change, self.x, root)
-
-    @cached_property
-    def r(self) -> Array:
-        return self.branch * (self.f1 * self.f2)
-
-    @cached_property
-    def share(self) -> Array:
-        """x / f2, 1 at a change point."""
-        with np.errstate(all="ignore"):
-            share = self.x / self.f2
-        return share if self.change is False else np.where(self.change, 1.0, share)
-
-    @cached_property
-    def share_rate(self) -> Array:
-        """Its derivative by x."""
-        with np.errstate(all="ignore"):
-            rate = -self.least / (self.f2 * self.f2 * self.f2)
-        return rate if self.change is False else np.where(self.change, 0.0, rate)
-
-    def limits(self) -> list[float]:
-        """Places x at which r vanishes; none at a change point."""
-        squares = [float(self.most), float(self.least)]
-        ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
-        return [x for end in ends for x in (end, -end)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +56,7 @@ class ActuatedRRR(Driven):
     dyad: RRR
     which: int
     arm: Stroked
-    still: complex
+    still: complex | Complex
 
     def __post_init__(self) -> None:
         if np.any(self.still == 0):
@@ -130,32 +76,32 @@ class ActuatedRRR(Driven):
         return -1 if self.which else 1
 
     @cached_property
-    def _sizes(self) -> tuple[Array, Array, Array, Array]:
+    def _sizes(self) -> tuple[Complex, Real, Real, Complex]:
         """w, the squares b^2 - s^2 and s^2 + b^2, and the bar in its body, seen along w."""
         w = np.asarray(self.still) * self._side
         s, b = np.abs(w), np.abs(self.dyad.arms[1 - self.which])
         return w, gap_of(self.follow, b, -s) * (b + s), s * s + b * b, w / self.dyad.arms[1 - self.which]
 
     @cached_property
-    def _ends(self) -> tuple[Array, Array]:
+    def _ends(self) -> tuple[Real, Real]:
         """x^2 at the utmost and at the least reach; what may vanish is exact."""
         s, b, n = np.abs(self.still), np.abs(self.dyad.arms[1 - self.which]), self.arm.left
         most = gap_of(self.follow, s, b, -n) * gap_of(self.follow, s, b, n)
         return most, gap_of(self.follow, s, -b, -n) * gap_of(self.follow, s, -b, n)
 
-    def roots(self, p0: Pass, branch: Array | int) -> StrokeRoot:
+    def roots(self, p0: Poses, branch: Whole | int) -> StrokeRoot:
         return StrokeRoot(p0.drive + self.arm.ahead, *self._ends, branch, self.follow)
 
     def limits(self) -> list[float]:
-        return [x - float(self.arm.ahead) for x in self.roots(Pass(), 1).limits()]
+        return [x - float(self.arm.ahead) for x in self.roots(Poses(), 1).limits()]
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         """Lengths, mm, by which it closes: what the actuator lacks to its utmost, and has over its least, length."""
         s, b = np.abs(self.still), np.abs(self.dyad.arms[1 - self.which])
         length = np.hypot(p0.drive + self.arm.ahead, self.arm.left)
         return s + b - length, length - np.abs(s - b)
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         (w, _, squares, bar_turn), root = self._sizes, self.roots(p0, branch)
         square = root.x**2 + self.arm.left**2
         over = 0.5 / np.abs(w) ** 2
@@ -164,24 +110,24 @@ class ActuatedRRR(Driven):
         p0.turn[self.dyad.bodies[1 - self.which]] = bar * bar_turn
         p0.turn[self.leader] = w * (1 + bar) / (self.arm.along * (root.x + 1j * self.arm.left))
 
-    def _rates(self, p0: Pass) -> tuple[Array, Array, Array]:
+    def _rates(self, p0: Poses) -> tuple[Real, Real, Real]:
         """L_bar . L, and the first coefficients of bar and actuator."""
         root, square = p0.kept[self]
         along = 0.5 * (square + self._sizes[1])
         bar = -2 * self._side * root.branch * root.share / root.f1
         return along, bar, (bar * along + self.arm.left) / square
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         _, p1.turn[self.dyad.bodies[1 - self.which]], p1.turn[self.leader] = self._rates(p0)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         (root, square), (along, bar, actuator) = p0.kept[self], self._rates(p0)
         gain = (root.share_rate + root.share * root.x / root.f1**2) / root.f1
         bar_2 = -2 * self._side * root.branch * gain
         p2.turn[self.dyad.bodies[1 - self.which]] = bar_2
         p2.turn[self.leader] = (bar_2 * along + root.x * (bar - 2 * actuator)) / square
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         bar = p0.turn[self.dyad.bodies[1 - self.which]] * self.dyad.arms[1 - self.which]
         return self._sizes[0] + bar, bar
 
@@ -197,45 +143,63 @@ class ActuatedRRP(Driven):
     period: ClassVar[float] = 0.0
     dyad: RRP
     arm: Stroked
-    still: complex
-    rail: complex
+    still: complex | Complex
+    rail: complex | Complex
 
     @property
     def leader(self) -> str:
         return self.dyad.body
 
     @cached_property
-    def _left(self) -> Array:
+    def _left(self) -> Real:
         """k, mm."""
         return cross(self.rail, np.asarray(self.still))
 
-    def roots(self, p0: Pass, branch: Array | int) -> StrokeRoot:
+    def roots(self, p0: Poses, branch: Whole | int) -> StrokeRoot:
         k, n = self._left, self.arm.left
         least = gap_of(self.follow, k, -n) * gap_of(self.follow, k, n)
         return StrokeRoot(p0.drive + self.arm.ahead, np.asarray(np.inf), least, branch, self.follow)
 
     def limits(self) -> list[float]:
-        return [x - float(self.arm.ahead) for x in self.roots(Pass(), 1).limits()]
+        return [x - float(self.arm.ahead) for x in self.roots(Poses(), 1).limits()]
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         """Length, mm, by which it closes: what the actuator has over its distance from the rail."""
         return (np.hypot(p0.drive + self.arm.ahead, self.arm.left) - np.abs(self._left),)
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         root = p0.kept[self] = self.roots(p0, branch)
         actuator = self.arm.along * (root.x + 1j * self.arm.left)
         p0.turn[self.leader] = (root.r + 1j * self._left) * self.rail / actuator
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         root = p0.kept[self]
         turning = self.arm.left - root.branch * root.share * self._left
         p1.turn[self.leader] = turning / (root.x**2 + self.arm.left**2)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         root, turn = p0.kept[self], p1.turn[self.leader]
         turning = -root.branch * root.share_rate * self._left - 2 * root.x * turn
         p2.turn[self.leader] = turning / (root.x**2 + self.arm.left**2)
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         actuator = self.arm.along * (p0.drive + self.arm.ahead + 1j * self.arm.left)
         return 1j * p0.turn[self.leader] * actuator, p0.turn[self.dyad.rail.body] * self.dyad.rail.direction
+
+
+def actuated_dyad(
+    dyad: RRR | RRP, which: int, arm: Stroked, ground: str, placed: Sequence[Placement], follow: bool
+) -> Driven | None:
+    """The dyad with its bar `which` as an actuator, on points that stand still; None where they do not.
+
+    Of an RRP the only bar is 0.
+    """
+    points = DriverPoints(ground, placed)
+    ends = [points.at(base) for base in (dyad.bases if isinstance(dyad, RRR) else (dyad.base, dyad.start))]
+    if ends[0] is None or ends[1] is None:
+        return None
+    still = ends[1][0] - ends[0][0]
+    if isinstance(dyad, RRR):
+        return ActuatedRRR(dyad.joint, follow, dyad, which, arm, still)
+    rail = points.turns.get(dyad.rail.body)
+    return None if rail is None else ActuatedRRP(dyad.joint, follow, dyad, arm, still, rail[0] * dyad.rail.direction)

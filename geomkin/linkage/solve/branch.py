@@ -9,7 +9,12 @@ from typing import Literal
 import numpy as np
 
 from ...errors import DesignError, shown
+from ...plane.vec import Real, Whole
 from ..linkage import Linkage
+
+# Units of drive about a meeting within which a gap of rounding is taken for none. Smaller, and frames beside a meeting
+# of slowly turning links are open by rounding; larger, and a gap that is really open there is taken for closed.
+BESIDE = 1e-3
 
 Start = int | Mapping[str, int | complex]
 
@@ -85,3 +90,34 @@ def _told(start: object, field: str, follow: bool) -> Chosen:
 def _is_sign(value: object) -> bool:
     real = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
     return bool(real and value in (1, -1))
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedBranch:
+    """The sign of a dyad whose branch is followed: `start` at the drive `first`, and the other one beyond each meeting of its branches.
+
+    at: drives of the meetings, (n,); of: the linkage that each belongs to, in a flat count. gap: mm below which
+    rounding alone keeps a gap from zero. unit: of the drive, rad or mm. linkages: shape of the sizes.
+    """
+
+    start: Whole | int
+    first: float
+    at: Real
+    of: Whole
+    gap: float
+    unit: float
+    linkages: tuple[int, ...]
+
+    def sign(self, q: Real, gaps: tuple[Real, ...]) -> Whole:
+        """Signs, (drives, linkages), where the dyad has these gaps at the drives q, (drives, 1); 0 at a meeting."""
+        row, many = q.reshape(-1), int(np.prod(self.linkages))
+        changes, beside = np.zeros((many, len(row)), dtype=int), np.zeros((many, len(row)), dtype=bool)
+        for own in np.unique(self.of).tolist():
+            at = np.sort(self.at[self.of == own])
+            passed, ends = np.searchsorted(at, row), np.concatenate([[-np.inf], at, [np.inf]])
+            changes[own] = passed - np.searchsorted(at, self.first)
+            beside[own] = np.minimum(row - ends[passed], ends[passed + 1] - row) < BESIDE * self.unit
+        signs = self.start * np.where(changes % 2, -1, 1).T.reshape(-1, *self.linkages)
+        least = np.fmin.reduce(np.broadcast_arrays(*gaps))
+        meets = beside.T.reshape(signs.shape) & (least <= 0) & (least >= -self.gap)
+        return np.where(meets, 0, signs)

@@ -8,24 +8,17 @@ vanishes at a toggle is a product of factors, and the constants among them are e
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
-from ...plane.vec import Array
+from ...plane.vec import Complex, Mask, Real, Whole
+from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
-from .roots import Gaps, Roots, gap_of, half_limits
-from .steps import Pass, scaled
-
-
-class Root(Protocol):
-    """The root of a loop over the frames."""
-
-    @property
-    def r(self) -> Array:
-        """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
+from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, plus, scaled, times
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,20 +32,20 @@ class Driven(Dyad):
     follow: bool
 
     @abstractmethod
-    def roots(self, p0: Pass, branch: Array | int) -> Root:
+    def roots(self, p0: Poses, branch: Whole | int) -> ClosingRoot:
         """The root of its loop at the pass's drive."""
 
     @abstractmethod
     def limits(self) -> list[float]:
         """Drives at which the loop is stretched or folded to the utmost and the driver turns back; of one period."""
 
-    def sign_from(self, q: Array, sign: int) -> Array:
+    def sign_from(self, q: Real, sign: int) -> Whole:
         """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
         if not q.size:
             return np.asarray(sign)
         later = q[0] + 1e-3 * (q[-1] - q[0] if q[-1] != q[0] else 1.0)
         with np.errstate(invalid="ignore"):
-            r = [np.sign(self.roots(Pass(drive=np.asarray(t)), 1).r) for t in (q[0], later)]
+            r = [np.sign(self.roots(Poses(drive=np.asarray(t)), 1).r) for t in (q[0], later)]
         start = np.where(r[0] == 0, r[1], r[0])
         return np.where(np.isfinite(start) & (start != 0), start, 1) * sign
 
@@ -66,18 +59,18 @@ class DrivenRRR(Driven):
     h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
     """
 
-    still: complex
-    turning: complex
+    still: complex | Complex
+    turning: complex | Complex
     dyad: RRR
 
     @property
     def leader(self) -> str:
         return self.dyad.leader
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         return self.dyad.gaps(p0)
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         return self.dyad.meeting(p0)
 
     @cached_property
@@ -102,7 +95,7 @@ class DrivenRRR(Driven):
             kite=kite if np.any(kite) else False,
         )
 
-    def roots(self, p0: Pass, branch: Array | int) -> Roots:
+    def roots(self, p0: Poses, branch: Whole | int) -> Roots:
         turn, k, (cosine, sine) = self._sizes.half_turn, self._sizes.gaps.k, p0.half
         if not self._sizes.straight:
             cosine, sine = turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
@@ -112,41 +105,43 @@ class DrivenRRR(Driven):
         turn = 2 * float(np.angle(self._sizes.half_turn))
         return [2 * v - turn for v in half_limits(self._sizes.gaps)]
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         sizes, roots = self._sizes, self.roots(p0, branch)
         x, y = roots.x, roots.y
         square = y * y
         over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
-        along, left = sizes.nearest + square * (0.5 / sizes.d), x * y * (-0.5 / sizes.d)
+        along, left = plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d)
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
         p0.kept[self] = roots, over, p
         bar = np.empty(p.shape, dtype=complex)
-        bar.real, bar.imag = p * along - r * left, p * left + r * along
+        np.subtract(p * along, r * left, out=bar.real)
+        np.add(p * left, r * along, out=bar.imag)
         if sizes.kite is not False:
             # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
             limit = 0.5 * (along + 1j * left) + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
         other = np.empty(p.shape, dtype=complex)
-        other.real, other.imag = bar.real - along, bar.imag - left
-        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0])
-        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1])
+        np.subtract(bar.real, along, out=other.real)
+        np.subtract(bar.imag, left, out=other.imag)
+        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0], used=True)
+        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1], used=True)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.kept[self]
         psi = (roots.y * roots.y - 2 * sizes.a * sizes.nearest) * over
         if sizes.kite is not False:
             p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
         tau = roots.tau
-        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - (1 - p) * tau, psi + p * tau
+        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - times(1 - p, tau), plus(p * tau, psi)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.kept[self]
         rate = roots.tau_rate()
         # (a d sin t / s)(1 - 2 psi' + (p1 - p) tau), whose bracket vanishes wholly for a kite.
         shared = (roots.x * roots.y) * (over * over) * (2 * sizes.difference - 4 * sizes.squares * roots.tau)
         if sizes.kite is not False:
             p, shared = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.0, shared)
-        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - (1 - p) * rate, shared + p * rate
+        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - times(1 - p, rate), plus(p * rate, shared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,15 +153,15 @@ class _Sizes:
     """
 
     gaps: Gaps
-    half_turn: Array
+    half_turn: Complex
     straight: bool
-    a: Array
-    d: Array
-    nearest: Array
-    squares: Array
-    difference: Array
-    ahead: tuple[Array, Array]
-    kite: Array | bool
+    a: Real
+    d: Real
+    nearest: Real
+    squares: Real
+    difference: Real
+    ahead: tuple[Complex, Complex]
+    kite: Mask | bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,22 +172,22 @@ class DrivenRRP(Driven):
     r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
     """
 
-    still: complex
-    turning: complex
+    still: complex | Complex
+    turning: complex | Complex
     dyad: RRP
 
     @property
     def leader(self) -> str:
         return self.dyad.leader
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         return self.dyad.gaps(p0)
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         return self.dyad.meeting(p0)
 
     @cached_property
-    def _sizes(self) -> tuple[Gaps, Array, Array, Array]:
+    def _sizes(self) -> tuple[Gaps, Real, Complex, Real]:
         """Gaps, c, and the turn from q to t, as unit complex and in rad."""
         rail = np.conj(self.dyad.rail.direction)
         c, k, length = (rail * self.still).imag, np.abs(self.turning), np.abs(self.dyad.arm)
@@ -200,14 +195,14 @@ class DrivenRRP(Driven):
         d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
         return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, turn, np.angle(turn)
 
-    def _turned(self, q: Array) -> tuple[Array, Array]:
+    def _turned(self, q: Real) -> tuple[Real, Real]:
         """Cosine and sine of t, with the digits that the cosine has near zero."""
         turn, cosine, sine = self._sizes[2], np.cos(q), np.sin(q)
         if np.all(turn == 1):
             return cosine, sine
         return turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
 
-    def roots(self, p0: Pass, branch: Array | int) -> Roots:
+    def roots(self, p0: Poses, branch: Whole | int) -> Roots:
         gaps, (cosine, sine) = self._sizes[0], self._turned(p0.drive)
         k = 0.5 * gaps.k**2
         # Here v = t/2 + pi/4: k^2 cos^2 v is k (1 - sin t). 1 - |sin t| comes from the cosine, which keeps its digits.
@@ -225,15 +220,68 @@ class DrivenRRP(Driven):
     def limits(self) -> list[float]:
         return [2 * v - 0.5 * np.pi - float(self._sizes[3]) for v in half_limits(self._sizes[0])]
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         gaps, c, _, _ = self._sizes
         roots = p0.kept[self] = self.roots(p0, branch)
         bar = np.empty(roots.r.shape, dtype=complex)
         bar.real, bar.imag = roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
-        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm)
+        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.dyad.body] = p0.kept[self].tau
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         p2.turn[self.dyad.body] = p0.kept[self].tau_rate()
+
+
+def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follow: bool) -> Driven | None:
+    """The dyad as one that the driver alone moves, where it is. placed: what was placed before."""
+    points = DriverPoints(ground, placed)
+    if isinstance(dyad, RRR):
+        ends = [points.at(base) for base in dyad.bases]
+    elif dyad.rail.body == ground:
+        ends = [points.at(dyad.base), points.at(dyad.start)]
+    else:
+        return None
+    if ends[0] is None or ends[1] is None:
+        return None
+    still, turning = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+    if np.any(turning == 0):
+        return None
+    if isinstance(dyad, RRP):
+        return DrivenRRP(dyad.joint, follow, still, turning, dyad)
+    return None if np.any(still == 0) else DrivenRRR(dyad.joint, follow, still, turning, dyad)
+
+
+# C and K of what is C + K e^{iq} for the drive q: what stands still has K = 0, what turns with the driver C = 0.
+Circling = tuple[complex | Complex, complex | Complex]
+
+
+class DriverPoints:
+    """Which points are C + K e^{iq}: those of the ground and of a driver that turns on it."""
+
+    def __init__(self, ground: str, placed: Sequence[Placement]):
+        # Directions of the bodies that stand or turn as the driver does, and where their origins are.
+        self.turns: dict[str, Circling] = {ground: (1, 0)}
+        self.origins: dict[str, Circling] = {ground: (0, 0)}
+        for one in placed:
+            if isinstance(one, Turned):
+                self.turns[one.body] = (0, 1)
+            elif isinstance(one, Oriented) and one.with_body in self.turns:
+                still, turning = self.turns[one.with_body]
+                self.turns[one.body] = (still * one.turn, turning * one.turn)
+            elif isinstance(one, Carried) and one.body in self.turns:
+                pin = self.at(one.pin)
+                if pin is not None:
+                    still, turning = self.turns[one.body]
+                    self.origins[one.body] = (pin[0] - still * one.local, pin[1] - turning * one.local)
+
+    def at(self, anchor: Anchor) -> Circling | None:
+        """A point as C and K; None where it moves otherwise."""
+        arms = ((anchor.body, anchor.place), *anchor.arms)
+        if anchor.body not in self.origins or any(body not in self.turns for body, _ in arms):
+            return None
+        still, turning = self.origins[anchor.body]
+        for body, local in arms:
+            still, turning = still + self.turns[body][0] * local, turning + self.turns[body][1] * local
+        return still, turning

@@ -12,8 +12,8 @@ from functools import reduce
 
 import numpy as np
 
-from ...plane.vec import Array, cross, dot
-from .steps import Anchor, Pass, Rail, Step
+from ...plane.vec import Complex, Real, Whole, cross, dot, unit
+from .placement import Anchor, Coefficients, Placement, Poses, Rail, times
 
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
@@ -25,7 +25,7 @@ MEETING, WORST = 1e-14, 1e8
 
 
 @dataclass(frozen=True, eq=False)
-class Dyad(Step):
+class Dyad(Placement):
     """A step that can close on either of two branches. joint: the name of its inner joint; leader: a body it turns."""
 
     joint: str
@@ -35,10 +35,10 @@ class Dyad(Step):
     def leader(self) -> str: ...
 
     @abstractmethod
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         """Lengths, mm, by which it closes: one is below zero where it cannot, and zero where its branches meet."""
 
-    def reached(self, p0: Pass) -> Array | None:
+    def reached(self, p0: Poses) -> Complex | None:
         return p0.turn[self.leader]
 
 
@@ -52,45 +52,45 @@ class RRR(Dyad):
     """
 
     bodies: tuple[str, str]
-    arms: tuple[complex, complex]
+    arms: tuple[complex | Complex, complex | Complex]
     bases: tuple[Anchor, Anchor]
 
     @property
     def leader(self) -> str:
         return self.bodies[0]
 
-    def _bars(self, p0: Pass) -> tuple[Array, Array]:
+    def _bars(self, p0: Poses) -> tuple[Complex, Complex]:
         return p0.turn[self.bodies[0]] * self.arms[0], p0.turn[self.bodies[1]] * self.arms[1]
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         w = self.bases[1].at(p0) - self.bases[0].at(p0)
         b, c, s = np.abs(self.arms[0]), np.abs(self.arms[1]), np.abs(w)
         with np.errstate(invalid="ignore", divide="ignore"):
             outer, inner = (b + c - s) * (b + c + s), (s - (b - c)) * (s + (b - c))
             r = _root(branch, outer, inner)
-            bar = w * ((s * s + (b - c) * (b + c)) + 1j * r) / (2 * s * s)
+            bar = times(1j * r + (s * s + (b - c) * (b + c)), w) / (2 * s * s)
         p0.turn[self.bodies[0]] = bar / self.arms[0]
         p0.turn[self.bodies[1]] = (bar - w) / self.arms[1]
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         b, c = np.abs(self.arms[0]), np.abs(self.arms[1])
         s = np.abs(self.bases[1].at(p0) - self.bases[0].at(p0))
         return b + c - s, s - np.abs(b - c)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         bars = self._bars(p0)
         right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
         p1.turn[self.bodies[0]], p1.turn[self.bodies[1]] = two_unknowns(1j * bars[0], -1j * bars[1], right)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         bars = self._bars(p0)
         h = p1.turn[self.bodies[0]], p1.turn[self.bodies[1]]
         right = self.bases[1].second(p0, p1, p2) - self.bases[0].second(p0, p1, p2)
         right = right + h[0] ** 2 * bars[0] - h[1] ** 2 * bars[1]
         p2.turn[self.bodies[0]], p2.turn[self.bodies[1]] = two_unknowns(1j * bars[0], -1j * bars[1], right)
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
-        return p0.turn[self.bodies[0]] * unit_of(self.arms[0]), p0.turn[self.bodies[1]] * unit_of(self.arms[1])
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
+        return p0.turn[self.bodies[0]] * unit(self.arms[0]), p0.turn[self.bodies[1]] * unit(self.arms[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ class RRP(Dyad):
     """
 
     body: str
-    arm: complex
+    arm: complex | Complex
     base: Anchor
     start: Anchor
     rail: Rail
@@ -111,32 +111,32 @@ class RRP(Dyad):
     def leader(self) -> str:
         return self.body
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         g = self.rail.at(p0)
         apart = np.conj(g) * (self.start.at(p0) - self.base.at(p0))
         length, n = np.abs(self.arm), apart.imag
         r = _root(branch, (length - n) * (length + n))
         p0.turn[self.body] = (r + 1j * n) * g / self.arm
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         n = cross(self.rail.at(p0), self.start.at(p0) - self.base.at(p0))
         return np.abs(self.arm) - n, np.abs(self.arm) + n
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.body] = self._solve(p0, self._right(p0, p1))[0]
 
-    def _right(self, p0: Pass, p1: Pass) -> Array:
+    def _right(self, p0: Poses, p1: Coefficients) -> Complex:
         turning = 1j * p1.turn[self.rail.body] * (self._slide(p0) * self.rail.at(p0))
         return self.start.first(p0, p1) - self.base.first(p0, p1) + turning
 
-    def _slide(self, p0: Pass) -> Array:
+    def _slide(self, p0: Poses) -> Real:
         bar = p0.turn[self.body] * self.arm
         return dot(self.rail.at(p0), self.base.at(p0) + bar - self.start.at(p0))
 
-    def _solve(self, p0: Pass, right: Array) -> tuple[Array, Array]:
+    def _solve(self, p0: Poses, right: Complex) -> tuple[Real, Real]:
         return two_unknowns(1j * p0.turn[self.body] * self.arm, -self.rail.at(p0), right)
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         h, sliding = self._solve(p0, self._right(p0, p1))
         g, turn, turn_2 = self.rail.at(p0), p1.turn[self.rail.body], p2.turn[self.rail.body]
         right = self.start.second(p0, p1, p2) - self.base.second(p0, p1, p2)
@@ -145,8 +145,8 @@ class RRP(Dyad):
         right = right + (2j * turn * sliding + (1j * turn_2 - turn**2) * self._slide(p0)) * g
         p2.turn[self.body] = self._solve(p0, right)[0]
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
-        return 1j * p0.turn[self.body] * unit_of(self.arm), self.rail.at(p0)
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
+        return 1j * p0.turn[self.body] * unit(self.arm), self.rail.at(p0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,23 +159,23 @@ class RPR(Dyad):
     """
 
     bodies: tuple[str, str]
-    turns: tuple[complex, complex]
-    offset: float
+    turns: tuple[complex | Complex, complex | Complex]
+    offset: float | Real
     bases: tuple[Anchor, Anchor]
-    size: Array
+    size: Real
     before: tuple[Dyad, ...]
 
     @property
     def leader(self) -> str:
         return self.bodies[0]
 
-    def _apart(self, p0: Pass) -> Array:
+    def _apart(self, p0: Poses) -> Complex:
         return self.bases[1].at(p0) - self.bases[0].at(p0)
 
-    def _rail(self, p0: Pass) -> Array:
+    def _rail(self, p0: Poses) -> Complex:
         return p0.turn[self.bodies[0]] * np.conj(self.turns[0])
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         ends = self.bases[0].at(p0), self.bases[1].at(p0)
         w = ends[1] - ends[0]
         s, n = np.abs(w), self.offset
@@ -188,15 +188,15 @@ class RPR(Dyad):
             f = w / (x + 1j * n)
         p0.turn[self.bodies[0]], p0.turn[self.bodies[1]] = f * self.turns[0], f * self.turns[1]
 
-    def gaps(self, p0: Pass) -> tuple[Array, ...]:
+    def gaps(self, p0: Poses) -> tuple[Real, ...]:
         return (np.abs(self._apart(p0)) - np.abs(self.offset),)
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
         h, _ = two_unknowns(1j * self._apart(p0), self._rail(p0), right)
         p1.turn[self.bodies[0]] = p1.turn[self.bodies[1]] = h
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         w, f, h = self._apart(p0), self._rail(p0), p1.turn[self.bodies[0]]
         right = self.bases[1].first(p0, p1) - self.bases[0].first(p0, p1)
         sliding = dot(f, right - 1j * h * w)
@@ -206,49 +206,49 @@ class RPR(Dyad):
         h_2, _ = two_unknowns(1j * w, f, right)
         p2.turn[self.bodies[0]] = p2.turn[self.bodies[1]] = h_2
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         return 1j * self._apart(p0), self._rail(p0)
 
 
 @dataclass(frozen=True, eq=False)
-class Crossed(Step):
+class Crossed(Placement):
     """A body of known direction whose origin lies on two lines: start_1 + x g1 = start_2 + y g2 = origin."""
 
     body: str
     starts: tuple[Anchor, Anchor]
     rails: tuple[Rail, Rail]
 
-    def _rails(self, p0: Pass) -> tuple[Array, Array]:
+    def _rails(self, p0: Poses) -> tuple[Complex, Complex]:
         return self.rails[0].at(p0), self.rails[1].at(p0)
 
-    def _slides(self, p0: Pass) -> tuple[Array, Array]:
+    def _slides(self, p0: Poses) -> tuple[Real, Real]:
         g = self._rails(p0)
         return two_unknowns(g[0], -g[1], self.starts[1].at(p0) - self.starts[0].at(p0))
 
-    def _sliding(self, p0: Pass, p1: Pass) -> tuple[Array, Array]:
+    def _sliding(self, p0: Poses, p1: Coefficients) -> tuple[Real, Real]:
         g, (x, y) = self._rails(p0), self._slides(p0)
         turns = p1.turn[self.rails[0].body], p1.turn[self.rails[1].body]
         right = self.starts[1].first(p0, p1) - self.starts[0].first(p0, p1)
         return two_unknowns(g[0], -g[1], right + 1j * turns[1] * y * g[1] - 1j * turns[0] * x * g[0])
 
-    def place(self, p0: Pass, branch: Array | int) -> None:
+    def place(self, p0: Poses, branch: Whole | int) -> None:
         g = self._rails(p0)
         # Parallel rails place nothing: what rounding leaves of their crossing would be a made-up number.
         slide = np.where(np.abs(cross(*g)) > PARALLEL, self._slides(p0)[0], np.nan)
         p0.origin[self.body] = self.starts[0].at(p0) + slide * g[0]
 
-    def reached(self, p0: Pass) -> Array | None:
+    def reached(self, p0: Poses) -> Complex | None:
         return p0.origin[self.body]
 
-    def first(self, p0: Pass, p1: Pass) -> None:
+    def first(self, p0: Poses, p1: Coefficients) -> None:
         g, x, turn = self.rails[0].at(p0), self._slides(p0)[0], p1.turn[self.rails[0].body]
         sliding = self._sliding(p0, p1)[0]
         p1.origin[self.body] = self.starts[0].first(p0, p1) + (sliding + 1j * turn * x) * g
 
-    def second(self, p0: Pass, p1: Pass, p2: Pass) -> None:
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         g, slides, sliding = self._rails(p0), self._slides(p0), self._sliding(p0, p1)
 
-        def turning(k: int) -> Array:
+        def turning(k: int) -> Complex:
             """What the turning of a rail adds, its Coriolis term first."""
             turn, turn_2 = p1.turn[self.rails[k].body], p2.turn[self.rails[k].body]
             return (2j * turn * sliding[k] + (1j * turn_2 - turn**2) * slides[k]) * g[k]
@@ -257,25 +257,20 @@ class Crossed(Step):
         x_2, _ = two_unknowns(g[0], -g[1], starts[1] - starts[0] + turning(1) - turning(0))
         p2.origin[self.body] = starts[0] + turning(0) + x_2 * g[0]
 
-    def meeting(self, p0: Pass) -> tuple[Array, Array]:
+    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         return self._rails(p0)
 
 
-def _root(branch: Array | int, *squares: Array) -> Array:
+def _root(branch: Whole | int, *squares: Real) -> Real:
     """The product of roots on one branch, nan where a square is negative; where the branch is 0 both meet."""
-    r: Array | int = branch
+    r: Real | Whole | int = branch
     for square in squares:
         r = r * np.sqrt(np.where(square >= 0, square, np.nan))
     return np.asarray(r) if np.ndim(branch) == 0 else np.where(branch == 0, 0.0, r)
 
 
-def two_unknowns(a: Array, b: Array, right: Array) -> tuple[Array, Array]:
+def two_unknowns(a: Complex, b: Complex, right: Complex) -> tuple[Real, Real]:
     """Real x and y with x a + y b = right; not finite where a and b are parallel."""
     with np.errstate(invalid="ignore", divide="ignore"):
         across = cross(a, b)
         return cross(right, b) / across, cross(a, right) / across
-
-
-def unit_of(z: complex) -> Array:
-    """Direction of a fixed vector."""
-    return np.asarray(z) / np.abs(z)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from ...plane.vec import Array
+from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage, Slider
-from .steps import Pass
+from .placement import Coefficients, Poses
 
 # Origins, mm, and turns of all bodies, (..., bodies): unit complex, or derivatives of the angle.
-State = tuple[Array, Array]
+State = tuple[Complex, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +70,9 @@ class LoopEquations:
         return chains
 
     @cached_property
-    def _pins(self) -> tuple[Array, Array, Array, Array]:
+    def _pins(self) -> tuple[Whole, Complex, Whole, Complex]:
         """Pairs of points that must meet: bodies, places, bodies, places."""
-        pairs = [(one, two, pin) for pin, chain in self._chains for one, two in zip(chain[:-1], chain[1:])]
+        pairs = [(one, two, pin) for pin, chain in self._chains for one, two in pairwise(chain)]
         ends = [[(self.names.index(p[k]), self.linkage.bodies[p[k]][p[2]]) for p in pairs] for k in (0, 1)]
         one, two = ([np.array([e[k] for e in end], dtype=(int, complex)[k]) for k in (0, 1)] for end in ends)
         return one[0], one[1], two[0], two[1]
@@ -81,7 +82,7 @@ class LoopEquations:
         return [s for s in self.linkage.sliders if {s.body, s.along} & set(self.waiting)]
 
     @cached_property
-    def _rails(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    def _rails(self) -> tuple[Whole, Complex, Whole, Complex, Complex, Complex, Mask]:
         """Sliders here: body, its point, guide, the line's point and direction, the body's turn, if it is unknown."""
         here = self._sliders
         return (
@@ -94,20 +95,21 @@ class LoopEquations:
             np.array([not {s.body, s.along} & self.oriented for s in here], dtype=bool),
         )
 
-    def conditions(self, order: int, states: list[State]) -> Array:
+    def conditions(self, order: int, states: list[State]) -> Real:
         """How far every joint is from closing, (..., rows), or the derivative of that of an order.
 
         states: the pose and its derivatives up to that order.
         """
 
-        def at(body: Array, z: Array, k: int) -> Array:
-            arm = states[0][1][..., body] * z
+        def at(body: Whole, z: Complex, k: int) -> Complex:
+            arm: Complex = states[0][1][..., body] * z
             if k == 0:
                 return states[0][0][..., body] + arm
             h = states[1][1][..., body]
             if k == 1:
                 return states[1][0][..., body] + 1j * h * arm
-            return states[2][0][..., body] + (1j * states[2][1][..., body] - h**2) * arm
+            gain: Complex = (1j * states[2][1][..., body] - h**2) * arm
+            return states[2][0][..., body] + gain
 
         one, z1, two, z2 = self._pins
         pins = at(one, z1, order) - at(two, z2, order)
@@ -131,7 +133,7 @@ class LoopEquations:
             rows.append(ahead[..., None] / self.size)
         return np.concatenate(rows, axis=-1)
 
-    def jacobian(self, state: State) -> Array:
+    def jacobian(self, state: State) -> Real:
         """d(conditions)/d(unknowns), (..., rows, columns): the first derivative where one unknown alone moves."""
         known = state[0][..., None, :], state[1][..., None, :]
         return np.swapaxes(self.conditions(1, [known, self._alone]), -1, -2)
@@ -148,21 +150,21 @@ class LoopEquations:
                 origin[k, body] = self.size * (1 if axis == "x" else 1j)
         return origin, turn
 
-    def moving(self, rates: Array) -> State:
+    def moving(self, rates: Real) -> State:
         """What bodies do, (..., bodies), where the unknowns move at `rates`, (..., columns), and nothing else does."""
         return rates @ self._alone[0], rates @ self._alone[1]
 
-    def posed(self, state: State, unknowns: Array) -> State:
+    def posed(self, state: State, unknowns: Real) -> State:
         """A state with the unknowns, (..., columns), written into it."""
         moved, angles = self.moving(unknowns)
         free = self._alone[1].any(axis=0)
         waiting = self._alone[0].any(axis=0)
         return np.where(waiting, moved, state[0]), np.where(free, np.exp(1j * angles), state[1])
 
-    def gathered(self, p: Pass, order: int, frames: int) -> State:
-        """Origins and turns of all bodies from a pass; zero where a body is not known yet."""
+    def gathered(self, p: Poses | Coefficients, frames: int) -> State:
+        """Origins and turns of all bodies; zero where a body is not known yet."""
         origin = np.zeros((frames, len(self.names)), dtype=complex)
-        turn = np.zeros((frames, len(self.names)), dtype=complex if order == 0 else float)
+        turn = np.zeros((frames, len(self.names)), dtype=complex if isinstance(p, Poses) else float)
         for k, name in enumerate(self.names):
             if name in p.origin:
                 origin[:, k] = p.origin[name]
@@ -170,7 +172,7 @@ class LoopEquations:
                 turn[:, k] = p.turn[name]
         return origin, turn
 
-    def transmission_angle(self, state: State) -> Array:
+    def transmission_angle(self, state: State) -> Real:
         """Least angle over the joints, rad, (frames,), between the ways in which their two sides let them move.
 
         Derived here, so that it is the transmission angle at a dyad's inner joint, wherever the dyad stands, and at a
@@ -197,7 +199,7 @@ class LoopEquations:
         least[np.flatnonzero(known)[~regular]] = 0.0
         return least
 
-    def _at_pins(self, state: State, missed: Array) -> list[Array]:
+    def _at_pins(self, state: State, missed: Real) -> list[Real]:
         pairs, found, first = len(self._pins[0]), [], 0
         for pin, chain in self._chains:
             for k in range(1 if len(chain) == 2 else 0, len(chain)):
@@ -219,7 +221,7 @@ class LoopEquations:
             first += len(chain) - 1
         return found
 
-    def _at_rails(self, state: State, missed: Array) -> list[Array]:
+    def _at_rails(self, state: State, missed: Real) -> list[Real]:
         found = []
         for k, (body, z, guide, through, direction, _, _) in enumerate(zip(*self._rails)):
             moves = self.moving(missed[:, [2 * len(self._pins[0]) + k]])
@@ -230,6 +232,6 @@ class LoopEquations:
             found.append(np.arctan2(1.0, np.abs(along.real)))
         return found
 
-    def _way(self, state: State, moves: State, body: int, z: complex) -> Array:
+    def _way(self, state: State, moves: State, body: int, z: complex) -> Complex:
         """How a point moves, in units of size, (frames, moves)."""
         return (moves[0][..., body] + 1j * moves[1][..., body] * (state[1][:, body] * z)[:, None]) / self.size

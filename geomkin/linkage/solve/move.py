@@ -3,38 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, Protocol
 
 import numpy as np
 
-from ...arguments import Reals, Sort, checked
+from ...arguments import Reals, checked
 from ...errors import DesignError
+from ..body_motion import Timing
+from ..linkage import AnyLinkage, Linkage
+from ..motion import Motion
 from .branch import Branch, chosen
-from .run import Chain
 from .dyads import Dyad
-from ..linkage import Linkage
-from ..motion import Motion, Timing
+from .placement import Placement
 from .plan import plan
-from .steps import Step
-
-
-class Named(Protocol):
-    """Anything that makes the general linkage: FourBar, SliderCrank, ..., Linkage."""
-
-    @property
-    def linkage(self) -> Linkage: ...
-
-
-def _is_linkage(value: Any) -> bool:
-    # Of a class it would be the property itself.
-    return isinstance(getattr(value, "linkage", None), Linkage)
-
-
-AnyLinkage = Annotated[Named, Sort(_is_linkage, "a linkage, such as FourBar or Linkage")]
-OneLinkage = Annotated[
-    Named,
-    Sort(lambda value: _is_linkage(value) and not value.linkage.many, "one linkage, its sizes numbers and no arrays"),
-]
+from .solution import LinkageSolution
 
 
 @checked
@@ -56,8 +37,7 @@ def move(
     q = np.atleast_1d(np.asarray(drive, dtype=float))
     if q.ndim != 1 or not np.isfinite(q).all():
         raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
-    steps = planned(general, branch)
-    solution = Chain(general, tuple(steps), q, chosen(branch))
+    solution = LinkageSolution(general, planned(general, branch), q, chosen(branch))
     times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
     for name, v in zip(("speed", "acceleration"), times):
         if v.ndim and v.shape != q.shape:
@@ -66,10 +46,10 @@ def move(
     return Motion(general, q, timing, solution)
 
 
-def planned(linkage: Linkage, branch: Branch) -> list[Step]:
-    """The steps that a linkage is solved by on a branch; DesignError for joints or points that it has not."""
-    wanted = chosen(branch)
-    told = replace(linkage, estimate={**linkage.estimate, **wanted.near}) if wanted.near else linkage
-    steps = plan(told, wanted.follow)
-    wanted.check(linkage, [step.joint for step in steps if isinstance(step, Dyad)])
-    return steps
+def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
+    """How the bodies are placed on a branch; DesignError for joints or points that the linkage has not."""
+    asked = chosen(branch)
+    told = replace(linkage, estimate={**linkage.estimate, **asked.near}) if asked.near else linkage
+    placements = plan(told, asked.follow)
+    asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
+    return placements

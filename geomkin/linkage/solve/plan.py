@@ -2,46 +2,48 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-from typing import Any
+from itertools import combinations, permutations
 
 import numpy as np
 
 from ...errors import DesignError
-from .actuators import Stroked
-from .driven import actuated, driven
-from .dyads import RPR, RRP, RRR, Crossed, Dyad
+from ...plane.vec import Complex
 from ..linkage import Linkage, Slider
-from .iterate import Loops
-from .steps import Anchor, Carried, Drawn, Oriented, Rail, Slid, Step, Turned
+from .actuators import Stroked, actuated_dyad
+from .driver_dyads import driver_dyad
+from .dyads import RPR, RRP, RRR, Crossed, Dyad
+from .loops import Loops
+from .placement import Anchor, Carried, Drawn, Oriented, Placement, Rail, Slid, Turned
+
+# Arms in a row, each with the body that it turns with.
+Arms = tuple[tuple[str, complex | Complex], ...]
 
 
-def plan(linkage: Linkage, follow: bool = False) -> list[Step]:
-    """Steps that place every body, each from those before it; `follow`: through change points.
+def plan(linkage: Linkage, follow: bool = False) -> tuple[Placement, ...]:
+    """Placements of every body, each on those before it; `follow`: through change points.
 
-    Raises DesignError where the joints leave the linkage rigid or loose.
+    Raises DesignError where the joints leave the linkage rigid or loose. Derived here; that a linkage comes apart into
+    groups that are solved one after the other is Assur's.
     """
-    # Kept with the linkage: a curve of its points asks for the same plan thousands of times.
-    kept = linkage.__dict__.setdefault("_plans", {})
-    if follow not in kept:
-        kept[follow] = _planned(linkage, follow)
-    return kept[follow]
+    if follow not in linkage.plans:
+        linkage.plans[follow] = _planned(linkage, follow)
+    return linkage.plans[follow]
 
 
-def _planned(linkage: Linkage, follow: bool) -> list[Step]:
+def _planned(linkage: Linkage, follow: bool) -> tuple[Placement, ...]:
     _check_mobility(linkage)
-    planner = _Planner(linkage, follow)
+    planner = Planner(linkage, follow)
     planner.drive()
     # Every round finds a direction or a place of one body at least.
     for _ in range(2 * len(linkage.bodies)):
         if not (planner.carry() or planner.dyad()):
             break
     planner.rest()
-    return planner.steps
+    return tuple(planner.placements)
 
 
 def _check_mobility(linkage: Linkage) -> None:
-    """Each moving body has three freedoms; a pin or a slider takes two; the driver is to be the only one left."""
+    """Each moving body has three freedoms; a pin or a slider takes two; one is to be left, the driver's (Gruebler)."""
     pins = sum(len(bodies) - 1 for bodies in linkage.pins.values())
     freedom = 3 * (len(linkage.bodies) - 1) - 2 * pins - 2 * len(linkage.sliders)
     joined = {body for bodies in linkage.pins.values() for body in bodies}
@@ -58,14 +60,15 @@ def _check_mobility(linkage: Linkage) -> None:
         )
 
 
-class _Planner:
+class Planner:
+    """A linkage that is being solved: the placements so far, and the bodies whose direction or whose place is known."""
+
     def __init__(self, linkage: Linkage, follow: bool):
         self.linkage = linkage
         self.follow = follow
-        self.steps: list[Step] = []
+        self.placements: list[Placement] = []
         self.oriented = {linkage.ground}
         self.placed = {linkage.ground}
-
         slider = linkage.driven_slider
         # The two bodies of an actuator, which hangs between bodies that move or is pinned to the ground.
         self.actuator = slider if slider and linkage.ground not in (slider.body, slider.along) else None
@@ -74,13 +77,13 @@ class _Planner:
         """The driver's own step, by how it is joined to the ground; an actuator waits for what holds its ends."""
         ground, slider = self.linkage.ground, self.linkage.driven_slider
         if slider is None:
-            self.steps.append(Turned(self.linkage.driver))
+            self.placements.append(Turned(self.linkage.driver))
             self.oriented.add(self.linkage.driver)
         elif self.actuator:
-            self.steps.append(Drawn(slider.name))
+            self.placements.append(Drawn(slider.name))
         else:
             body = slider.along if slider.body == ground else slider.body
-            self.steps.append(Oriented(body, ground, _turn(slider, body)))
+            self.placements.append(Oriented(body, ground, _turn(slider, body)))
             self.oriented.add(body)
             # A body's displacement is along the line's direction, a slider's that of its sliding body.
             self.slide(slider, body, -1 if slider.along == body == self.linkage.driver else 1)
@@ -89,16 +92,16 @@ class _Planner:
         """Place a body of known direction by the driven slider, from the other body of it."""
         other = _other(slider, body)
         near, through, direction = _stroke_seen_from(slider, other)
-        self.steps.append(Slid(body, near, Anchor(other, through), Rail(other, sense * direction)))
+        self.placements.append(Slid(body, near, Anchor(other, through), Rail(other, sense * direction)))
         self.placed.add(body)
 
     def carry(self) -> bool:
         """Whatever follows without a choice; whether anything did."""
-        before = len(self.steps)
+        before = len(self.placements)
         for slider in self.linkage.sliders:
             for body, other in ((slider.body, slider.along), (slider.along, slider.body)):
                 if other in self.oriented and body not in self.oriented:
-                    self.steps.append(Oriented(body, other, _turn(slider, body)))
+                    self.placements.append(Oriented(body, other, _turn(slider, body)))
                     self.oriented.add(body)
         for body in self.linkage.bodies:
             if body not in self.oriented - self.placed:
@@ -108,16 +111,16 @@ class _Planner:
             if self.actuator in rails:
                 self.slide(self.actuator, body)
             elif pinned:
-                self.steps.append(Carried(body, self.local(body, pinned[0]), self.anchor(pinned[0])))
+                self.placements.append(Carried(body, self.local(body, pinned[0]), self.anchor(pinned[0])))
             elif len(rails) > 1:
                 (start_1, rail_1), (start_2, rail_2) = (
                     (self.start(s, body, ()), self.rail(s, body)) for s in rails[:2]
                 )
-                self.steps.append(Crossed(body, (start_1, start_2), (rail_1, rail_2)))
+                self.placements.append(Crossed(body, (start_1, start_2), (rail_1, rail_2)))
             else:
                 continue
             self.placed.add(body)
-        return len(self.steps) > before
+        return len(self.placements) > before
 
     def dyad(self) -> bool:
         """The first two bodies, in the linkage's order, that stand on placed ones and on each other."""
@@ -143,7 +146,7 @@ class _Planner:
                 return self.two_slides(one, two, inner, shift)
         return False
 
-    def two_bars(self, one: str, two: str, name: str, inner: tuple[str, str], shift: tuple) -> bool:
+    def two_bars(self, one: str, two: str, name: str, inner: tuple[str, str], shift: Arms) -> bool:
         outer = self.outer_pin(one), self.outer_pin(two)
         if not (outer[0] and outer[1]):
             return False
@@ -164,13 +167,13 @@ class _Planner:
             if not self.append_actuated(dyad, which, arm):
                 return False
         for body, pin in zip(ends, pins):
-            self.steps.append(Carried(body, self.local(body, pin), self.anchor(pin)))
+            self.placements.append(Carried(body, self.local(body, pin), self.anchor(pin)))
         self.placed |= set(ends)
         self.oriented |= set(ends)
         return True
 
     def bar_and_slide(
-        self, bar: str, slid: str, name: str, inner: tuple[str, str], shift: tuple, bar_is_second: bool
+        self, bar: str, slid: str, name: str, inner: tuple[str, str], shift: Arms, bar_is_second: bool
     ) -> bool:
         outer = self.outer_pin(bar)
         if not outer:
@@ -188,7 +191,7 @@ class _Planner:
             self.append(dyad)
         elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near)):
             return False
-        self.steps.append(Carried(end, self.local(end, pin), self.anchor(pin)))
+        self.placements.append(Carried(end, self.local(end, pin), self.anchor(pin)))
         self.placed.add(end)
         self.oriented.add(end)
         return True
@@ -204,21 +207,21 @@ class _Planner:
             turns.append(np.conj(along))
             left.append(np.imag(np.conj(along) * (self.local(body, pins[0]) - on_line)))
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
-        before = tuple(step for step in self.steps if isinstance(step, Dyad))
+        before = tuple(one for one in self.placements if isinstance(one, Dyad))
         directions, offset = (turns[0], turns[1]), left[1] - left[0]
-        self.steps.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
+        self.placements.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
         for body, pins in zip((one, two), outer):
-            self.steps.append(Carried(body, self.local(body, pins[0]), self.anchor(pins[0])))
+            self.placements.append(Carried(body, self.local(body, pins[0]), self.anchor(pins[0])))
         self.placed |= {one, two}
         self.oriented |= {one, two}
         return True
 
-    def two_slides(self, one: str, two: str, inner: tuple[str, str], shift: tuple) -> bool:
+    def two_slides(self, one: str, two: str, inner: tuple[str, str], shift: Arms) -> bool:
         rails = self.rails_to_placed(one)[0], self.rails_to_placed(two)[0]
         # From the origin of `one` over the inner pin to the point of `two` that runs on its rail.
         way = ((one, -self.local(one, inner[0])), *((b, -z) for b, z in shift), (two, self.local(two, inner[1])))
         starts = self.start(rails[0], one, ()), self.start(rails[1], two, way)
-        self.steps.append(Crossed(one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
+        self.placements.append(Crossed(one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
         self.placed.add(one)
         return True
 
@@ -227,18 +230,18 @@ class _Planner:
         waiting = [body for body in self.linkage.bodies if body not in self.placed]
         if waiting:
             joined = frozenset(self.oriented), frozenset(self.placed)
-            turns = any(isinstance(step, Turned) for step in self.steps)
-            self.steps.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))
+            turns = any(isinstance(one, Turned) for one in self.placements)
+            self.placements.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))
 
     def append(self, dyad: RRR | RRP) -> None:
         """The dyad, in the form that keeps its digits at a toggle where the driver alone moves it."""
-        self.steps.append(driven(dyad, self.linkage.ground, self.steps, self.follow) or dyad)
+        self.placements.append(driver_dyad(dyad, self.linkage.ground, self.placements, self.follow) or dyad)
 
     def append_actuated(self, dyad: RRR | RRP, which: int, arm: Stroked) -> bool:
         """The dyad with an actuator for its bar `which`, where what it stands on does not move."""
-        found = actuated(dyad, which, arm, self.linkage.ground, self.steps, self.follow)
+        found = actuated_dyad(dyad, which, arm, self.linkage.ground, self.placements, self.follow)
         if found is not None:
-            self.steps.append(found)
+            self.placements.append(found)
         return found is not None
 
     # What the linkage says of a body.
@@ -246,10 +249,10 @@ class _Planner:
     def has(self, body: str, pin: str) -> bool:
         return pin in self.linkage.bodies[body]
 
-    def local(self, body: str, pin: str) -> complex:
+    def local(self, body: str, pin: str) -> complex | Complex:
         return self.linkage.bodies[body][pin]
 
-    def arm(self, body: str, outer: str, inner: str) -> complex:
+    def arm(self, body: str, outer: str, inner: str) -> complex | Complex:
         arm = self.local(body, inner) - self.local(body, outer)
         if np.any(arm == 0):
             raise DesignError(
@@ -275,21 +278,20 @@ class _Planner:
     def rails_to_placed(self, body: str) -> list[Slider]:
         return [s for s in self.linkage.sliders if body in (s.body, s.along) and _other(s, body) in self.placed]
 
-    def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], tuple]]:
+    def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], Arms]]:
         """Ways from `one` to `two` over pins that are not placed yet: name, the two pins, and the arms between.
 
         A body between them whose direction is known shifts one pin from the other, no more.
         """
         free = {pin: set(b) for pin, b in self.linkage.pins.items() if not self.placed & set(b)}
-        ways: list[tuple[str, tuple[str, str], tuple]] = [
+        ways: list[tuple[str, tuple[str, str], Arms]] = [
             (pin, (pin, pin), ()) for pin, bodies in free.items() if {one, two} <= bodies
         ]
         for body in self.linkage.bodies:
             if body in self.oriented - self.placed - {one, two}:
-                for a in free:
-                    for b in free:
-                        if a != b and {one, body} <= free[a] and {two, body} <= free[b]:
-                            ways.append((body, (a, b), ((body, self.local(body, b) - self.local(body, a)),)))
+                for a, b in permutations(free, 2):
+                    if {one, body} <= free[a] and {two, body} <= free[b]:
+                        ways.append((body, (a, b), ((body, self.local(body, b) - self.local(body, a)),)))
         return ways
 
     def anchor(self, pin: str) -> Anchor:
@@ -300,7 +302,7 @@ class _Planner:
         other = _other(slider, body)
         return Rail(other, _seen_from(slider, other)[2])
 
-    def start(self, slider: Slider, body: str, way: tuple) -> Anchor:
+    def start(self, slider: Slider, body: str, way: Arms) -> Anchor:
         """Where the body's origin, less the arms of `way`, is when its point stands at the rail's own point."""
         other = _other(slider, body)
         near, through, _ = _seen_from(slider, other)
@@ -311,13 +313,13 @@ def _other(slider: Slider, body: str) -> str:
     return slider.along if body == slider.body else slider.body
 
 
-def _turn(slider: Slider, body: str) -> Any:
+def _turn(slider: Slider, body: str) -> Complex:
     """Direction of the body's x axis seen from the other body of the slider."""
     turn = slider.direction * np.exp(1j * np.radians(slider.angle_deg)) if slider.angle_deg else slider.direction
     return turn if body == slider.body else np.conj(turn)
 
 
-def _seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
+def _seen_from(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
     """A slider as a line on `other`: the point that runs on it, a point of the line, the line's direction.
 
     Seen from the body that slides, it is the guide's own point that runs along a line through `point`,
@@ -328,7 +330,7 @@ def _seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
     return slider.through, slider.point, _turn(slider, slider.body).conjugate() * slider.direction
 
 
-def _stroke_seen_from(slider: Slider, other: str) -> tuple[Any, Any, Any]:
+def _stroke_seen_from(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
     """The same with the direction in which the point runs as the slider's displacement grows."""
     near, through, direction = _seen_from(slider, other)
     return near, through, direction if other == slider.along else -direction

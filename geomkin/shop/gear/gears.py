@@ -1,4 +1,4 @@
-"""Gear blanks: wheels, rings, racks, and the plates that hold them at their distances."""
+"""Plates of gears: wheels, rings, racks, mates and lantern pinions, and what holds them at their distances."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...arguments import Count, checked
 from ...errors import DesignError
-from ...gear.gear_rack import GearRack
+from ...gear.conjugate.conjugate import Conjugate
+from ...gear.conjugate.lantern import LanternPinion
+from ...gear.contract import AbstractGear
 from ...gear.planetary import PlanetarySet
-from ...gear.ring import RingGear
-from ...gear.spur import SpurGear
 from ...part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, shaft, widened
-from ..keyway import keyed_bore
+from ..bore import bore, clearance, keyed_bore, shaft, widened
 from .spokes import Web, openings
 
 
@@ -48,9 +48,22 @@ class GearStock:
         """Radius, mm, within which hole and keyway lie."""
         return float(abs(self.hole_diameter / 2 + self.keyway_depth + 0.5j * self.keyway_width))
 
-    def rim_under(self, gear: SpurGear) -> float:
+    def rim_under(self, gear: AbstractGear) -> float:
         """What holds a gear's teeth: the thickness under them, mm."""
-        return gear.root_radius - self.hole_reach if self.web is None else self.web.rim
+        if gear.solid_rim is None:
+            raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
+        hole = self.hole_reach if gear.hole_room else 0.0
+        return gear.solid_rim - hole if self.web is None else self.web.rim
+
+    def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
+        """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
+        if not gear.hole_room:
+            return ()
+        # The keyway stands under the tooth on +y, so that the gear is put on its shaft with that tooth known.
+        width, depth = self.keyway_width, self.keyway_depth
+        hole = keyed_bore(self.bore, self.clearance, width, depth, 1j, gear.hole_room, key)
+        cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
+        return (*hole, *cut)
 
 
 @dataclass(frozen=True)
@@ -63,24 +76,96 @@ class RingStock:
     def __post_init__(self) -> None:
         check_sizes(self)
 
+    def rim_under(self, gear: AbstractGear) -> float:
+        """What holds a ring's teeth: the thickness outside them, mm."""
+        return self.rim
 
-def gear_parts(gear: SpurGear, stock: GearStock, name: str = "gear", key: str = "stock", count: int = 1) -> list[Part]:
-    """The gear about its axis. key: of the stock in a recipe; count: how many to make."""
-    widest = 2 * gear.root_radius
-    # The keyway stands under the tooth on +y, so that the gear is put on its shaft with that tooth known.
-    hole = keyed_bore(stock.bore, stock.clearance, stock.keyway_width, stock.keyway_depth, 1j, widest, key)
-    cut = openings(stock.web, stock.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
-    return [Part(name, gear.outline, (*hole, *cut), stock.thickness, count=count)]
-
-
-def ring_part(ring: RingGear, stock: RingStock) -> Part:
-    """The ring: a round plate, the teeth its hole."""
-    return Part("ring", Circle(0j, ring.root_radius + stock.rim), (ring.outline,), stock.thickness)
+    def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
+        """None besides the teeth."""
+        if not gear.is_ring:
+            raise DesignError(key, "found that of a ring for a wheel", "give a GearStock")
+        return ()
 
 
-def rack_part(rack: GearRack, thickness: float) -> Part:
-    """The bar with its teeth up."""
-    return Part("rack", rack.outline, (), thickness)
+@dataclass(frozen=True)
+class PairStock:
+    """What a gear and its mate are cut from."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
+    bore: float = shaft("the gear's shaft", 8.0)
+    mate_bore: float = shaft("the mate's shaft", 8.0)
+    clearance: float = clearance(0.0)
+    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+@dataclass(frozen=True)
+class LanternStock:
+    """What a lantern pinion's discs and its wheel are cut from; the pins are rods."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
+    bore: float = shaft("the pinion's shaft", 8.0)
+    mate_bore: float = shaft("the wheel's shaft", 8.0)
+    clearance: float = clearance(0.1)
+    edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
+    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+@checked
+def gear_parts(
+    gear: AbstractGear, stock: GearStock | RingStock, name: str = "gear", key: str = "stock", count: Count = 1
+) -> tuple[Part, ...]:
+    """The plate of any gear about its axis, or of a rack, teeth up.
+
+    stock: a RingStock for a ring, a GearStock for all else. key: of the stock in a recipe, for refusals; count: how
+    many to make. Raises DesignError where bore, keyway or web leave no plate.
+    """
+    return (_plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count),)
+
+
+def _plate(
+    gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
+) -> Part:
+    """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
+    if gear.is_ring:
+        return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count)
+    return Part(name, gear.outline, holes, thickness, count=count)
+
+
+@checked
+def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
+    """The gear and the mate that it has shaped, each about its own axis."""
+    holes = bore(stock.bore, stock.clearance, gear.hole_room, "stock.bore")
+    return _plate(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
+
+
+@checked
+def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -> tuple[Part, ...]:
+    """The pinion's two discs with holes for its pins, and the wheel."""
+    hole = pinion.pin_diameter / 2 + stock.clearance / 2
+    apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
+    if apart <= 0:
+        raise DesignError(
+            "stock.clearance",
+            f"found {stock.clearance:g} mm, with which the pins' holes run into each other",
+            f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
+        )
+    pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
+    middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
+    outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
+    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2), _mate(mate, stock)
+
+
+def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
+    if mate.is_ring:
+        return _plate(mate, "ring", (), stock.thickness, stock.rim)
+    hole = bore(stock.mate_bore, stock.clearance, mate.hole_room, "stock.mate_bore")
+    return _plate(mate, "mate", hole, stock.thickness, stock.rim)
 
 
 def base_plate(name: str, axes: list[complex], holes: list[float], margin: float, thickness: float) -> Part:
@@ -102,8 +187,8 @@ def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, 
     diameters: of the holes for the shafts of sun and planets, mm.
     """
     sun, planet = diameters
-    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
+    around = 1j * gears.inner.axis_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
     outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
-    holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
+    holes = [*bore(sun, 0.0, 2 * gears.inner.axis_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]
     return Part("carrier", outline, tuple(holes), thickness)

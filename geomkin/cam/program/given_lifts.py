@@ -1,0 +1,201 @@
+"""Lifts given as rows of numbers: read from a segment or a CSV file, and the curve that is laid near them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ...brief import one_line
+from ...errors import DesignError, printable, shown
+from ...plane.vec import Real
+from ...sizes import FARTHEST
+from .laws import Law
+from .polynomials import Ends, spline_through
+from .segments import LiftTable, Pointed
+from .smoothing_spline import smoothest_within
+
+# Nearly three times a table of 0.1 deg; more takes seconds to fit and tells no more.
+MOST_ROWS = 10_000
+# Bytes of a CSV file: as many rows of fifty columns.
+LARGEST = 10_000_000
+ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
+# Neighbouring rows held against a polynomial of the fifth degree: fewer take the motion for scatter, more see less.
+WINDOW = 7
+# Rows below which their scatter cannot be told.
+FEWEST = 24
+# A band of so many standard deviations holds nearly all rows.
+WIDE = 3.0
+# Where every second row scatters so many times as much, it is the motion that is seen, in too few rows.
+MOTION = 3.0
+# Rows looked at between rows for the largest acceleration.
+LOOKS = 8
+
+
+def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, bool]:
+    """The field that has them, (n, 2) angles in deg with lifts, and whether the lifts are in degrees."""
+    offered = (
+        {"rows": segment.rows, "rows_deg": segment.rows_deg, "file": segment.file}
+        if isinstance(segment, LiftTable)
+        else {"points": segment.points, "points_deg": segment.points_deg}
+    )
+    given = [name for name, rows in offered.items() if rows is not None]
+    if len(given) != 1:
+        found = "none" if not given else " and ".join(given)
+        raise DesignError(next(iter(offered)), f"of {', '.join(offered)} found {found}", "give one of them")
+    field = given[0]
+    if field == "file":
+        points, swings = _from_csv(offered[field], folder)
+        return field, points, swings
+    return field, checked_rows(offered[field], field), field.endswith("_deg")
+
+
+def checked_rows(rows: object, field: str) -> Real:
+    try:
+        points = np.array(rows, dtype=float)
+        fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
+        fits = fits and bool((np.abs(points) <= FARTHEST).all())
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        raise DesignError(
+            field, f"found {shown(rows)}", f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers"
+        )
+    return points
+
+
+def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
+    if not isinstance(name, str | Path):
+        raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
+    try:
+        home = Path(folder or ".").resolve()
+        path = (home / name).resolve()
+        if folder is not None and not path.is_relative_to(home):
+            problem = f"found {shown(str(name))}, which lies outside the folder that names it"
+            raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
+        if not path.is_file():
+            raise FileNotFoundError(0, "it is no file")
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
+        # As spreadsheets save it, with a mark at the start.
+        text = content.decode("utf-8-sig")
+    except DesignError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:
+        # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
+        told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
+        reason = (error.strerror if isinstance(error, OSError) else None) or told
+        raise DesignError("file", f"{printable(name)} cannot be read ({reason})", "give a CSV file") from None
+    # Counted first: as lists of numbers a file of this size takes a gigabyte.
+    count = text.count("\n")
+    if count > MOST_ROWS + 1:
+        raise DesignError("file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows")
+    try:
+        lines = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise DesignError("file", f"{printable(name)} is not CSV ({error})", "give a CSV file") from None
+    header = [cell.strip() for cell in lines[0]] if lines else []
+    lifts = [column for column in LIFTS if column in header]
+    if ANGLE not in header or len(lifts) != 1:
+        lacking = ANGLE if ANGLE not in header else f"just one of {' and '.join(LIFTS)}"
+        raise DesignError(
+            "file",
+            f"the first line of {printable(name)} does not name {lacking}",
+            f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, with commas between",
+        )
+    columns = header.index(ANGLE), header.index(lifts[0])
+    points = []
+    for k, line in enumerate(lines[1:], 2):
+        if not "".join(line).strip():
+            continue
+        points.append(
+            [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
+        )
+    return checked_rows(points, "file"), LIFTS[lifts[0]]
+
+
+def _number(line: list[str], column: int, place: str) -> float:
+    cell = line[column] if column < len(line) else ""
+    try:
+        return float(cell)
+    except ValueError:
+        raise DesignError("file", f"{place} holds {printable(repr(cell), 20)}", "give a number there") from None
+
+
+@dataclass(frozen=True, eq=False)
+class TableFit:
+    """Lifts (n,), mm or deg, at rising x (n,) from 0 to 1, and how far a curve may stay from them.
+
+    ends: slope and curvature by x at both ends, None where it closes on itself. within: 0 for a curve through all.
+
+    Source: derived here; the curve is that of `smoothest_within`.
+    """
+
+    x: Real
+    lifts: Real
+    ends: Ends
+    within: float
+
+    __repr__ = one_line
+
+    @cached_property
+    def law(self) -> Law:
+        """The smoothest curve within the band; through all rows where there is none, or no spline is found in it."""
+        return self._near(self.within)
+
+    def _near(self, within: float) -> Law:
+        smooth = smoothest_within(self.x, self.lifts, self.ends, within) if within > 0 else None
+        return smooth or spline_through(self.x, self.lifts, self.ends)
+
+    @cached_property
+    def scatter(self) -> float:
+        """Standard deviation, mm or deg, by which the rows scatter about a smooth motion.
+
+        By what rows next to each other miss polynomials of the fifth degree. nan where that cannot be told: of
+        few rows, or of rows so far apart that the motion itself does not look smooth in them.
+        """
+        if len(self.x) < FEWEST:
+            return np.nan
+        fine, coarse = (_scatter(self.x[::k], self.lifts[::k]) for k in (1, 2))
+        return fine if coarse <= MOTION * fine or fine <= 1e-12 * float(np.ptp(self.lifts)) else np.nan
+
+    @property
+    def wide(self) -> float:
+        """A band, mm or deg, in which a curve need not follow the scatter."""
+        return WIDE * self.scatter
+
+    @cached_property
+    def noise(self) -> float:
+        """How much of the acceleration is scatter of the rows, as a share of the motion's peak.
+
+        The largest difference from the smoothest curve in a band as wide as the rows scatter. nan as for `scatter`.
+        """
+        if not self.wide > self.within:
+            return 0.0 * self.scatter
+        step = np.diff(self.x)[:, None] * np.arange(LOOKS) / LOOKS
+        places = (self.x[:-1, None] + step).ravel()
+        motion, curve = (np.asarray(law(places))[2] for law in (self._near(self.wide), self.law))
+        peak = float(np.abs(motion).max())
+        return float(np.abs(curve - motion).max()) / peak if peak > 0 else np.nan
+
+
+def _scatter(x: Real, lifts: Real) -> float:
+    """Standard deviation of what no polynomial of the fifth degree explains: of the upper quarter of all windows.
+
+    Half of the rows may be a dwell that is known exactly, and joints of the motion are few.
+    """
+    number = np.arange(len(x) - WINDOW + 1)[:, None] + np.arange(WINDOW)
+    at = x[number] - x[number[:, :1]]
+    at = at / at[:, -1:]
+    apart = at[:, :, None] - at[:, None, :] + np.eye(WINDOW)
+    # Divided differences, which leave nothing of such a polynomial; their squares add up to 1.
+    weights = 1 / np.prod(apart, axis=2)
+    weights /= np.sqrt(np.sum(weights**2, axis=1))[:, None]
+    missed = np.abs(np.sum(weights * lifts[number], axis=1))
+    # Three quarters of normal errors are below 1.1503 standard deviations.
+    return float(np.quantile(missed, 0.75)) / 1.1503

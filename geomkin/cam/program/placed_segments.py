@@ -1,0 +1,236 @@
+"""Where the segments of a programme begin and end: angles and lifts, worked out from what was given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import DesignError, shown
+from ...plane.vec import Real
+from ...sizes import check_quantities
+from .given_lifts import MOST_ROWS, checked_rows, read_rows
+from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
+
+# Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
+# thirds of a turn written with nine digits, more hides a real gap.
+SLIP = 1e-7
+# Segments of a programme: more take seconds to put together, and are more than a cam can have.
+MOST_SEGMENTS = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedSegment:
+    """A segment in its place. start, end: deg; lift, end_lift: mm, or deg where `oscillates`.
+
+    oscillates: None where it fits both, as a dwell does. points: (n, 2) given angles and lifts, for a
+    spline or a table; between, for a polynomial.
+    """
+
+    place: str
+    segment: Segment
+    start: float
+    end: float
+    lift: float
+    end_lift: float
+    oscillates: bool | None
+    points: Real
+
+    @property
+    def radians(self) -> float:
+        return float(np.radians(self.end) - np.radians(self.start))
+
+    def x(self, angle: Real) -> Real:
+        """0 at the start and 1 at the end, for angles in deg."""
+        return (angle - self.start) / (self.end - self.start)
+
+
+@contextmanager
+def naming(place: str) -> Iterator[None]:
+    """Put the segment's place before the field a refusal names."""
+    try:
+        yield
+    except DesignError as error:
+        field = f"{place}.{error.field}" if error.field else place
+        raise DesignError(field, error.problem, error.remedy) from None
+
+
+def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
+    """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
+    made: list[PlacedSegment] = []
+    angle, lift, rows = 0.0, 0.0, 0
+    if len(segments) > MOST_SEGMENTS:
+        raise DesignError("program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}")
+    for k, segment in enumerate(segments):
+        place = f"program[{k}]"
+        with naming(place):
+            if not isinstance(segment, Segment):
+                raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise")
+            check_quantities(segment)
+            if isinstance(segment, Pointed):
+                placed = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
+            else:
+                end = _end(segment, angle)
+                end_lift, oscillates = _end_lift(segment, lift)
+                placed = PlacedSegment(
+                    place, segment, angle, end, lift, end_lift, oscillates, _between(segment, angle, end)
+                )
+        made.append(placed)
+        angle, lift = placed.end, placed.end_lift
+        rows += len(made[-1].points)
+        if rows > MOST_ROWS:
+            raise DesignError(place, f"with it, the programme has {rows:,} rows", f"give at most {MOST_ROWS:,} in all")
+    _check_whole(made, angle, lift)
+    # A slip in the last lift would be a jump at the end of the turn.
+    last = made[-1].points.copy()
+    last[-1:, 1:] = made[0].lift if isinstance(made[-1].segment, Pointed) else last[-1:, 1:]
+    return [*made[:-1], replace(made[-1], end_lift=made[0].lift, points=last)]
+
+
+def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
+    if abs(angle - 360) > SLIP:
+        raise DesignError("program", f"the segments end at {angle:g} deg", "make the last one end at 360 deg")
+    swings = {placed.oscillates: placed.place for placed in made if placed.oscillates is not None}
+    if len(swings) == 2:
+        raise DesignError(
+            "program",
+            f"{swings[False]} has its lift in mm and {swings[True]} in degrees",
+            "give all in mm for a follower that slides, or all in degrees for one that swings",
+        )
+    unit = "deg" if True in swings else "mm"
+    if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
+        raise DesignError(
+            "program",
+            f"the lift ends at {lift:g} {unit}, not at {made[0].lift:g}",
+            "add a return, or correct its end_lift",
+        )
+
+
+def _end(segment: Timed, before: float) -> float:
+    start = before if segment.start_deg is None else segment.start_deg
+    if abs(start - before) > SLIP:
+        raise DesignError("start_deg", *_apart(start, before))
+    ends = [segment.end_deg, None if segment.duration_deg is None else before + segment.duration_deg]
+    known = [e for e in ends if e is not None]
+    if not known or (len(known) == 2 and abs(known[0] - known[1]) > SLIP):
+        found = "neither" if not known else "two that disagree"
+        raise DesignError("end_deg", f"of end_deg and duration_deg found {found}", "give one of them")
+    if known[0] - before <= SLIP:
+        raise DesignError(
+            "end_deg", f"the segment runs from {before:g} to {known[0]:g} deg", "give an end after its start"
+        )
+    # The last one ends where the turn does, not a slip beside it.
+    return 360.0 if abs(known[0] - 360) <= SLIP else known[0]
+
+
+def _apart(start: float, before: float) -> tuple[str, str]:
+    kind = "a gap" if start > before else "an overlap"
+    return (
+        f"found {start:g}, but the segment before ends at {before:g} deg: {kind}",
+        "leave start_deg out, or add a dwell between them",
+    )
+
+
+def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
+    """Lift at the end, and whether it was given in degrees, None where that cannot be told."""
+    if isinstance(segment, Dwell):
+        return before, None
+    if isinstance(segment, Return):
+        if segment.end_lift and segment.end_lift_deg is not None:
+            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them")
+        end, oscillates = segment.end_lift, False if segment.end_lift else None
+        if segment.end_lift_deg is not None:
+            end, oscillates = segment.end_lift_deg, True
+    else:
+        ways = [
+            (segment.end_lift, 0.0, False),
+            (segment.rise, before, False),
+            (segment.end_lift_deg, 0.0, True),
+            (segment.rise_deg, before, True),
+        ]
+        given = [(start + value, swings) for value, start, swings in ways if value is not None]
+        if len(given) != 1:
+            found = "neither" if not given else "both" if len(given) == 2 else "more"
+            raise DesignError("rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees")
+        end, oscillates = given[0]
+    unit = "deg" if oscillates else "mm"
+    if isinstance(segment, Rise) and end <= before:
+        raise DesignError("rise", f"it ends at {end:g} {unit}, not above its start", "use a return to go down")
+    if isinstance(segment, Return) and end >= before:
+        raise DesignError("end_lift", f"found {end:g} {unit}, not below its start", "use a rise to go up")
+    if end < 0:
+        field = "rise" if not isinstance(segment, Return) and (segment.rise or segment.rise_deg) else "end_lift"
+        raise DesignError(field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more")
+    return end, oscillates
+
+
+def _given(
+    place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool
+) -> PlacedSegment:
+    """A segment from its own points. lift: that of the segment before, None for the first."""
+    field, points, oscillates = read_rows(segment, folder)
+    # A row of a file is found by what it says.
+    row = "" if field == "file" else "[{}]"
+    unit = "deg" if oscillates else "mm"
+    if len(points) < 2:
+        raise DesignError(field, f"found {len(points)}", "give two at least: where it starts and where it ends")
+    falls = np.flatnonzero(np.diff(points[:, 0]) <= 0)
+    if len(falls):
+        k = int(falls[0])
+        problem = f"the angle {points[k + 1, 0]:g} deg follows {points[k, 0]:g} deg"
+        raise DesignError(field + row.format(k + 1), problem, "let the angles rise")
+    if alone and isinstance(segment, LiftTable):
+        # In equal steps, the next row would be the first again.
+        steps = np.diff([*points[:, 0], 360.0])
+        if np.ptp(steps) <= 1e-6 * steps[0]:
+            points = np.vstack([points, [360.0, points[0, 1]]])
+    start, end = points[[0, -1], 0]
+    if abs(start - before) > SLIP:
+        problem, _ = _apart(start, before)
+        raise DesignError(field + row.format(0), problem, f"let the angles start at {before:g} deg")
+    start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
+    slip = band(segment) or SLIP
+    if lift is None:
+        lift = float(points[0, 1])
+    if abs(points[0, 1] - lift) > slip:
+        problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
+        raise DesignError(field + row.format(0), problem, "let the lifts agree")
+    low = int(points[:, 1].argmin())
+    # Measured rows of a dwell lie to both sides of it.
+    if points[low, 1] < -band(segment):
+        problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
+        raise DesignError(field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius")
+    points[[0, -1], 0], points[0, 1] = (start, end), lift
+    return PlacedSegment(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
+
+
+def band(segment: Segment) -> float:
+    """How far a curve may leave a table's rows: as given, or 3/4 of the last decimal; 0 where it goes through them.
+
+    Half of the last decimal is the rounding itself; with less left over, the curve follows the rounding.
+    """
+    if not isinstance(segment, LiftTable):
+        return 0.0
+    if segment.within is not None:
+        return segment.within
+    if segment.decimals is None:
+        raise DesignError("decimals", "of decimals and within found neither", "give one of them")
+    return 0.75 * 10.0**-segment.decimals if segment.decimals < 10 else 0.0
+
+
+def _between(segment: Timed, start: float, end: float) -> Real:
+    if not isinstance(segment, LiftPolynomial):
+        return np.zeros((0, 2))
+    if isinstance(segment.through, (tuple, list)) and not segment.through:
+        return np.zeros((0, 2))
+    points = checked_rows(segment.through, "through")
+    outside = np.flatnonzero((points[:, 0] <= start) | (points[:, 0] >= end))
+    if len(outside):
+        k = int(outside[0])
+        raise DesignError(
+            f"through[{k}]", f"found {points[k, 0]:g} deg", f"give an angle between {start:g} and {end:g} deg"
+        )
+    return points

@@ -1,0 +1,301 @@
+"""What every gear tells of itself: all that plates, checks, measures, tables and mates ask of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..arguments import RealsOrNan, checked
+from ..plane.curve import AbstractCurve
+from ..plane.pose import Pose
+from ..plane.vec import Real
+from ..sizes import Length
+
+__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractShaper", "AbstractTooth", "told"]
+
+if TYPE_CHECKING:
+    from builtins import property as told
+else:
+
+    class told:
+        """What each class of a contract tells of itself, by a field or a property of this name."""
+
+        def __init__(self, tell):
+            self.__doc__ = tell.__doc__
+
+
+class _Contract(ABC):
+    """A class of which each heir tells all that is asked of it, or is refused when Python reads it.
+
+    Heirs whose names begin with `Abstract` may leave things to their own heirs.
+    """
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        fields = inspect.get_annotations(cls)
+        for name in fields:
+            # What is inherited would count as the field's default.
+            if name not in vars(cls) and hasattr(cls, name):
+                setattr(cls, name, dataclasses.field())
+        asked = {name for name in dir(cls) if _is_asked(getattr(cls, name, None))}
+        if missing := sorted(asked - set(fields)):
+            if not cls.__name__.startswith(("Abstract", "_Abstract")):
+                raise TypeError(f"{cls.__name__} must tell {', '.join(missing)}")
+
+
+def _is_asked(member: object) -> bool:
+    return type(member) is told or getattr(member, "__isabstractmethod__", False)
+
+
+class _AbstractToothed(_Contract):
+    @told
+    @abstractmethod
+    def teeth(self) -> int:
+        """Number of teeth."""
+
+    @told
+    @abstractmethod
+    def module(self) -> float:
+        """Pitch diameter per tooth, mm."""
+
+    @told
+    @abstractmethod
+    def pitch_radius(self) -> float:
+        """Radius of the circle that rolls on the rack's or the mate's, mm; infinite for a rack."""
+
+
+class AbstractGear(_AbstractToothed):
+    """A gear about the origin, or a rack along the x axis, with a tooth centred on +y."""
+
+    # Whether it is a ring: its teeth point inwards, and its outline is the hole of its plate.
+    is_ring: bool = False
+
+    @told
+    @abstractmethod
+    def tip_radius(self) -> float:
+        """Radius of the tips of the teeth, mm, the smallest of a ring; infinite for a rack."""
+
+    @told
+    @abstractmethod
+    def root_radius(self) -> float:
+        """Radius of the bottoms of the spaces, mm, the largest of a ring; infinite for a rack."""
+
+    @told
+    @abstractmethod
+    def tip_thickness(self) -> float:
+        """Thickness of a tooth at its tip, mm; negative where the flanks would have met below."""
+
+    @told
+    @abstractmethod
+    def outline(self) -> AbstractCurve:
+        """The whole gear as one closed counterclockwise curve of exact pieces; of a ring the hole of its plate."""
+
+    @property
+    def hole_room(self) -> float:
+        """Diameter, mm, that a hole about the axis must stay below to leave the teeth standing; 0 for a rack."""
+        return 2 * self.root_radius
+
+    @property
+    def solid_rim(self) -> float | None:
+        """Thickness under the teeth, mm, where nothing is cut out: down to the axis; None of a ring, whose plate has it."""
+        return None if self.is_ring else self.root_radius
+
+    @property
+    def lost_to_undercut(self) -> float | None:
+        """Height of the involute that undercut takes away, mm along the radius; None where no tool can undercut it."""
+        return None
+
+
+class AbstractTooth(_Contract):
+    """Sizes and curves of the tooth on +y of an involute gear, mm and rad, of which nothing is checked.
+
+    What checks, and what looks for sizes to advise, is built on it.
+    """
+
+    @told
+    @abstractmethod
+    def base_radius(self) -> float:
+        """Radius of the circle from which the flanks unwind, mm."""
+
+    @told
+    @abstractmethod
+    def rolls(self) -> tuple[float, float]:
+        """Roll angles of the involute at its two ends, the inner first, rad."""
+
+    @abstractmethod
+    def half_angle(self, radius: float) -> float:
+        """Half the angle that the tooth takes on a circle through its involute, rad."""
+
+    @told
+    @abstractmethod
+    def flank(self) -> AbstractCurve:
+        """Right-hand flank, from the root curve to the tip."""
+
+    @told
+    @abstractmethod
+    def root_curve(self) -> AbstractCurve:
+        """Right-hand root curve, from the bottom land to the flank."""
+
+    @property
+    def tip_edge(self) -> AbstractCurve | None:
+        """Rounding or chamfer of the tip's right-hand edge, from the flank on; None where it is sharp."""
+        return None
+
+
+class AbstractInvoluteGear(AbstractGear):
+    """A gear whose flanks are involutes (ISO 21771, DIN 3960)."""
+
+    @told
+    @abstractmethod
+    def profile_shift(self) -> float:
+        """Outward shift of the tool that cuts it, modules."""
+
+    @told
+    @abstractmethod
+    def thinning(self) -> float:
+        """How much thinner each tooth is along the pitch circle, for backlash, mm."""
+
+    @told
+    @abstractmethod
+    def pressure_angle(self) -> float:
+        """Angle of the flanks at the pitch circle, rad: the tool's."""
+
+    @told
+    @abstractmethod
+    def tooth(self) -> AbstractTooth:
+        """Sizes and curves of the tooth on +y."""
+
+    @property
+    def is_undercut(self) -> bool:
+        """Whether the tool's tip cuts away part of the involute it has made."""
+        return False
+
+    @property
+    def involute_lost(self) -> float:
+        """Share of the involute's length, from base circle to tip, that undercut takes away; 0 without undercut."""
+        first, last = self.tooth.rolls
+        return (first / last) ** 2 if self.is_undercut else 0.0
+
+    @property
+    def pitch_radius(self) -> float:
+        """Radius of the circle on which the tool rolls, mm: half the module times the teeth."""
+        return self.module * self.teeth / 2
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the circle from which the flanks unwind, mm."""
+        return self.tooth.base_radius
+
+    @property
+    def base_pitch(self) -> float:
+        """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
+        return 2 * np.pi * self.base_radius / self.teeth
+
+    @property
+    def form_radius(self) -> float:
+        """Radius where involute and root curve join, mm: where they touch, or cross if the tooth is undercut."""
+        return self.base_radius * float(np.hypot(1, self.tooth.rolls[1 if self.is_ring else 0]))
+
+    @property
+    def flank_lengths(self) -> tuple[float, float]:
+        """Tangent lengths from the base circle to the involute's two ends, the inner first, mm."""
+        first, last = self.tooth.rolls
+        return self.base_radius * first, self.base_radius * last
+
+    @property
+    def tip_thickness(self) -> float:
+        """Thickness of the tooth along its tip circle, mm; negative where the flanks would have met below."""
+        return self.thickness(self.tip_radius)
+
+    @checked
+    def thickness(self, radius: float) -> float:
+        """Thickness of the tooth along a circle through its involute, mm."""
+        return 2 * radius * self.tooth.half_angle(radius)
+
+    @property
+    def flank(self) -> AbstractCurve:
+        """Right-hand flank of the tooth on +y, from the root curve to the tip."""
+        return self.tooth.flank
+
+    @property
+    def root_curve(self) -> AbstractCurve:
+        """Right-hand root curve of the tooth on +y, from the bottom land to the flank."""
+        return self.tooth.root_curve
+
+    @property
+    def tip_edge(self) -> AbstractCurve | None:
+        """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
+        return self.tooth.tip_edge
+
+
+class AbstractShaper(_AbstractToothed):
+    """A gear about the origin that shapes a mate: it is taken as the tool, and the mate is what its teeth leave."""
+
+    @told
+    @abstractmethod
+    def most_backlash(self) -> float:
+        """Backlash, mm along the pitch circle, for which neighbouring teeth of the cutter meet."""
+
+    @abstractmethod
+    def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
+        """One tooth of the tool: the gear's own drawn out by the clearance and thicker by the backlash, mm.
+
+        Its first pieces are the side that drives, the right-hand one of the tooth on +y.
+        """
+
+
+class AbstractMesh(_Contract):
+    """A gear that drives a gear or a rack by involute flanks.
+
+    Lengths along the line of action are measured from the driving gear's base circle, mm.
+    """
+
+    # What the two are called in tables.
+    names: ClassVar[tuple[str, str]]
+
+    @told
+    @abstractmethod
+    def module(self) -> float:
+        """Pitch diameter per tooth of both, mm."""
+
+    @told
+    @abstractmethod
+    def driver(self) -> AbstractInvoluteGear:
+        """The gear that drives."""
+
+    @told
+    @abstractmethod
+    def contact_lengths(self) -> tuple[float, float]:
+        """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
+
+    @told
+    @abstractmethod
+    def contact_ratio(self) -> float:
+        """Mean number of tooth pairs in contact; below 1 the drive is passed on in jerks."""
+
+    @told
+    @abstractmethod
+    def backlash(self) -> float:
+        """Play between the teeth, mm along the circles, or the line, that roll on each other."""
+
+    @told
+    @abstractmethod
+    def clearances(self) -> tuple[float, float]:
+        """From the tips of the second to the roots of the first, and of the first to the second's, mm."""
+
+    @told
+    @abstractmethod
+    def interferences(self) -> tuple[str, ...]:
+        """What hits, in words; empty where nothing does."""
+
+    @abstractmethod
+    def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
+        """Specific sliding of both at places on the line of action, mm, any shape."""
+
+    @abstractmethod
+    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
+        """Where both stand when the driver, about the origin, has turned by `turn`, rad, any shape."""

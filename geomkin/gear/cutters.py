@@ -1,0 +1,141 @@
+"""The tools that define a gear's teeth: the rack, and the pinion cutter that cuts rings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import DesignError
+from ..sizes import check_sizes, quantity, rounded_down
+from .involute import TipRounding, inverse_involute, involute_function, largest_rounding, tip_rounding
+
+
+@dataclass(frozen=True)
+class RackCutter:
+    """A straight-flanked cutting rack, lengths in modules; the defaults are basic rack profile A of ISO 53.
+
+    `addendum` is the gear's: how far its teeth reach above the reference line. `dedendum` is how deep
+    the rack's tip cuts below it, `tip_radius` the rounding of that tip.
+    Raises DesignError where the flanks meet above the tip, or the tip has no room for its rounding.
+    """
+
+    pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
+    addendum: float = quantity(
+        "height of the gear's teeth above the reference line", "modules", default=1.0, above=0, at_most=5
+    )
+    dedendum: float = quantity(
+        "depth that the rack cuts below the reference line", "modules", default=1.25, above=0, at_most=5
+    )
+    tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        slope = np.radians(self.pressure_angle_deg)
+        # The rounding grows until the two corners of a tip meet in its middle.
+        narrowest = np.pi / 4 - self.dedendum * np.tan(slope)
+        if narrowest < 0:
+            raise DesignError(
+                "dedendum",
+                f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules",
+                f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg",
+            )
+        largest = narrowest * np.cos(slope) / (1 - np.sin(slope))
+        if self.tip_radius > largest:
+            raise DesignError(
+                "tip_radius",
+                f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
+                f"give at most {rounded_down(largest)}, or a smaller dedendum",
+            )
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the flanks, rad."""
+        return float(np.radians(self.pressure_angle_deg))
+
+    @property
+    def corner_depth(self) -> float:
+        """Depth of the tip rounding's centre below the reference line, modules."""
+        return self.dedendum - self.tip_radius
+
+    @property
+    def corner_side(self) -> float:
+        """Distance of the tip rounding's centre from the middle of the rack's tooth, modules, 0 or more."""
+        a = self.pressure_angle
+        return max(0.0, float(np.pi / 4 - self.corner_depth * np.tan(a) - self.tip_radius / np.cos(a)))
+
+    @property
+    def flank_depth(self) -> float:
+        """Depth below the reference line where the straight flank ends, modules."""
+        return float(self.dedendum - self.tip_radius * (1 - np.sin(self.pressure_angle)))
+
+
+@dataclass(frozen=True)
+class PinionCutter:
+    """An involute gear with cutting edges that cuts internal gears, lengths in modules.
+
+    `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
+    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one.
+    Raises DesignError where its teeth are pointed, or their tips have no room for the rounding.
+    """
+
+    teeth: int = quantity("number of the cutter's teeth", whole=True, default=24, at_least=4, at_most=1000)
+    pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
+    addendum: float = quantity(
+        "height of the cutter's teeth above its reference circle", "modules", default=1.25, above=0, at_most=5
+    )
+    tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
+    profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
+            raise DesignError(
+                "addendum",
+                f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
+                f"give at most {rounded_down(self._largest_addendum)} modules, or other teeth or profile_shift",
+            )
+        largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
+        if self.tip_radius > largest:
+            raise DesignError(
+                "tip_radius",
+                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
+                f"give at most {rounded_down(largest)}, or a smaller addendum",
+            )
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the flanks at the reference circle, rad."""
+        return float(np.radians(self.pressure_angle_deg))
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the circle from which its flanks unwind, modules."""
+        return self.teeth / 2 * float(np.cos(self.pressure_angle))
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of its tips, modules."""
+        return self.teeth / 2 + self.addendum + self.profile_shift
+
+    @property
+    def half_angle_at_base(self) -> float:
+        """Half the angle that a tooth takes on the base circle, rad."""
+        a = np.tan(self.pressure_angle)
+        return float((np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a))
+
+    @cached_property
+    def corner(self) -> TipRounding:
+        """The rounding of its tips, modules and rad."""
+        return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
+
+    def _half_angle(self, radius: float) -> float:
+        return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
+
+    @property
+    def _largest_addendum(self) -> float:
+        if self.half_angle_at_base <= 0:
+            return 0.0
+        point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
+        return float(point - self.teeth / 2 - self.profile_shift)

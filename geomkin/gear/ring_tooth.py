@@ -1,0 +1,226 @@
+"""The tooth of an internal gear, and its root curve: what the rounded tip of a rolling pinion cutter leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..plane.curve import AbstractCurve
+from ..plane.derived import Mirrored, Moved, Reversed
+from ..plane.pose import Pose
+from ..plane.roulettes import Involute
+from ..plane.vec import Complex, Real
+from .contract import AbstractTooth
+from .cutters import PinionCutter
+from .interference import InternalMesh
+from .involute import inverse_involute, involute_function, roll_at
+
+
+@dataclass(frozen=True)
+class RingTooth(AbstractTooth):
+    """A tooth of a ring as a pinion cutter leaves it; the sizes are those of `RingGear`, unchecked."""
+
+    teeth: int
+    module: float
+    profile_shift: float
+    cutter: PinionCutter
+    addendum: float
+    thinning: float
+
+    @property
+    def stands(self) -> bool:
+        """Whether the cutter leaves whole teeth."""
+        if self.teeth <= self.cutter.teeth or self.working_involute < 0:
+            return False
+        if self.trochoid_gap < 0 or self.tip_radius < self.least_tip_radius:
+            return False
+        return self.is_reached and self.half_angle(self.tip_radius) >= 0
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether the cutter reaches beyond the tips, and leaves something of the involute."""
+        return self.root_radius > self.tip_radius and self.rolls[1] > self.rolls[0]
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tooth tips, mm: the smallest of the gear."""
+        return self.module * (self.teeth / 2 - self.addendum + self.profile_shift)
+
+    @property
+    def least_tip_radius(self) -> float:
+        """Radius, mm, from which outwards the cutter's flanks make involutes."""
+        return self.module * float(np.hypot(self._base, self._cutter_distance * np.sin(self._cutting_angle)))
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the bottom of the spaces, mm: the largest of the gear."""
+        return self.module * (self._cutter_distance + self.cutter.outer_radius)
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the circle from which the flanks unwind, mm."""
+        return self.module * self._base
+
+    @cached_property
+    def rolls(self) -> tuple[float, float]:
+        """Roll angles of the involute at the tip, and where the cutter's own flank ends."""
+        cut = self.cutter.corner.roll * self.cutter.base_radius
+        end = (cut + self._cutter_distance * np.sin(self._cutting_angle)) / self._base
+        return roll_at(self.tip_radius, self.base_radius), float(end)
+
+    def half_angle(self, radius: float) -> float:
+        return np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius))
+
+    @property
+    def most_thinning(self) -> float:
+        """Thinning, mm, for which the flanks meet at the tips."""
+        return 2 * (self.module * self.teeth / 2) * (np.pi / self.teeth - self._half_cut(self.rolls[0]))
+
+    @cached_property
+    def root_curve(self) -> AbstractCurve:
+        corner, m = self.cutter.corner, self.module
+        wheel = self._cutter_distance * self.cutter.teeth / (self.teeth - self.cutter.teeth)
+        radius = self._cutter_distance * self.teeth / (self.teeth - self.cutter.teeth)
+        curve = RingTrochoid(
+            radius=m * radius,
+            wheel=m * wheel,
+            reach=m * (corner.radius - wheel),
+            rounding=m * self.cutter.tip_radius,
+            start=0.0,
+            end=np.pi / 2 - self._cutting_angle,
+        )
+        return Moved(curve, Pose(0j, np.exp(1j * (np.pi / 2 - np.pi / self.teeth + self.half_land))))
+
+    @cached_property
+    def flank(self) -> AbstractCurve:
+        cusp = np.pi / 2 - np.pi / self.teeth + self._half_space(0.0)
+        left = Moved(Involute(self.base_radius, *self.rolls), Pose(0j, np.exp(1j * (np.pi - cusp))))
+        return Reversed(Mirrored(left))
+
+    @property
+    def half_land(self) -> float:
+        """Half the angle of the bottom land, rad."""
+        return max(0.0, self.cutter.corner.angle) * self.cutter.teeth / self.teeth + self._turn
+
+    @property
+    def working_involute(self) -> float:
+        """Involute function of the working pressure angle with the cutter; negative where the cutter does not fit."""
+        shift = self.profile_shift - self.cutter.profile_shift
+        return involute_function(self._slope) + 2 * self._slope * shift / (self.teeth - self.cutter.teeth)
+
+    @property
+    def least_shift(self) -> float:
+        """Profile shift at which the cutter begins to fit between the teeth, modules."""
+        apart = self.teeth - self.cutter.teeth
+        return self.cutter.profile_shift - involute_function(self._slope) * apart / (2 * self._slope)
+
+    @property
+    def trochoid_gap(self) -> float:
+        """Angle by which the cutter's tips clear the ring's on their way out of the spaces; see `InternalMesh`."""
+        return InternalMesh(
+            self.cutter.teeth,
+            self.teeth,
+            self._cutter_distance,
+            self.cutter.outer_radius,
+            self.tip_radius / self.module,
+            self.cutter.base_radius,
+            self._base,
+        ).trochoid_gap
+
+    def _half_space(self, roll: float) -> float:
+        """Half the angle that a space takes where the flank has a roll angle, rad."""
+        return self._half_cut(roll) + self._turn
+
+    def _half_cut(self, roll: float) -> float:
+        """The same before the teeth are thinned, rad."""
+        a = self._slope
+        return (np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a) - involute_function(roll)
+
+    @property
+    def _turn(self) -> float:
+        """Angle by which thinning turns each side of a tooth towards its middle, rad."""
+        return self.thinning / (2 * (self.module * self.teeth / 2))
+
+    @property
+    def _slope(self) -> float:
+        return float(np.tan(self.cutter.pressure_angle))
+
+    @property
+    def _base(self) -> float:
+        return self.teeth / 2 * float(np.cos(self.cutter.pressure_angle))
+
+    @cached_property
+    def _cutting_angle(self) -> float:
+        """Working pressure angle with the cutter, rad."""
+        return float(np.arctan(inverse_involute(self.working_involute)))
+
+    @cached_property
+    def _cutter_distance(self) -> float:
+        """Distance of the cutter's axis from the ring's, modules."""
+        return (self._base - self.cutter.base_radius) / float(np.cos(self._cutting_angle))
+
+
+@dataclass(frozen=True, eq=False)
+class RingTrochoid(AbstractCurve):
+    """The envelope of a small circle on a wheel that rolls inside a ring: derived here from the law of gearing.
+
+    The wheel, of `wheel` radius w, rolls inside the ring of `radius` R > w about the origin, mm. The small
+    circle, of radius `rounding` rho >= 0, has its centre at a distance w + `reach` from the wheel's centre;
+    where the centre comes farthest out the wheel touches at +x.
+
+    t = psi is the lean of the contact normal from the radius to the rolling point I, rad, counterclockwise,
+    from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes I, at a distance
+    d from the small circle's centre, with d^2 + 2 w d cos(psi) = (w + reach)^2 - w^2, negative where the
+    centre lies inside the rolling circle. This parameter keeps its digits where `reach` vanishes and the
+    whole corner is cut at one instant. Asks for w |sin(psi)| < w + reach.
+    """
+
+    radius: float
+    wheel: float
+    reach: float
+    rounding: float
+    start: float
+    end: float
+
+    def _away(self, t: Real) -> tuple[Real, Real]:
+        """d, and q = d + w cos(psi), in the form that keeps the digits of a small reach."""
+        w, c = self.wheel, self.wheel + self.reach
+        q = np.sqrt((c - w * np.sin(t)) * (c + w * np.sin(t)))
+        return self.reach * (c + w) / (w * np.cos(t) + q), q
+
+    def _turned(self, t: Real, d: Real) -> Complex:
+        """Direction of the normal's frame in the ring: the ring turns by w / R of the wheel."""
+        turned: Complex = np.exp(-1j * self.wheel / self.radius * np.angle(self.wheel + d * np.exp(1j * t)))
+        return turned
+
+    def point(self, t: ArrayLike) -> Complex:
+        t = np.asarray(t, dtype=float)
+        d, _ = self._away(t)
+        return (self.radius + (d + self.rounding) * np.exp(1j * t)) * self._turned(t, d)
+
+    def _bend(self, d: Real, q: Real) -> tuple[Real, Real]:
+        """Turn of the tangent and speed along it, per lean of the normal."""
+        k = self.wheel / self.radius
+        turn = 1 - k * d / q
+        return turn, self.rounding * turn + (1 - k) * d**2 / q
+
+    def velocity(self, t: ArrayLike) -> Complex:
+        t = np.asarray(t, dtype=float)
+        d, q = self._away(t)
+        return 1j * self._bend(d, q)[1] * np.exp(1j * t) * self._turned(t, d)
+
+    def curvature(self, t: ArrayLike) -> Real:
+        turn, speed = self._bend(*self._away(np.asarray(t, dtype=float)))
+        with np.errstate(divide="ignore"):
+            return turn / np.abs(speed)
+
+    @property
+    def breaks(self) -> Real:
+        return np.array([self.start, self.end])
+
+    @property
+    def closed(self) -> bool:
+        return False

@@ -1,0 +1,182 @@
+"""The roots that decide whether a loop closes, with the digits they have near a toggle or a change point.
+
+Real where it closes, zero where its two branches meet: a limit of the driver, or a change point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from ...plane.vec import Mask, Real, Whole
+from .placement import plus, times
+
+
+class ClosingRoot(Protocol):
+    """The root of a loop over the frames."""
+
+    @property
+    def r(self) -> Real:
+        """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """What a loop's two roots are made of: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
+
+    d1 and d2 are zero where the linkage has a change point. When followed, the root then is k cos v or k sin v with
+    its sign, and runs smoothly through it; change_1, change_2 tell for which of many linkages it is so.
+    """
+
+    d1: Real
+    d2: Real
+    k: Real
+    change_1: Mask | bool
+    change_2: Mask | bool
+
+    @classmethod
+    def of(cls, d1: Real, d2: Real, k: Real, follow: bool) -> Gaps:
+        """Gaps with their change points found; False, the common case, costs nothing later."""
+        changes = [d == 0 if follow and np.any(d == 0) else False for d in (d1, d2)]
+        return cls(d1, d2, k, changes[0], changes[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """The two roots over the frames. x = k cos v, y = k sin v; r = branch f1 f2, nan where the loop cannot close."""
+
+    gaps: Gaps
+    x: Real
+    y: Real
+    branch: Whole | int
+
+    @cached_property
+    def f1(self) -> Real:
+        return _root(self.gaps.d1, self.x, self.gaps.change_1)
+
+    @cached_property
+    def f2(self) -> Real:
+        return _root(self.gaps.d2, self.y, self.gaps.change_2)
+
+    @cached_property
+    def p1(self) -> Real:
+        """x / f1."""
+        share = self.x / self.f1
+        return share if self.gaps.change_1 is False else np.where(self.gaps.change_1, 1.0, share)
+
+    @cached_property
+    def p2(self) -> Real:
+        """y / f2."""
+        share = self.y / self.f2
+        return share if self.gaps.change_2 is False else np.where(self.gaps.change_2, 1.0, share)
+
+    @cached_property
+    def r(self) -> Real:
+        return self.branch * (self.f1 * self.f2)
+
+    @cached_property
+    def tau(self) -> Real:
+        """x y / r."""
+        return self.branch * (self.p1 * self.p2)
+
+    def tau_rate(self) -> Real:
+        """Its derivative by t."""
+        one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / times(self.f2 * self.f2, self.f2)
+        two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / times(self.f1 * self.f1, self.f1)
+        # What a vanished constant multiplies is finite in the limit, but 0/0 at the very point.
+        one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
+        two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
+        return one - two
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeRoot:
+    """r = branch f1 f2 of an actuator's dyad, f1^2 = most - x^2 and f2^2 = x^2 - least; most may be infinite.
+
+    change: where least is zero and followed, f2 is x with its sign, and r runs smoothly through zero.
+    """
+
+    x: Real
+    most: Real
+    least: Real
+    branch: Whole | int
+    follow: bool
+
+    @cached_property
+    def change(self) -> Mask | bool:
+        return self.least == 0 if self.follow and np.any(self.least == 0) else False
+
+    @cached_property
+    def f1(self) -> Real:
+        # With nothing to hold it back f1 is no factor.
+        bounded = np.isfinite(self.most)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(np.where(bounded, self.most - self.x * self.x, 1.0))
+
+    @cached_property
+    def f2(self) -> Real:
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(self.x * self.x - self.least)
+        return root if self.change is False else np.where(self.change, self.x, root)
+
+    @cached_property
+    def r(self) -> Real:
+        return self.branch * (self.f1 * self.f2)
+
+    @cached_property
+    def share(self) -> Real:
+        """x / f2, 1 at a change point."""
+        with np.errstate(all="ignore"):
+            share = self.x / self.f2
+        return share if self.change is False else np.where(self.change, 1.0, share)
+
+    @cached_property
+    def share_rate(self) -> Real:
+        """Its derivative by x."""
+        with np.errstate(all="ignore"):
+            rate = -self.least / (self.f2 * self.f2 * self.f2)
+        return rate if self.change is False else np.where(self.change, 0.0, rate)
+
+    def limits(self) -> list[float]:
+        """Places x at which r vanishes; none at a change point."""
+        squares = [float(self.most), float(self.least)]
+        ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
+        return [x for end in ends for x in (end, -end)]
+
+
+def _root(d: Real, x: Real, change: Mask | bool) -> Real:
+    root = np.sqrt(plus(x * x, d))
+    return root if change is False else np.where(change, x, root)
+
+
+def half_limits(gaps: Gaps) -> list[float]:
+    """Angles v, rad, over a turn of t, at which one of the roots vanishes; none at a change point."""
+    found: list[float] = []
+    for d, angle in ((gaps.d1, np.arccos), (gaps.d2, np.arcsin)):
+        if -(gaps.k**2) <= d < 0:
+            v = float(angle(np.sqrt(-d) / gaps.k))
+            found += [v, -v]
+    return found
+
+
+def _sum_exact(*terms: Real) -> Real:
+    """The sum of numbers as if added exactly and rounded about once: each addition's rounding is added back."""
+    total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
+    for term in terms[1:]:
+        new = total + term
+        back = new - total
+        lost = lost + ((total - (new - back)) + (term - back))
+        total = new
+    return total + lost
+
+
+def gap_of(follow: bool, *terms: Real) -> Real:
+    """A sum of lengths exactly; when followed, one that rounding of the lengths alone moved off zero is zero."""
+    gap = _sum_exact(*terms)
+    if not follow:
+        return gap
+    # 8 units in the last place: lengths such as 0.1 + 0.2 and 0.3 are meant to be equal.
+    return np.where(np.abs(gap) <= 8 * np.finfo(float).eps * sum(map(np.abs, terms)), 0.0, gap)

@@ -1,0 +1,260 @@
+"""Newton-Raphson, and paths of poses that are followed by it, past which a driver's limit is a point like any other.
+
+A path is followed by its own length and not by the drive (pseudo-arclength continuation: Keller, Numerical solution of
+bifurcation and nonlinear eigenvalue problems, 1977).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arguments import Extended, checked
+from ...brief import one_line
+from ...errors import DesignError
+from ...plane.vec import Mask, Real
+
+# From points (k, n + 1), n unknowns and the drive, to conditions (k, n) and their slopes (k, n, n + 1).
+Equations = Callable[[Real], tuple[Real, Real]]
+
+# Longest step, and the most that the path may turn in one, rad: more, and a step may land on another path beside.
+LONGEST, MOST_TURN = 0.1, 0.15
+# Steps this short go straight over a point where paths cross, if the path turns by no more than this, rad, in them:
+# nearer by, rounding over the square of the distance hides the path's direction; farther, and paths that only pass
+# each other would be taken for crossing. So sizes meet a change point to some 1e-12.
+CROSSED, STRAIGHT = 3e-5, 1e-3
+# Steps this short end the path: rounding of the points is as large. Only at the limit of a dyad before the loops.
+SHORTEST = 1e-13
+# Steps of an iteration: it needs three or four, or beside a singular point one for each bit.
+STEPS = 60
+# Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
+MOST = 12_000
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """Where the iteration stopped. value: (n,); converged; residual: largest |f| there; path: (steps + 1, n)."""
+
+    value: Real
+    converged: bool
+    residual: float
+    path: Real
+
+    __repr__ = one_line
+
+
+@checked
+def newton_raphson(
+    f: Callable[[Real], ArrayLike],
+    jacobian: Callable[[Real], ArrayLike],
+    estimate: Extended,
+    tolerance: float = 1e-13,
+    steps: int = 50,
+) -> Root:
+    """Solve f(x) = 0 from an estimate, (n,) or a number, by x - J^-1 f with the jacobian J = df/dx, (n, n).
+
+    Newton's method in several unknowns (e.g. Press and others, Numerical Recipes, section 9.6), without damping.
+    Converged when a step is at most `tolerance` of the size of x (of 1 near zero). Where J is singular or f is
+    not finite it stops, not converged, and the value is where that happened: never trust it without looking.
+    """
+    if np.ndim(estimate) > 1 or not np.size(estimate):
+        raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)")
+    x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
+    path = [x]
+    converged = False
+    for _ in range(steps):
+        value = np.atleast_1d(np.asarray(f(x), dtype=float))
+        slope = np.asarray(jacobian(x), dtype=float).reshape(len(x), len(x))
+        try:
+            step = np.linalg.solve(slope, value)
+        except np.linalg.LinAlgError:
+            break
+        if not np.isfinite(step).all():
+            break
+        x = x - step
+        path.append(x)
+        if np.abs(step).max() <= tolerance * max(1.0, float(np.abs(x).max())):
+            converged = True
+            break
+    return Root(x, converged, float(np.abs(np.atleast_1d(np.asarray(f(x), dtype=float))).max()), np.array(path))
+
+
+def solved(matrices: Real, right: Real) -> Real:
+    """x with matrix x = right for every one of (k, n, n) and (k, n); nan where a matrix is singular or not finite."""
+    found = np.full(right.shape, np.nan)
+    known: Mask = np.logical_and(np.isfinite(matrices).all(axis=(1, 2)), np.isfinite(right).all(axis=1))
+    # A sign of zero is a pivot of zero, which `solve` would refuse all of them for.
+    known[known] = np.linalg.slogdet(matrices[known])[0] != 0
+    found[known] = np.linalg.solve(matrices[known], right[known][..., None])[..., 0]
+    return found
+
+
+def polished(equations: Equations, points: Real) -> Real:
+    """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found."""
+    points = points.copy()
+    moving, last = np.arange(len(points)), np.full(len(points), np.inf)
+    for _ in range(STEPS):
+        value, slopes = equations(points[moving])
+        step = solved(slopes[..., :-1], value)
+        size = np.abs(step).max(axis=1)
+        # Steps that no longer shrink are made of rounding: they would go on to the last. Close to a limit they only halve.
+        on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
+        moving, size = moving[on], size[on]
+        points[moving, :-1] -= step[on]
+        rough = size > 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
+        moving, last = moving[rough], size[rough]
+        if not moving.size:
+            break
+    closes = np.abs(equations(points)[0]).max(axis=1, initial=0.0) <= 1e-10
+    return np.where(closes[:, None], points[:, :-1], np.nan)
+
+
+class Trace:
+    """All poses that a motion without a stop leads to from `start`, (n + 1,): n unknowns and, last, the drive.
+
+    The path is followed both ways to the driver's limits, no further than what was asked for. Its points depend on
+    the start alone, so the limits do as well. Unknowns and drive are to be of like size.
+    """
+
+    def __init__(self, equations: Equations, start: Real):
+        self._equations = equations
+        _, slopes = equations(start[None])
+        # At a limit of a dyad before the loops no direction is known: there the path ends both ways.
+        along = np.linalg.svd(slopes[0])[2][-1] if np.isfinite(slopes).all() else np.zeros(len(start))
+        along = along * np.copysign(1.0, along[-1])
+        self._arms = [_Arm(equations, start, slopes[0], way * along, way) for way in (-1, 1)]
+
+    def at(self, drive: Real) -> Real:
+        """Unknowns, (frames, n), at drives (frames,); nan beyond the limits."""
+        for arm in self._arms:
+            arm.follow(float(np.max(arm.way * drive)))
+        back, forth = self._arms
+        points = np.array([*back.points[:0:-1], *forth.points])
+        ways = np.array([*(-t for t in back.ways[:0:-1]), *forth.ways])
+        inside = (points[0, -1] <= drive) & (drive <= points[-1, -1])
+        found = np.full((len(drive), points.shape[1] - 1), np.nan)
+        found[inside] = polished(self._equations, _between(points, ways, drive[inside]))
+        return found
+
+
+class _Arm:
+    """One way along the path, `way` +1 with rising drives: points, and the unit directions of the path there."""
+
+    def __init__(self, equations: Equations, start: Real, slopes: Real, along: Real, way: int):
+        self.points, self.ways, self.way = [start], [along], way
+        self._equations = equations
+        self._side = _side(slopes, along)
+        self._step = LONGEST
+        self._ended = along[-1] == 0
+
+    def follow(self, farthest: float) -> None:
+        """Points up to the first one at or beyond way * drive = farthest, or to the limit."""
+        while not self._ended and self.way * self.points[-1][-1] < farthest:
+            self._advance()
+
+    def _advance(self) -> None:
+        """One step, of the largest length that keeps to the path; the last one ends at the limit."""
+        here, along = self.points[-1], self.ways[-1]
+        found = self._corrected(here + self._step * along, along)
+        if found is not None and self._is_next(*found):
+            self._side = _side(found[1], found[2])
+            grew = np.abs(found[2] - along).max() < 0.3 * MOST_TURN
+            if self.way * found[2][-1] <= 0:
+                found, self._ended = self._limit(found), True
+            # A start at the limit itself may be a last bit beyond it.
+            if self.way * found[0][-1] > self.way * here[-1]:
+                self.points.append(found[0])
+                self.ways.append(found[2])
+            self._step = min(LONGEST, self._step * (2.0 if grew else 1.0))
+        else:
+            self._step *= 0.5
+            self._ended = self._step < SHORTEST or len(self.points) > MOST
+
+    def _is_next(self, point: Real, slopes: Real, along: Real) -> bool:
+        """Whether a point, with its slopes and the path's direction there, is the next one of this path."""
+        step = point - self.points[-1]
+        length, before = np.linalg.norm(step), self.ways[-1]
+        turn = np.linalg.norm(along - before)
+        if turn > MOST_TURN or np.linalg.norm(step - self._step * before) > MOST_TURN * self._step:
+            return False
+        # Paths side by side run to different sides; the side changes only where two cross.
+        if _side(slopes, along) != self._side and (self._step > CROSSED or turn > STRAIGHT):
+            return False
+        # A drive that turned back and forth again within the step: the least slope of the cubic through both ends.
+        ends = self.way * before[-1], self.way * along[-1]
+        middle = 1.5 * self.way * step[-1] / length - 0.25 * (ends[0] + ends[1])
+        return bool(ends[1] <= 0 or (middle > 0 and self.way * step[-1] > 0))
+
+    def _corrected(self, guess: Real, along: Real) -> tuple[Real, Real, Real] | None:
+        """The point of the path straight beside a guess, its slopes and the path's direction; None if none is found."""
+        point, unit, last = guess, np.append(np.zeros(len(guess) - 1), 1.0), np.inf
+        for _ in range(10):
+            value, slopes = (v[0] for v in self._equations(point[None]))
+            square = np.vstack([slopes, along])[None]
+            step = solved(square, np.append(-value, along @ (guess - point))[None])[0]
+            size = float(np.abs(step).max())
+            if not size <= 1:
+                return None
+            # Beside a crossing steps end in rounding that is as many times larger as the crossing is near.
+            ended = size > 0.5 * last and size < 1e-3 * self._step
+            point, last = point + step * (not ended), size
+            if ended or size <= 1e-10:
+                ahead = solved(square, unit[None])[0]
+                return (point, slopes, ahead / np.linalg.norm(ahead)) if np.isfinite(ahead).all() else None
+        return None
+
+    def _limit(self, beyond: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
+        """The point between the last one and one beyond where the drive turns back.
+
+        The drive is stationary there: a place on the path known to 1e-9 gives it to rounding.
+        """
+        here, along = self.points[-1], self.ways[-1]
+        low, high = 0.0, float(along @ (beyond[0] - here))
+        ends = self.way * along[-1], self.way * beyond[2][-1]
+        found = beyond
+        for _ in range(STEPS):
+            place = (low * ends[1] - high * ends[0]) / (ends[1] - ends[0])
+            middle = self._corrected(here + place * along, along)
+            if middle is None:
+                break
+            found, slope = middle, self.way * middle[2][-1]
+            if abs(slope) <= 1e-10 or high - low <= 1e-13:
+                break
+            # The end that stays is given half its weight, or one of them would stay for ever (Illinois).
+            if slope > 0:
+                low, ends = place, (slope, 0.5 * ends[1])
+            else:
+                high, ends = place, (0.5 * ends[0], slope)
+        return found
+
+
+def _side(slopes: Real, along: Real) -> float:
+    """+1 or -1, the sign of the determinant of slopes over the path's direction."""
+    return float(np.linalg.slogdet(np.vstack([slopes, along]))[0])
+
+
+def _between(points: Real, ways: Real, drive: Real) -> Real:
+    """Points at drives by the cubics through neighbouring points, drive rising from point to point."""
+    if len(points) == 1:
+        return np.repeat(points, len(drive), axis=0)
+    k = np.clip(np.searchsorted(points[:, -1], drive, side="right") - 1, 0, len(points) - 2)
+    one, two = points[k], points[k + 1]
+    length = np.linalg.norm(two - one, axis=1)[:, None]
+
+    def cubic(s: Real) -> Real:
+        s = s[:, None]
+        ends: Real = one * (1 + 2 * s) * (1 - s) ** 2 + two * (3 - 2 * s) * s**2
+        bulge: Real = length * s * (1 - s) * ((1 - s) * ways[k] - s * ways[k + 1])
+        return ends + bulge
+
+    low, high = np.zeros(len(drive)), np.ones(len(drive))
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        short = cubic(middle)[:, -1] < drive
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    found = cubic(0.5 * (low + high))
+    found[:, -1] = drive
+    return found

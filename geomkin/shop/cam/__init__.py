@@ -1,1 +1,0 @@
-"""Plates of a cam and its follower."""

@@ -1,0 +1,90 @@
+"""A format added from outside by one row of WRITERS: everything that lists formats knows it.
+
+It takes three files: the writer, its row, and its test.
+"""
+
+import json
+from importlib.metadata import version
+
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.export import WRITERS, Job, Writer
+from tests.texts import parse, schema_of_all
+
+GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = [%s] }\n'
+
+
+def outlines(job: Job) -> dict[str, bytes]:
+    """A toy: the corners of all outlines as text, one file."""
+    lines = [f"{c.part.name} {len(c.loops[0].points)} {c.area:.3f}" for c in job.flats]
+    return {f"{job.name}.txt": "\n".join(lines).encode()}
+
+
+def lone(job: Job) -> dict[str, bytes]:
+    """A toy with a file for each part."""
+    return {f"{c.part.name}.lone": str(c.chord_area).encode() for c in job.solids}
+
+
+@pytest.fixture(autouse=True)
+def toys(monkeypatch):
+    monkeypatch.setitem(WRITERS, "txt", Writer("parts", outlines, ("click", "shapely"), flat=True))
+    monkeypatch.setitem(WRITERS, "lone", Writer("parts", lone))
+
+
+def test_a_recipe_may_ask_for_it_and_its_summary_tells_of_it(tmp_path):
+    recipe = gk.load(GEAR % '"txt", "csv", "lone"').called("gear")
+    made = gk.make(recipe, tmp_path)
+    assert [path.name for path in made.files] == ["gear.csv", "gear.txt", "gear.lone", "summary.json"]
+    name, corners, area = (tmp_path / "gear" / "gear.txt").read_text().split()
+    told = json.loads((tmp_path / "gear" / "summary.json").read_text())
+    assert told["files"] == ["gear.csv", "gear.lone", "gear.txt"] and told["recipe"]["files"]["write"] == [
+        "txt",
+        "csv",
+        "lone",
+    ]
+    (part,) = told["parts"]
+    assert name == part["name"] == "gear" and int(corners) > 17 and float(area) == round(part["written_area_mm2"], 3)
+    assert part["written_volume_mm3"] > 0
+    # In the order of the rows, those of the formats that were written alone.
+    named = [(name, version(name)) for name in ("numpy", "click", "shapely")]
+    assert list(told["versions"].items())[1:] == named
+
+
+def test_what_it_wrote_is_removed_with_it(tmp_path):
+    for formats in ('"txt", "csv", "lone"', '"csv"'):
+        gk.make(gk.load(GEAR % formats), tmp_path)
+    assert sorted(p.name for p in (tmp_path / "spur-gear").iterdir()) == ["spur-gear.csv", "summary.json"]
+
+
+def test_the_command_knows_it(tmp_path):
+    (tmp_path / "gear.toml").write_text(GEAR % '"txt", "csv"')
+    call = ["run", str(tmp_path / "gear.toml"), "--out", str(tmp_path), "--only", "txt"]
+    result = CliRunner().invoke(cli, call)
+    assert result.exit_code == 0 and ": txt json, " in result.output
+    assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
+    assert "choose of dxf, stl, svg, csv, txt, lone" in CliRunner().invoke(cli, [*call[:-1], "text"]).output
+
+
+def test_schema_and_messages_list_it():
+    files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
+    assert files["items"]["enum"] == ["dxf", "stl", "svg", "csv", "txt", "lone"]
+    # It is written where it is asked for.
+    assert files["default"] == ["dxf", "stl", "svg", "csv"]
+    with pytest.raises(gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'csv', 'txt' or 'lone'"):
+        parse(GEAR % '"txd"')
+
+
+@pytest.mark.parametrize("wrong", ["3", '["dxf"]', "{ a = 1 }", "true"])
+def test_what_is_no_text_is_no_format(wrong):
+    with pytest.raises(gk.RecipeError, match="files.write.0.: found .*; give 'dxf', "):
+        parse(GEAR % wrong)
+
+
+def test_parts_may_be_written_so(tmp_path):
+    recipe = gk.load(GEAR % '"csv"')
+    assert list(gk.write(recipe.parts, tmp_path / "a.txt")) == [tmp_path / "a.txt"]
+    two = [gk.Part(name, gk.plane.Circle(0, 5.0), (), 2.0) for name in ("one", "two")]
+    assert list(gk.write(two, tmp_path / "a.lone")) == [tmp_path / "one.lone", tmp_path / "two.lone"]

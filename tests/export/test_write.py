@@ -1,0 +1,190 @@
+"""`gk.write`: every format from parts, a table or a recipe, read back; whole or not at all; refusals."""
+
+import csv
+import os
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+import trimesh
+
+import geomkin as gk
+
+PLATE = gk.Part("plate", gk.plane.Circle(0, 20.0), (gk.plane.Circle(5 + 0j, 3.0),), 2.0)
+BAR = gk.Part("bar", gk.plane.slot(0j, 40 + 0j, 6.0), (gk.plane.Circle(0, 2.0),), 3.0, count=2)
+TABLE = gk.Table((gk.Column("angle", "deg", "of the crank", np.arange(4.0)), gk.Column("lift", "mm", "", np.ones(4))))
+GEAR = (
+    'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { tolerance = 0.02, curves = "arcs", kerf = 0.2 }'
+)
+
+
+def entities(path, kind):
+    """Of one type, in a DXF."""
+    return list(ezdxf.readfile(path).modelspace().query(kind))
+
+
+def test_a_drawing_holds_every_copy_of_every_part(tmp_path):
+    written = gk.write([PLATE, BAR], tmp_path / "both.dxf")
+    assert written == {tmp_path / "both.dxf": (tmp_path / "both.dxf").stat().st_size}
+    circles = [(e.dxf.layer, e.dxf.radius) for e in entities(tmp_path / "both.dxf", "CIRCLE")]
+    assert sorted(circles) == [("CUT", 20.0), ("HOLE", 2.0), ("HOLE", 2.0), ("HOLE", 3.0)]
+    assert [e.dxf.layer for e in entities(tmp_path / "both.dxf", "LWPOLYLINE")] == ["CUT"] * 2
+    gk.write((PLATE, BAR), str(tmp_path / "both.svg"))
+    drawn = ElementTree.parse(tmp_path / "both.svg").iter("{http://www.w3.org/2000/svg}circle")
+    assert sorted(float(c.get("r")) for c in drawn) == [2, 2, 3, 20]
+
+
+def test_a_solid_is_a_file_for_each_part(tmp_path):
+    assert list(gk.write(PLATE, tmp_path / "named.stl")) == [tmp_path / "named.stl"]
+    both = gk.write([PLATE, BAR], tmp_path / "any.stl", tolerance=1e-3)
+    assert list(both) == [tmp_path / "plate.stl", tmp_path / "bar.stl"]
+    for part, path in zip((PLATE, BAR), both):
+        mesh = trimesh.load(path)
+        exact = part.thickness * (gk.area(part.outline) - sum(map(gk.area, part.holes)))
+        assert mesh.is_watertight and mesh.volume == pytest.approx(exact, rel=1e-3)
+
+
+def test_a_table_is_written_as_numbers(tmp_path):
+    gk.write(TABLE, tmp_path / "lift.csv")
+    rows = list(csv.reader((tmp_path / "lift.csv").read_text().splitlines()))
+    assert rows[0] == ["angle_deg", "lift_mm"] and np.array(rows[1:], float).tolist() == [[k, 1] for k in range(4)]
+
+
+@pytest.mark.parametrize("ending", ["dxf", "svg", "stl", "csv"])
+def test_a_recipe_s_file_is_the_one_that_is_made_of_it(tmp_path, ending):
+    recipe = gk.load(GEAR).called("gear")
+    gk.make(recipe, tmp_path)
+    (alone,) = gk.write(recipe, tmp_path / f"gear.{ending}")
+    assert alone.read_bytes() == (tmp_path / "gear" / f"gear.{ending}").read_bytes()
+    # What the recipe says gives way to what is said here.
+    if ending != "csv":
+        assert gk.write(recipe, alone, tolerance=0.2)[alone] < (tmp_path / "gear" / f"gear.{ending}").stat().st_size
+
+
+def test_half_a_kerf_goes_to_either_side_of_a_drawing_and_none_to_a_solid(tmp_path):
+    gk.write(PLATE, tmp_path / "kerf.dxf", kerf=0.5)
+    assert sorted(e.dxf.radius for e in entities(tmp_path / "kerf.dxf", "CIRCLE")) == [2.75, 20.25]
+    gk.write(PLATE, tmp_path / "a.stl"), gk.write(PLATE, tmp_path / "b.stl", kerf=0.5)
+    assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
+
+
+def test_arcs_are_fewer_points_and_chords_keep_the_tolerance(tmp_path):
+    parts = gk.load(GEAR).parts
+    counts = {}
+    for curves in ("chords", "arcs"):
+        gk.write(parts, tmp_path / "gear.dxf", tolerance=0.001, curves=curves)
+        (outline,) = entities(tmp_path / "gear.dxf", "LWPOLYLINE")
+        assert outline.has_arc is (curves == "arcs")
+        counts[curves] = len(outline)
+    assert counts["arcs"] < counts["chords"] / 2
+    for tolerance in (0.1, 0.001):
+        gk.write(parts, tmp_path / "gear.dxf", tolerance)
+        (outline,) = entities(tmp_path / "gear.dxf", "LWPOLYLINE")
+        x, y = np.array(outline.get_points("xy")).T
+        z = x + 1j * y
+        (part,) = parts
+        # Laid out, the part is moved by whole millimetres.
+        shift = np.round((z.real.min() + z.real.max() + 1j * (z.imag.min() + z.imag.max())) / 2)
+        middles = (z + np.roll(z, 1)) / 2 - shift
+        off = gk.nearest(part.outline, middles)[1]
+        assert tolerance / 4 < off.max() < 1.01 * tolerance
+
+
+def test_an_ending_may_be_in_capitals_and_a_folder_new(tmp_path):
+    (path,) = gk.write(PLATE, tmp_path / "new" / "er" / "PLATE.DXF")
+    assert path.name == "PLATE.DXF" and len(entities(path, "CIRCLE")) == 2
+
+
+def test_what_is_written_is_whole_or_as_it_was(tmp_path, monkeypatch):
+    (tmp_path / "plate.stl").write_text("old")
+    real, calls = os.fsync, []
+
+    def full(handle):
+        calls.append(handle)
+        if len(calls) == 2:
+            raise OSError(28, "No space left on device")
+        real(handle)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(gk.FileError, match="bar.stl: cannot be written .No space left"):
+        gk.write([PLATE, BAR], tmp_path / "any.stl")
+    assert [p.name for p in tmp_path.iterdir()] == ["plate.stl"] and (tmp_path / "plate.stl").read_text() == "old"
+
+
+ANOTHER = gk.Part("plate", gk.plane.Circle(0, 5.0), (), 2.0)
+CROSSED = gk.Part("bow", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "more", "words"),
+    [
+        (PLATE, "plate.pdf", {}, "path: found .*plate.pdf; give a name that ends in dxf or stl or svg$"),
+        (PLATE, "plate", {}, "path: found .*give a name that ends in dxf"),
+        (PLATE, "", {}, "path: found"),
+        (PLATE, ".dxf", {}, "path: found"),
+        (PLATE, "lift.csv", {}, "path: found .*lift.csv; give a name that ends in dxf"),
+        (TABLE, "lift.dxf", {}, "path: found .*lift.dxf; give a name that ends in csv"),
+        ([], "none.dxf", {}, "source: there are no parts"),
+        ([PLATE, ANOTHER], "two.stl", {}, "name: two parts are named 'plate'"),
+        ([CROSSED], "bow.dxf", {}, "bow: the outline crosses itself"),
+        (PLATE, "a.dxf", {"tolerance": 0}, "tolerance: found 0; give a number at least 1e-06 and at most 10, in mm"),
+        (PLATE, "a.dxf", {"tolerance": 1e-6}, "tolerance: found 1e-06 mm for the plate.*at least"),
+        (PLATE, "a.dxf", {"kerf": -1}, "kerf: found -1"),
+        (PLATE, "a.dxf", {"kerf": 7}, "kerf: found 7 mm, wider than a hole of the plate"),
+        (PLATE, "a.dxf", {"curves": "splines"}, "curves: found 'splines'; give chords or arcs"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_by_name(tmp_path, monkeypatch, source, name, more, words):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(gk.DesignError, match=words):
+        gk.write(source, name, **more)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "name", ["file/a.dxf", "folder.dxf", "a\0b.dxf", "con.dxf", "a:b.dxf", " a.dxf", "x" * 300 + ".dxf"]
+)
+def test_a_place_that_takes_no_file_is_told(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("in the way")
+    Path("folder.dxf").mkdir()
+    with pytest.raises(gk.FileError) as caught:
+        gk.write(PLATE, name)
+    assert str(caught.value).isprintable() and Path("file").read_text() == "in the way"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "folder.dxf"]
+
+
+GOOD = {"source": PLATE, "path": "a.dxf", "tolerance": 0.01, "kerf": 0.1, "curves": "arcs"}
+BAD = [
+    None,
+    3,
+    -7.5,
+    float("nan"),
+    1e300,
+    True,
+    "text",
+    b"bytes",
+    object(),
+    gk.FourBar,
+    [3],
+    (PLATE, None),
+    {"a": 1},
+    PLATE,
+    TABLE,
+]
+
+
+@pytest.mark.parametrize("argument", GOOD)
+def test_what_an_argument_cannot_be_is_refused_under_its_name(tmp_path, monkeypatch, argument):
+    monkeypatch.chdir(tmp_path)
+    assert gk.write(**GOOD)
+    for bad in BAD:
+        try:
+            gk.write(**GOOD | {argument: bad})
+        except gk.DesignError as error:
+            assert error.field == argument or (argument, error.field) == ("source", "path"), (argument, bad)
+        else:
+            fits = bad is None or (argument == "source" and bad is PLATE) or (bad == 3 and argument != "source")
+            assert fits, (argument, bad)

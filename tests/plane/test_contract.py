@@ -1,0 +1,114 @@
+"""A curve from outside, made by the contract alone, is taken by all that takes curves."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.joined import Path, Ring
+from geomkin.plane.parallel import parallel
+from geomkin.plane.pose import Pose
+from geomkin.plane.primitives import Circle, Segment
+
+
+class Heart(gk.AbstractCurve):
+    """The cardioid r = 2 a (1 - cos t): its cusp at the origin, where it begins and ends. No more than is asked."""
+
+    def __init__(self, a):
+        self.a = a
+
+    def point(self, t):
+        t = np.asarray(t, dtype=float)
+        return 2 * self.a * (1 - np.cos(t)) * np.exp(1j * t)
+
+    def velocity(self, t):
+        t = np.asarray(t, dtype=float)
+        return 2 * self.a * (np.sin(t) + 1j * (1 - np.cos(t))) * np.exp(1j * t)
+
+    breaks = np.array([0.0, 2 * np.pi])
+    closed = True
+
+
+class Parabola(gk.AbstractCurve):
+    """y = x^2 from x = 0 on: open, and it knows its curvature."""
+
+    def point(self, t):
+        t = np.asarray(t, dtype=float)
+        return t + 1j * t**2
+
+    def velocity(self, t):
+        return 1 + 2j * np.asarray(t, dtype=float)
+
+    def curvature(self, t):
+        return 2 / (1 + 4 * np.asarray(t, dtype=float) ** 2) ** 1.5
+
+    @property
+    def breaks(self):
+        return np.array([0.0, 2.0])
+
+    @property
+    def closed(self):
+        return False
+
+
+HEART = Heart(3.0)
+
+
+def test_its_measures_are_those_of_the_books():
+    """Area 6 pi a^2, length 16 a, curvature 3 / (8 a sin(t / 2)), centroid at -5 a / 3."""
+    assert gk.area(HEART) == pytest.approx(6 * np.pi * 9, rel=1e-12)
+    assert gk.length(HEART) == pytest.approx(48, rel=1e-12)
+    assert gk.plane.centroid(HEART) == pytest.approx(-5, rel=1e-9)
+    t = np.linspace(0.5, 5.5, 11)
+    assert gk.curvature(HEART, t) == pytest.approx(3 / (24 * np.sin(t / 2)), rel=1e-7)
+    assert gk.plane.convexity(Reversed(HEART), -t) == pytest.approx(gk.curvature(HEART, t))
+    assert gk.length(Parabola()) == pytest.approx(np.sqrt(17) + np.arcsinh(4) / 4, rel=1e-12)
+
+
+def test_the_nearest_point_is_found_on_it():
+    t, distance = gk.nearest(HEART, [-20 + 0j, 0j])
+    assert distance == pytest.approx([8, 0], abs=1e-9) and t[0] == pytest.approx(np.pi)
+    assert gk.nearest(Parabola(), 1 + 1j)[1] == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 1e-3, 1e-5])
+@pytest.mark.parametrize("curve", [HEART, Parabola()], ids=["heart", "parabola"])
+def test_it_is_flattened_and_written_as_arcs_within_the_tolerance(curve, tolerance):
+    z = gk.flatten(curve, tolerance)
+    for line in (gk.plane.Polyline(z, None, curve.closed), gk.to_arcs(curve, tolerance)):
+        t = np.linspace(curve.breaks[0], curve.breaks[-1], 301)
+        _, off = gk.nearest(line, curve.point(t))
+        assert off.max() <= tolerance * (1 + 1e-6)
+    # The cusp is a corner: it is a point of its own.
+    assert not curve.closed or np.abs(z).min() < 1e-12
+
+
+def test_it_is_moved_mirrored_offset_joined_and_shown_like_any_other():
+    t = np.linspace(1, 5, 9)
+    assert Moved(HEART, Pose(1j, 1j)).point(t) == pytest.approx(1j + 1j * HEART.point(t))
+    assert Mirrored(HEART).curvature(t) == pytest.approx(-HEART.curvature(t))
+    assert np.abs(Offset(HEART, 0.5).point(t) - HEART.point(t)) == pytest.approx(0.5)
+    assert isinstance(parallel(HEART, -0.5), gk.AbstractCurve)
+    path = Path((Parabola(), Segment(2 + 4j, 4j), Segment(4j, 0j)))
+    assert path.closed and gk.area(path) == pytest.approx(8 - 8 / 3)
+    # Turned so that its chord of 20^0.5 is the side of a square about the origin.
+    side = Moved(Parabola(), Pose(np.sqrt(10) + 0j, np.sqrt(10) * (1j - 1) / (2 + 4j)))
+    ring = Ring(side, 4)
+    assert gk.area(ring) == pytest.approx(20 + 4 * 4 / 3) and gk.length(ring) == pytest.approx(
+        4 * gk.length(Parabola())
+    )
+    assert repr(HEART) == "Heart()" and repr(Reversed(HEART)) == "Reversed(curve=Heart(...))"
+
+
+def test_it_is_cut_into_a_part_and_written(tmp_path):
+    part = gk.Part("heart", HEART, (Circle(-6 + 0j, 1.0),), 3.0, marks=(Moved(Parabola(), Pose(-9 - 2j)),))
+    gk.write([part], tmp_path / "heart.dxf", tolerance=0.01)
+    gk.write([part], tmp_path / "heart.svg", tolerance=0.01)
+    assert (tmp_path / "heart.dxf").stat().st_size > 1000 and (tmp_path / "heart.svg").stat().st_size > 200
+
+
+@pytest.mark.parametrize("left_out", ["point", "velocity", "breaks", "closed"])
+def test_what_the_contract_asks_cannot_be_left_out(left_out):
+    said = {name: vars(Heart)[name] for name in ("point", "velocity", "breaks", "closed") if name != left_out}
+    with pytest.raises(TypeError, match=left_out):
+        type("Part", (gk.AbstractCurve,), said)()

@@ -1,0 +1,214 @@
+"""Recipes from a file, a text, a table and Python: the same recipe, the same files; refusals in a person's words."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.build import check_recipe
+from geomkin.kinds import KINDS
+from geomkin.recipe.load import adapter
+from tests.texts import template_of
+
+GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = ["csv"] }\n'
+TABLE = tomllib.loads(GEAR)
+
+
+def contents(folder):
+    """Name -> bytes of all files."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def without_none(told):
+    """The same without what was left out, which TOML cannot say."""
+    if isinstance(told, list):
+        return [without_none(part) for part in told]
+    return {k: without_none(v) for k, v in told.items() if v is not None} if isinstance(told, dict) else told
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    text = template_of(name)
+    Path("new.toml").write_text(text)
+    recipe = gk.load(text)
+    assert recipe == gk.load(tomllib.loads(text)) == gk.load("new.toml") == gk.load(Path("new.toml"))
+    assert gk.load("new.toml").name == "new" and recipe.name == ""
+    fields = {f.name: getattr(recipe, f.name) for f in dataclasses.fields(recipe)}
+    built = getattr(gk.kinds, type(recipe).__name__)(**fields)
+    assert built == recipe and type(built) is KINDS[name]
+    # What the summary tells of it is a recipe again.
+    assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
+
+
+def test_one_built_in_python_makes_the_files_that_its_text_makes(tmp_path):
+    text = (
+        'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }\nfiles = { kerf = 0.2 }\n'
+    )
+    linkage = gk.FourBar(ground=100, crank=30, coupler=90, rocker=70)
+    recipe = gk.kinds.FourBarRecipe(linkage=linkage, files=gk.recipe.Files(kerf=0.2))
+    assert recipe == gk.load(text) and recipe.motion.closed.all()
+    (tmp_path / "bars.toml").write_text(text)
+    gk.make(recipe.called("bars"), tmp_path / "built")
+    gk.make(str(tmp_path / "bars.toml"), str(tmp_path / "read"))
+    assert contents(tmp_path / "built" / "bars") == contents(tmp_path / "read" / "bars")
+
+
+def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
+    (tmp_path / "from-file.toml").write_text(GEAR)
+    made = [
+        gk.make(tmp_path / "from-file.toml", tmp_path),
+        gk.make(gk.load(tmp_path / "from-file.toml").called("called"), tmp_path),
+        gk.make(GEAR, tmp_path),
+        gk.make(TABLE, tmp_path),
+        gk.make(gk.kinds.SpurGearRecipe(gear=gk.SpurGear(17, 2)), tmp_path, only=["csv"]),
+    ]
+    assert [m.name for m in made] == ["from-file", "called", "spur-gear", "spur-gear", "spur-gear"]
+    assert all((tmp_path / m.name / f"{m.name}.csv") in m.files and m.checks for m in made)
+
+
+def test_another_recipe_of_the_same_name_replaces_the_first_ones_files(tmp_path):
+    bars = gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).called("same")
+    gk.make(bars, tmp_path)
+    (tmp_path / "same" / "mine.txt").write_text("kept")
+    gk.make(gk.load(GEAR).called("same"), tmp_path)
+    assert sorted(contents(tmp_path / "same")) == ["mine.txt", "same.csv", "summary.json"]
+
+
+def test_what_is_known_of_a_recipe_is_worked_out_once_and_stays_when_it_is_renamed():
+    recipe = gk.load(GEAR)
+    for what in ("design", "table", "parts", "checks"):
+        first = getattr(recipe, what)
+        assert getattr(recipe, what) is first and getattr(recipe.called("b"), what) is first
+    assert recipe.called("b") == recipe and hash(recipe.called("b")) == hash(recipe) and recipe.name == ""
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        recipe.name = "c"
+
+
+def test_files_that_a_text_or_a_table_names_lie_in_the_working_folder(tmp_path, monkeypatch):
+    rows = "cam_angle_deg,lift_mm\n" + "".join(
+        f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10)
+    )
+    (tmp_path / "lift.csv").write_text(rows)
+    follower = '{ kind = "translating-roller", roller_radius = 10 }'
+    program = '[{ kind = "table", file = "lift.csv", decimals = 3 }]'
+    text = f'kind = "disk-cam"\ncam = {{ base_radius = 40, follower = {follower}, program = {program} }}\n'
+    with pytest.raises(gk.RecipeError, match="file"):
+        gk.load(text)
+    monkeypatch.chdir(tmp_path)
+    assert gk.load(text) == gk.load(tomllib.loads(text))
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({}, "kind"),
+        ({"kind": ["spur-gear"]}, "kind"),
+        ({"kind": "spur-gear"}, "gear"),
+        ({"kind": "spur-gear", "gear": None}, "gear"),
+        ({"kind": "spur-gear", "gear": {"teeth": 24, "module": float("nan")}}, "gear.module"),
+        ({"kind": "spur-gear", "gear": {"teeth": 24, "module": np.array([2.0, 3.0])}}, "gear.module"),
+        (TABLE | {"files": {"write": "csv"}}, "files.write"),
+        (TABLE | {"files": {"write": [{}]}}, "files.write[0]"),
+        (TABLE | {"speed": 3}, "speed"),
+        (TABLE | {"new\nline": 3}, "new?line"),
+    ],
+)
+def test_what_a_table_cannot_hold_is_told_by_its_key(table, key):
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load(table)
+    assert [p.key for p in caught.value.problems] == [key] and str(caught.value).isprintable()
+
+
+def test_keys_that_are_no_texts_are_refused():
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load(TABLE | {3: 4})
+    assert str(caught.value).isprintable()
+
+
+NEITHER = [
+    None,
+    3,
+    2.5,
+    True,
+    b"kind = 3\n",
+    ["a.toml"],
+    object(),
+    gk.FourBar,
+    gk.SpurGear(24, 2),
+    gk.kinds.SpurGearRecipe,
+]
+
+
+@pytest.mark.parametrize("wrong", NEITHER, ids=lambda w: type(w).__name__)
+def test_what_is_no_recipe_is_refused_by_name(tmp_path, wrong):
+    with pytest.raises(gk.DesignError, match="^source: found .*give a text, a Path or a table$"):
+        gk.load(wrong)
+    for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
+        with pytest.raises(gk.DesignError, match="^recipe: found .*give an AbstractRecipe, a text, a Path or a table$"):
+            verb(wrong, **more)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("path", ["absent.toml", "", ".", "a\0b", "x" * 5000, Path("absent\x1b.toml")])
+def test_a_file_that_cannot_be_read_is_told(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    for verb in (gk.load, gk.make, check_recipe):
+        with pytest.raises(gk.FileError, match="cannot be read") as caught:
+            verb(path)
+        assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("out", [None, 3, True, b"out", ["out"], object()])
+def test_out_is_a_path(out):
+    with pytest.raises(gk.DesignError, match="^out: found .*give a text or a Path$"):
+        gk.make(GEAR, out)
+
+
+@pytest.mark.parametrize("only", ["csv", ["pdf"], ["csv", "pdf"], [3], {"csv": 1}, 3, [["csv"]], ["CSV"]])
+def test_only_is_a_row_of_formats(tmp_path, only):
+    with pytest.raises(gk.DesignError, match="^only: found .*give a tuple, each the ending of a format$"):
+        gk.make(GEAR, tmp_path, only)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("only", [["dxf"], []])
+def test_formats_that_the_recipe_does_not_write_are_told(tmp_path, only):
+    with pytest.raises(gk.RecipeError, match="files.write: found csv, but only"):
+        gk.make(GEAR, tmp_path, only)
+
+
+@pytest.mark.parametrize("name", ["..", "a/b", "con", " a", "\ud800", "x" * 300, "a\nb", "/etc/passwd"])
+def test_a_name_that_makes_no_plain_files_is_refused(tmp_path, name):
+    recipe = gk.load(GEAR).called(name)
+    for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
+        with pytest.raises(gk.RecipeError, match="its name") as caught:
+            verb(recipe, **more)
+        assert str(caught.value).isprintable()
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", [None, 3, b"a", ["a"]])
+def test_a_name_is_a_text(name):
+    with pytest.raises(gk.DesignError, match="^name: found"):
+        gk.load(GEAR).called(name)
+
+
+@pytest.mark.parametrize("place", ["taken", "taken/deeper", "no\0file"])
+def test_a_place_that_takes_no_files_is_told(tmp_path, place):
+    (tmp_path / "taken").write_text("in the way")
+    with pytest.raises(gk.FileError, match="cannot be written"):
+        gk.make(GEAR, tmp_path / place)
+    assert (tmp_path / "taken").read_text() == "in the way"
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_shell_shows_a_recipe_and_what_is_known_of_it_on_a_line_each(tmp_path, name):
+    recipe = gk.load(template_of(name))
+    shown = [recipe, recipe.table, *recipe.checks, *recipe.parts, recipe.files]
+    shown += [gk.make(recipe, tmp_path, ["csv"]), *recipe.table.columns]
+    long = [repr(thing) for thing in shown if len(repr(thing)) > 120 or "\n" in repr(thing)]
+    assert not long, long[0]

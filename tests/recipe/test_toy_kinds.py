@@ -1,0 +1,210 @@
+"""A kind, a goal and a scene added from outside, through the public contracts alone.
+
+A goal takes a file for its search, one for its class, a row, a recipe and a test; a kind's scene one property.
+"""
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.build import check_recipe
+from geomkin.commands import cli
+from geomkin.export import WRITERS, Job, Writer
+from geomkin.kinds import KINDS
+from geomkin.recipe import AbstractGoal, AbstractRecipe, Files
+from geomkin.sizes import check_sizes, entry, quantity
+from tests.texts import parse, schema_of_all, template_of
+
+# What has been worked out, in order.
+ASKED: list[str] = []
+
+
+@dataclass(frozen=True)
+class Washer:
+    """A ring that turns."""
+
+    radius: float = quantity("outer radius", "mm", above=0, at_most=1000, example=20)
+    hole: float = quantity("diameter of the hole", "mm", default=5.0, above=0, at_most=1000)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.hole >= 2 * self.radius:
+            raise gk.DesignError("hole", f"found {self.hole:g} mm", "give less than the washer")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WasherRecipe(AbstractRecipe):
+    """A washer, which is no more than a toy."""
+
+    kind: Literal["washer"] = "washer"
+    washer: Washer
+    thickness: float = quantity("of the sheet", "mm", default=2.0, above=0, at_most=100)
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def design(self) -> Washer:
+        return self.washer
+
+    @cached_property
+    def table(self) -> gk.Table:
+        ASKED.append("table")
+        turn = np.linspace(0, 360, 5)
+        return gk.Table((gk.Column("turn", "deg", "how far it has turned", turn),))
+
+    @cached_property
+    def parts(self) -> tuple[gk.Part, ...]:
+        ASKED.append("parts")
+        hole = gk.plane.Circle(0, self.washer.hole / 2)
+        return (gk.Part("washer", gk.plane.Circle(0, self.washer.radius), (hole,), self.thickness),)
+
+    @property
+    def judged(self) -> tuple[gk.Check, ...]:
+        return (gk.Check("washer's radius", self.washer.radius, "at least", 10.0, "mm"),)
+
+    @cached_property
+    def scene(self) -> object:
+        ASKED.append("scene")
+        return {"bodies": [part.name for part in self.parts], "frames": len(self.table.columns[0].values)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StillRecipe(WasherRecipe):
+    """A washer that shows nothing."""
+
+    kind: Literal["still"] = "still"
+    scene = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RockerSwingRecipe(AbstractGoal):
+    """The crank-rocker whose rocker swings by a wanted angle."""
+
+    kind: Literal["rocker-swing"] = "rocker-swing"
+    swing_deg: float = quantity("how far the rocker swings", "deg", above=0, at_most=60, example=40)
+    files: Files = entry("what is written", default=Files())
+
+    @cached_property
+    def design(self) -> AbstractRecipe:
+        low, high = 0.0, 40.0
+        for _ in range(60):
+            crank = (low + high) / 2
+            low, high = (low, crank) if swing_of(crank) > np.radians(self.swing_deg) else (crank, high)
+        return gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, crank, 90, 70), files=self.files)
+
+    @property
+    def judged(self) -> tuple[gk.Check, ...]:
+        off = np.degrees(swing_of(self.design.linkage.crank)) - self.swing_deg
+        return (gk.Check("missed swing", abs(off), "at most", 1e-9, "deg"), *super().judged)
+
+    @property
+    def notes(self) -> dict[str, object]:
+        return {"found": {"crank": self.design.linkage.crank}, **super().notes}
+
+
+def swing_of(crank):
+    """Between the dead centres, where crank and coupler of the four-bar 100, crank, 90, 70 are in line."""
+    return np.diff([np.arccos((100**2 + 70**2 - reach**2) / (2 * 100 * 70)) for reach in (90 - crank, 90 + crank)])[0]
+
+
+def shown(job: Job) -> dict[str, bytes]:
+    """A toy player: the scene as text."""
+    return {f"{job.name}.show": json.dumps(job.scene).encode()}
+
+
+@pytest.fixture(autouse=True)
+def toys(monkeypatch):
+    for recipe in (WasherRecipe, StillRecipe, RockerSwingRecipe):
+        monkeypatch.setitem(KINDS, recipe.kind, recipe)
+    monkeypatch.setitem(WRITERS, "show", Writer("scene", shown))
+    ASKED.clear()
+
+
+def test_a_kind_from_outside_is_read_checked_and_made(tmp_path):
+    text = 'kind = "washer"\nwasher = { radius = 20 }\n'
+    recipe = gk.load(text)
+    assert recipe == WasherRecipe(washer=Washer(20)) == gk.load({"kind": "washer", "washer": {"radius": 20}})
+    made = gk.make(recipe, tmp_path)
+    assert {p.name for p in made.files} == {"washer.dxf", "washer.stl", "washer.svg", "washer.csv", "summary.json"}
+    assert [c.name for c in made.checks] == ["washer's radius", "thinnest wall of the washer"]
+    with pytest.raises(gk.RecipeError, match="recipe: washer.hole: found 50 mm; give less than the washer"):
+        gk.load(text.replace("20", "20, hole = 50"))
+    with pytest.raises(gk.RecipeError, match="recipe: washer.radios: unknown key; did you mean radius?"):
+        gk.load(text.replace("20", "20, radios = 50"))
+
+
+def test_the_command_template_and_schema_know_it(tmp_path):
+    assert "washer                 A washer, which is no more than a toy." in CliRunner().invoke(cli, ["list"]).output
+    assert parse(template_of("washer")) == WasherRecipe(washer=Washer(20))
+    (tmp_path / "new.toml").write_text(CliRunner().invoke(cli, ["new", "washer"]).output)
+    checked = CliRunner().invoke(cli, ["check", str(tmp_path / "new.toml")])
+    assert checked.exit_code == 0 and "pass  washer's radius 20 mm" in checked.output
+    assert "washer" in schema_of_all()["properties"]["kind"]["enum"]
+    assert gk.kinds.WasherRecipe is WasherRecipe and "WasherRecipe" in dir(gk.kinds)
+
+
+@pytest.mark.parametrize(
+    ("write", "only", "asked"),
+    [
+        (("dxf",), None, {"parts"}),
+        (("dxf", "csv", "show"), ["dxf"], {"parts"}),
+        (("svg", "stl"), None, {"parts"}),
+        (("csv",), None, {"parts", "table"}),
+        (("show", "dxf"), ["show"], {"parts", "table", "scene"}),
+    ],
+)
+def test_nothing_is_worked_out_that_no_format_asks_for(tmp_path, write, only, asked):
+    """The checks ask for the parts, whose walls they judge; all else is for the formats."""
+    recipe = WasherRecipe(washer=Washer(20), files=Files(write=write))
+    gk.make(recipe, tmp_path, only)
+    assert sorted(ASKED) == sorted(asked)
+
+
+def test_a_drawing_is_made_though_the_table_cannot_be(tmp_path):
+    class NoTable(WasherRecipe):
+        @property
+        def table(self):
+            raise gk.DesignError("thickness", "found no table", "give none")
+
+    recipe = NoTable(washer=Washer(20)).called("bare")
+    assert len(gk.make(recipe, tmp_path, ["dxf", "stl"]).files) == 3
+    gk.write(recipe, tmp_path / "bare.dxf")
+    with pytest.raises(gk.RecipeError, match="^bare: thickness: found no table; give none$"):
+        gk.make(recipe, tmp_path / "none")
+    with pytest.raises(gk.RecipeError, match="^bare: thickness: found no table; give none$"):
+        check_recipe(recipe)
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_scene_is_a_property_that_a_format_may_need(tmp_path):
+    recipe = WasherRecipe(washer=Washer(20), files=Files(write=("show",)))
+    gk.make(recipe, tmp_path)
+    assert json.loads((tmp_path / "washer" / "washer.show").read_text()) == {"bodies": ["washer"], "frames": 5}
+    assert gk.write(recipe, tmp_path / "a.show")
+    still = StillRecipe(washer=Washer(20), files=Files(write=("show",)))
+    for verb in (gk.make, check_recipe):
+        with pytest.raises(gk.RecipeError, match="still: files.write: a format that is made of a scene is asked for"):
+            verb(still)
+
+
+def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
+    goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n')
+    found = goal.design
+    assert found.table is goal.table and found.parts is goal.parts and found.scene is goal.scene
+    assert found == gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, found.linkage.crank, 90, 70))
+    assert [c.name for c in goal.checks] == ["missed swing", *(c.name for c in found.checks)]
+    # By another road: the rocker's angle over a turn of the crank.
+    turns = np.linspace(0, 2 * np.pi, 7201)
+    rocker = np.angle(gk.move(found.linkage, turns).rocker.direction)
+    assert np.degrees(np.ptp(rocker)) == pytest.approx(40, abs=1e-4)
+    made = gk.make(goal, tmp_path)
+    told = json.loads((tmp_path / "rocker-swing" / "summary.json").read_text())
+    assert told["found"] == {"crank": found.linkage.crank} and told["stack"] and told["recipe"]["swing_deg"] == 40
+    assert {"rocker-swing.csv", "crank.stl"} <= {p.name for p in made.files}
+    assert parse(template_of("rocker-swing")) == goal
+    assert "one of" not in repr(goal) and repr(goal).startswith("RockerSwingRecipe(kind='rocker-swing', swing_deg=40")
