@@ -64,7 +64,7 @@ class CognatesRecipe(AbstractRecipe):
     @cached_property
     def figure(self) -> Motion:
         """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
-        # Ten bars take a Newton iteration for each frame, so there are no finer ones than plates need.
+        # Ten bars take an iteration at each frame: steps are no finer than plates need.
         drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
         return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
 

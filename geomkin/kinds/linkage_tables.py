@@ -16,7 +16,7 @@ from ..linkage.solve.branch import Chosen
 from ..names import check_names
 from ..sizes import NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
 
-# The branch of all dyads; the same where it may also run smoothly on; those of single joints.
+# The branch of all dyads; the same where it may also be followed; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
 SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 Branches = dict[str, Annotated[int | complex, SignOrPlace()]]

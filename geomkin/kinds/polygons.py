@@ -113,7 +113,7 @@ class PolygonsRecipe(AbstractRecipe):
         centres = [Circle(z, radius) for z in self._near_centres()]
         parts = [engraved("position", [*skeleton(self.motion, 0, self.stock), *centres], self.stock)]
         for name, (polygon, _) in self.polygons.items():
-            # Of a difference that is drawn in parts only the parts, so that no line is drawn twice.
+            # Where a difference has parts only these are drawn: no line is to be cut twice.
             split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
             drawn: dict[tuple[complex, complex], None] = {}
             for v in polygon.vectors:
@@ -140,7 +140,7 @@ class PolygonsRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Scales of the drawings, and every instant centre: its place, or the direction in which it lies at infinity."""
+        """Scales of the drawings, and every instant centre: its place, or its direction where it is at infinity."""
         scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
         centres: dict[str, object] = {}
         for pair, centre in instant_centres(self.motion).items():

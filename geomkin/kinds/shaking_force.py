@@ -120,7 +120,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if product <= 0:
             return []
         stock, hole = self.stock, self.stock.hole_diameter / 2
-        # The hole lies on the shaft and takes nothing from the product: density thickness pi r^2 times r / 2.
+        # The product is density thickness pi r^2 times r / 2: what the shaft's hole lacks has no radius.
         radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
         if radius <= 4 * hole:
             return []

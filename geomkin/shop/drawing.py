@@ -16,7 +16,7 @@ from ..plane.primitives import Circle, Polyline, Segment, rounded_hull
 from ..plane.vec import Complex
 from ..sizes import check_sizes, quantity
 
-# Corners of the plate and heads of arrows, mm: plain sizes that a beam draws and an eye sees.
+# Radius of the plate's corners and length of arrow heads, mm. Smaller is burnt away; larger hides what is drawn.
 CORNER = 3.0
 HEAD = 3.0
 

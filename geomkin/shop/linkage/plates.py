@@ -21,8 +21,8 @@ from ..bore import clearance as wider
 from .guides import guide_places
 from .sweep import Sweep, path_in, separation
 
-# Places that differ by this share of their coordinates are one: less takes rounding for a second hole beside
-# the first, more makes one hole of two that were meant to be apart.
+# Places that differ by no more than this share of their coordinates are one. Smaller takes rounding for a second hole
+# beside the first; larger makes one hole of two that were meant to be apart.
 EQUAL = 8 * np.finfo(float).eps
 
 
@@ -129,7 +129,7 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
     sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
-    frames. Raises DesignError where there is no frame, where there are many linkages at once, or no room for guide pins.
+    frames. Raises DesignError where no frame closes, where guide pins find no room, and for many linkages at once.
     """
     if motion.linkage.many:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
@@ -172,14 +172,14 @@ def _block(linkage: Linkage, slider: Slider) -> str | None:
 
 def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
     points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
-    # What is driven by its angle, or as half of an actuator, needs a plate to hold it by.
+    # What is driven by its angle, or is half of an actuator, needs a plate to be held by.
     driven = body == linkage.driver or slider is linkage.driven_slider
     if body == linkage.ground or (driven and other != linkage.ground):
         return False
     joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
     if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:
         return False
-    # On a fixed shaft, moved only by what slides on it, it is a hub: the shaft is what it is there to turn.
+    # A body on a fixed shaft that only its slide moves is a hub: it must be a plate to turn that shaft.
     if joined == {linkage.ground} and not any(point in linkage.pins for point in linkage.bodies[other]):
         return False
     first = next(iter(points.values()))

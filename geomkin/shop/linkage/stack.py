@@ -19,9 +19,11 @@ from .layers import Meetings, Order, Passing, order
 from .plates import Assembly, LinkStock, Plate, assemble
 from .sweep import path_in
 
-# Moving plates that the search takes. Each more triples its time: the worst case of 15 takes five seconds.
+# Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
+# refuse linkages that could be stacked.
 LARGEST = 15
-# Directions tried for the two piles that hold up a bridge, in half a turn: fewer make it longer than need be.
+# Directions tried for the two piles that hold up a bridge, in half a turn. Fewer make the bridge longer than need be;
+# more take time and save a few hundredths of it at most.
 DIRECTIONS = 36
 # Joints that the bridge carries.
 Way = tuple[str, ...]
@@ -231,6 +233,6 @@ def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[comple
 
     directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
     widths = [out(u) + out(-u) for u in directions]
-    # Ten digits: the last bit must not choose between two sides that are alike.
+    # Compared to ten digits, so that rounding does not choose between two directions that are equally good.
     best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
     return middle + complex(best) * out(best), middle - complex(best) * out(-best)
