@@ -13,19 +13,19 @@ from .plane.curve import AbstractCurve, reach
 from .plane.flatten import flatten
 from .plane.joined import Ring
 from .plane.primitives import Circle
-from .plane.vec import Array, cross
+from .plane.vec import Complex, cross
 
-# Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 of it between holes and to an
-# edge; below the least of them none takes the part.
+# Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 between holes and to an edge. Less
+# than the least of them no one cuts; more fails walls that some would.
 OF_THICKNESS = 0.5
-# Least wall in kerfs. The zone that a beam heats on either side is about as wide as its cut, so that two of them
-# meet in a wall of two kerfs, and nothing of the sheet's own strength is left.
+# Least wall in kerfs; derived here. The zone that a beam heats on either side is about as wide as its cut. In a wall of
+# two kerfs two such zones meet, and nothing of the sheet's own strength is left.
 OF_KERF = 2.0
 # Walls are found to this share of the limit; finer takes longer and tells nothing.
 ACCURACY = 1e-4
-# ... which is kept between these shares of the part's size: finer gives a million chords, coarser loses the shape.
+# ... but within these shares of the part's size. Finer gives a million chords, coarser loses the shape.
 FINEST, COARSEST = 2e-6, 1e-4
-# How many limits wide a neck may be and still be told: further ones say nothing of whether the part holds.
+# Necks are told up to this many limits wide. More takes longer and says nothing of whether the part holds.
 NECKS = 2.0
 
 
@@ -50,7 +50,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     places = [np.array([curve.centre]) if isinstance(curve, Circle) else z for curve, z in zip(curves, loops)]
     found = region.spacing(places, [curve.radius if isinstance(curve, Circle) else 0.0 for curve in curves])
     if (thin := min(found, NECKS * limit)) > 0:
-        # Copies are alike. Nothing round faces itself but right across, where a hole has no material.
+        # Of equal copies one is tried. A round hole faces itself only across its opening, where there is no material.
         tried = [
             0 if is_round and k else len(z) // curve.count if isinstance(curve, Ring) else len(z)
             for k, (curve, z, is_round) in enumerate(zip(curves, loops, round_ones))
@@ -61,7 +61,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     return round(found, digits)
 
 
-def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Array:
+def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Complex:
     """Chords of a boundary with the material on their left; sense: +1 for an outline, -1 for a hole.
 
     Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.

@@ -4,38 +4,45 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arguments import checked
+from ..arguments import Positive, checked
 from ..check import Check
+from ..errors import DesignError
 from ..linkage.measures import least_transmission_angle
 from ..linkage.motion import Motion
 from ..linkage.openings import opening
 
 # deg. Below it the coupler pushes the rocker into its pivot more than round it, and play and friction grow quickly
-# (Alt, Der Übertragungswinkel, Werkstattstechnik 26, 1932: 40 deg, 50 where it runs fast).
+# (Norton, Design of Machinery, on the transmission angle: above about 40 deg; the angle itself: Alt, Der
+# Übertragungswinkel, Werkstattstechnik 26, 1932).
 LEAST_TRANSMISSION_ANGLE_DEG = 40
-# deg. At less the vectors of a polygon run off the plate; derived here, of polygons drawn at many positions.
+# deg, the same of polygons, which only have to be drawn. At less, their vectors run off the plate; derived here, of
+# polygons drawn at many positions.
 LEAST_ANGLE_OF_POLYGONS_DEG = 5
-# Hole to thickness. What cutting services ask for of laser and water jet alike; smaller ones burn shut.
+# Hole to thickness. Smaller ones burn shut or break out; what cutting services ask for of laser and water jet alike.
 LEAST_HOLE_TO_THICKNESS = 0.5
-# mm. Three traces of one curve that are farther apart than this are not the same one; derived here, of rounding.
+# mm. Traces of one curve by three linkages that are farther apart than this are not the same; derived here, of rounding.
 SAME_CURVE = 1e-6
-# Force over the least there can be. Nobody feels five percent; derived here.
+# Largest force over the least that it could be. Nobody feels five percent; derived here.
 MOST_FORCE_TO_BEST = 1.05
-# Of diameters and radii that are drawn, over the longest link: larger ones leave nothing else to be seen; derived here.
+# Diameters and radii that are drawn, in longest links. Larger ones leave nothing else to be seen; derived here.
 LARGEST_DRAWN = 5.0
 
 
 def reached(motion: Motion, what: str, advice: str = "") -> Check:
-    """Share of a driver's way that a motion reaches. what: whose way."""
+    """Share of the frames that a motion reaches. what: whose way they are, such as "crank's turn"."""
     return Check(f"share of the {what} reached", 100 * float(motion.closed.mean()), "at least", 100, "%", advice)
 
 
 @checked
 def linkage_checks(motion: Motion) -> tuple[Check, ...]:
-    """Whether the driver runs through all frames, and how well it drives: the least transmission angle.
+    """Whether the driver runs through all frames, and how well it drives: the least transmission angle, deg.
 
-    Where the driver drives nothing else there is no angle to judge, and no check of it.
+    A failed check says which dyad opens first and what would mend it, or is advice. Where the driver drives nothing
+    else there is no angle to judge, and no check of it. DesignError for many linkages at once. Limits: as at
+    `LEAST_TRANSMISSION_ANGLE_DEG`.
     """
+    if motion.linkage.many:
+        raise DesignError("motion", "found many linkages at once", "give one, for each has checks of its own")
     driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, opening(motion)
     advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
@@ -46,12 +53,14 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     return share, Check("least transmission angle", least, "at least", LEAST_TRANSMISSION_ANGLE_DEG, "deg", along)
 
 
-def hole_check(hole_diameter: float, thickness: float) -> Check:
-    """Whether pin holes, mm, can be cut in a sheet of a thickness, mm."""
+@checked
+def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
+    """Whether pin holes, mm, can be cut in a sheet of a thickness, mm: what cutting services ask for."""
     advice = "smaller holes burn or break out when cut"
     return Check("pin hole to thickness", hole_diameter / thickness, "at least", LEAST_HOLE_TO_THICKNESS, "", advice)
 
 
-def collision_check(collisions: int, advice: str) -> Check:
-    """Whether plates and pins pass each other. collisions: how many do not."""
+@checked
+def collision_check(collisions: int, advice: str = "") -> Check:
+    """Whether plates and pins pass each other. collisions: how many do not, as `len(stack.collisions)`. Derived here."""
     return Check("plates and pins that collide", collisions, "at most", 0, "", advice)

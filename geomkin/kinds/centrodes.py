@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -21,9 +21,9 @@ from ..plane.primitives import Circle
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved
-from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
-from .branches import Branches, branch_of, branches_entry
+from .linkage_tables import Branches, SideOrFollow, branch_of, branches_entry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,7 @@ class CentrodesRecipe(AbstractRecipe):
 
     kind: Literal["centrodes"] = "centrodes"
     linkage: FourBar
-    branch: Annotated[Literal[1, -1, "follow"], NotBoolean()] = entry(
+    branch: SideOrFollow = entry(
         "1 or -1; follow: smoothly on from 1, or from what branches says, also through change points", default=1
     )
     branches: Branches = branches_entry()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -20,11 +20,11 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
-from ..shop.linkage.stack import Stack, stack_links
-from ..sizes import NotBoolean, entry
+from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..sizes import entry
 from ..table import Column, Table, xy_columns
+from .linkage_tables import Side
 
 # What the three are called.
 NAMES = ("given", "left", "right")
@@ -36,9 +36,7 @@ class CognatesRecipe(AbstractRecipe):
 
     kind: Literal["cognates"] = "cognates"
     linkage: FourBar = entry("the given four-bar", example=FourBar(100, 30, 90, 70, 50 + 45j))
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
-        "1 or -1: rocker pin left or right of the line to its pivot", default=1
-    )
+    branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
     drive: Turn = entry("how the driver turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -66,7 +64,7 @@ class CognatesRecipe(AbstractRecipe):
     @cached_property
     def figure(self) -> Motion:
         """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
-        # Ten bars take a Newton iteration for each frame, so there are no finer ones than plates need.
+        # Ten bars take an iteration at each frame: steps are no finer than plates need.
         drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
         return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
 
@@ -115,13 +113,7 @@ class CognatesRecipe(AbstractRecipe):
 
 
 def _sizes(linkage: FourBar) -> Mapping[str, object]:
-    lengths = {
-        "ground": linkage.ground,
-        "crank": linkage.crank,
-        "coupler": linkage.coupler,
-        "rocker": linkage.rocker,
-        "ground_angle_deg": linkage.ground_angle_deg,
-    }
+    lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker", "ground_angle_deg")}
     return {name: float(f"{length:.10g}") for name, length in lengths.items()} | {
         "driver": linkage.driver,
         "coupler_point": _pair(linkage.coupler_point),

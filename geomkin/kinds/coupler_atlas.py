@@ -20,12 +20,13 @@ from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
-from ..plane.vec import Array
+from ..plane.vec import Complex
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..sizes import FARTHEST, NotBoolean, PointXY, check_sizes, entry, quantity, rounded_up
+from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
+from .linkage_tables import Side
 
 # Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
 MOST_DASHES = 5_000
@@ -58,7 +59,7 @@ class Grid:
                 )
 
     @cached_property
-    def points(self) -> Array:
+    def points(self) -> Complex:
         """(rows, columns), complex mm."""
         return coupler_grid(self.length, self.height, self.rows, self.columns, self.centre)
 
@@ -80,7 +81,7 @@ class AbstractAtlasRecipe(AbstractRecipe):
 
     linkage: FourBar | SliderCrank
     grid: Grid
-    branch: Literal[1, -1]
+    branch: Side
     drive: Turn
     stock: PlateStock
 
@@ -142,9 +143,7 @@ class FourBarAtlasRecipe(AbstractAtlasRecipe):
     kind: Literal["four-bar-atlas"] = "four-bar-atlas"
     linkage: FourBar
     grid: Grid
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
-        "1 or -1: rocker pin left or right of the line to its pivot", default=1
-    )
+    branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
     drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
@@ -160,7 +159,7 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
     kind: Literal["slider-crank-atlas"] = "slider-crank-atlas"
     linkage: SliderCrank
     grid: Grid
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())

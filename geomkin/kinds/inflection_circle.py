@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from ..plane.primitives import Arc, Circle, Segment
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
+from .linkage_tables import Side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,9 +35,7 @@ class InflectionCircleRecipe(AbstractRecipe):
     kind: Literal["inflection-circle"] = "inflection-circle"
     linkage: FourBar
     position_deg: float = quantity("driver's angle that is drawn", "deg", default=15.0, at_least=-360, at_most=360)
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry(
-        "1 or -1: rocker pin left or right of the line to its pivot", default=1
-    )
+    branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())

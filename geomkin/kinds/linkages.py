@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -26,50 +26,37 @@ from ..linkage.solve.move import move
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
-from ..shop.linkage.stack import Stack, stack_links
-from ..sizes import NotBoolean, entry
+from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..sizes import entry
 from ..table import Table
-from .branches import Branches, branch_of, branches_entry
-from .dyad_list import WITH_SLIDER, DyadList
-
-OnSide = Annotated[Literal[1, -1, "follow"], NotBoolean()]
+from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry
 
 
 class AbstractLinkageRecipe(AbstractRecipe):
-    """What recipes of linkages have in common: all of them are moved, judged and cut alike."""
+    """What recipes of linkages have in common: all of them are moved, stacked, judged and cut alike."""
 
     linkage: AbstractLinkage
-    branch: OnSide
+    branch: SideOrFollow
     branches: Branches
     drive: Turn
     stock: LinkStock
-    # How the driver slides; None where it turns, as most can only.
-    stroke: Stroke | None = None
-    # What an example has in which a slide drives.
-    sliding: ClassVar[Mapping[str, object]] = {}
 
     def __post_init__(self) -> None:
-        driven = self.design.linkage.driven_slider is not None
-        if driven and self.stroke is None:
-            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
-        if not driven and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
         # At most so many columns come of the bodies, the slides and the points that are no pins.
-        linkage = self.design.linkage
+        linkage = self.linkage.linkage
         points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         joints = len(linkage.pins)
         self.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
 
     @property
-    def way(self) -> Turn | Stroke:
-        """How the driver goes."""
-        return self.stroke or self.drive
-
-    @property
     def design(self) -> AbstractLinkage:
         return self.linkage
+
+    @property
+    def way(self) -> Turn | Stroke:
+        """How the driver goes."""
+        return self.drive
 
     @cached_property
     def signs(self) -> Branch:
@@ -107,7 +94,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        return tuple(link_parts(self.fine_motion, self.stock, self.stack))
+        return link_parts(self.fine_motion, self.stock, self.stack)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -115,21 +102,22 @@ class AbstractLinkageRecipe(AbstractRecipe):
         way, in_deg = self.way, isinstance(self.way, Turn)
         limits = driver_limits(self.linkage, self.signs, (float(way.fine[0]), float(way.fine[-1])))
         shown = [[float(f"{np.degrees(q) if in_deg else q:.10g}") for q in part] for part in limits]
-        grashof = {"grashof_type": grashof_type(self.linkage)} if isinstance(self.linkage, FourBar) else {}
-        return {f"driver_reaches_{'deg' if in_deg else 'mm'}": shown, **grashof, "stack": self.stack.summary()}
+        reaches = f"driver_reaches_{'deg' if in_deg else 'mm'}"
+        return {reaches: shown, **self.turning, "stack": self.stack.summary()}
 
-    @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return cls.sliding if "stroke" in asked else {"linkage": WITH_SLIDER} if asked else {}
+    @property
+    def turning(self) -> Mapping[str, object]:
+        """Which links turn fully, where a rule tells it."""
+        return {}
 
 
-def branch_entry() -> OnSide:
+def branch_entry() -> Any:
     """The branch of all dyads."""
-    meaning = (
+    return entry(
         "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
-        "follow: smoothly on from 1, or from what branches says, also through change points"
+        "follow: smoothly on from 1, or from what branches says, also through change points",
+        default=1,
     )
-    return entry(meaning, default=1)  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +126,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
 
     kind: str
     linkage: AbstractLinkage
-    branch: OnSide = branch_entry()
+    branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -149,14 +137,34 @@ class TurnedRecipe(AbstractLinkageRecipe):
 class SlidRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns or slides."""
 
+    # The list of the turned ones, and `stroke` where it belongs: the order here is that of templates and summaries.
     kind: str
     linkage: AbstractLinkage
-    branch: OnSide = branch_entry()
+    branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
+
+    # What an example has in which a slide drives.
+    sliding: ClassVar[Mapping[str, object]]
+
+    def __post_init__(self) -> None:
+        slides = self.linkage.linkage.driven_slider is not None
+        if slides and self.stroke is None:
+            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+        if not slides and self.stroke is not None:
+            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+        super().__post_init__()
+
+    @property
+    def way(self) -> Turn | Stroke:
+        return self.stroke or self.drive
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return cls.sliding if "stroke" in asked else {}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,6 +173,10 @@ class FourBarRecipe(TurnedRecipe):
 
     kind: Literal["four-bar"] = "four-bar"
     linkage: FourBar
+
+    @property
+    def turning(self) -> Mapping[str, object]:
+        return {"grashof_type": grashof_type(self.linkage)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,8 +250,12 @@ class LinkageRecipe(SlidRecipe):
     """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
 
     kind: Literal["linkage"] = "linkage"
-    linkage: DyadList
+    linkage: BodyList
     sliding: ClassVar = {
         "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
         "stroke": Stroke(start=70, end=110),
     }
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return super().fit(asked) or ({"linkage": WITH_SLIDER} if asked else {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -23,10 +23,9 @@ from ..plane.primitives import Circle
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
+from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Column, Table
-from .branches import Branches, branch_of, branches_entry
-from .dyad_list import WITH_SLIDER, DyadList
+from .linkage_tables import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
 
 # Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
 # would leave nothing else to be seen.
@@ -38,7 +37,7 @@ class PolygonsRecipe(AbstractRecipe):
     """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
     kind: Literal["polygons"] = "polygons"
-    linkage: DyadList
+    linkage: BodyList
     position: float = quantity(
         "where the driver stands: deg where it turns, mm where it slides",
         default=60.0,
@@ -50,7 +49,7 @@ class PolygonsRecipe(AbstractRecipe):
         "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
     size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("branch of every dyad that is not named below", default=1)
+    branch: Side = entry("branch of every dyad that is not named below", default=1)
     branches: Branches = branches_entry()
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
@@ -59,7 +58,7 @@ class PolygonsRecipe(AbstractRecipe):
         check_sizes(self)
 
     @property
-    def design(self) -> DyadList:
+    def design(self) -> BodyList:
         return self.linkage
 
     @cached_property
@@ -114,7 +113,7 @@ class PolygonsRecipe(AbstractRecipe):
         centres = [Circle(z, radius) for z in self._near_centres()]
         parts = [engraved("position", [*skeleton(self.motion, 0, self.stock), *centres], self.stock)]
         for name, (polygon, _) in self.polygons.items():
-            # Of a difference that is drawn in parts only the parts, so that no line is drawn twice.
+            # Where a difference has parts only these are drawn: no line is to be cut twice.
             split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
             drawn: dict[tuple[complex, complex], None] = {}
             for v in polygon.vectors:
@@ -141,7 +140,7 @@ class PolygonsRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Scales of the drawings, and every instant centre: its place, or its direction where it lies at infinity."""
+        """Scales of the drawings, and every instant centre: its place, or its direction where it is at infinity."""
         scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
         centres: dict[str, object] = {}
         for pair, centre in instant_centres(self.motion).items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -19,22 +19,21 @@ from ..linkage.forces.shaking import (
     judged_counterbalance,
     shaking_force,
 )
-from ..linkage.motion import Motion
 from ..linkage.named.slider_crank import SliderCrank
-from ..linkage.solve.move import move
+from ..linkage.solve.branch import Branch
 from ..part import Part
 from ..plane.primitives import Circle
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
-from ..shop.linkage.links import link_parts
 from ..shop.linkage.plates import LinkStock
-from ..shop.linkage.stack import Stack, stack_links
-from ..sizes import NotBoolean, check_sizes, entry, quantity
+from ..shop.linkage.stack import link_parts
+from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
+from .linkage_tables import Side
+from .linkages import AbstractLinkageRecipe
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShakingForceRecipe(AbstractRecipe):
+class ShakingForceRecipe(AbstractLinkageRecipe):
     """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
 
     kind: Literal["shaking-force"] = "shaking-force"
@@ -55,7 +54,7 @@ class ShakingForceRecipe(AbstractRecipe):
         above=0,
         at_most=30000,
     )
-    branch: Annotated[Literal[1, -1], NotBoolean()] = entry("1 or -1: slider right or left of the crank pin", default=1)
+    branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the crank turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -69,23 +68,8 @@ class ShakingForceRecipe(AbstractRecipe):
             )
 
     @property
-    def design(self) -> SliderCrank:
-        return self.linkage
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The motion at the frames of the table."""
-        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
-
-    @cached_property
-    def fine_motion(self) -> Motion:
-        """In steps in which nothing slips through between two plates."""
-        return move(self.linkage, self.drive.fine, self.branch, self.drive.speed)
-
-    @cached_property
-    def stack(self) -> Stack:
-        """How the plates lie on each other."""
-        return stack_links(self.fine_motion, self.stock)
+    def signs(self) -> Branch:
+        return self.branch
 
     @cached_property
     def best(self) -> Counterbalance:
@@ -136,7 +120,7 @@ class ShakingForceRecipe(AbstractRecipe):
         if product <= 0:
             return []
         stock, hole = self.stock, self.stock.hole_diameter / 2
-        # The hole lies on the shaft and takes nothing from the product: density thickness pi r^2 times r / 2.
+        # The product is density thickness pi r^2 times r / 2: what the shaft's hole lacks has no radius.
         radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
         if radius <= 4 * hole:
             return []

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import checked
 from ..errors import DesignError
 from ..linkage.motion import Motion
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, Segment, rounded_hull
-from ..plane.vec import Array
+from ..plane.vec import Complex
 from ..sizes import check_sizes, quantity
 
-# Corners of the plate and heads of arrows, mm: plain sizes that a beam draws and an eye sees.
+# Radius of the plate's corners and length of arrow heads, mm. Smaller is burnt away; larger hides what is drawn.
 CORNER = 3.0
 HEAD = 3.0
 
@@ -32,8 +33,12 @@ class PlateStock:
         check_sizes(self)
 
 
-def engraved(name: str, marks: Iterable[AbstractCurve], stock: PlateStock) -> Part:
-    """A plate as large as the marks and a margin, with them engraved; the drawing's own coordinates are kept."""
+@checked
+def engraved(name: str, marks: Iterable[AbstractCurve], stock: PlateStock = PlateStock()) -> Part:
+    """A plate as large as the marks and a margin, with them engraved; the drawing's own coordinates, mm, are kept.
+
+    DesignError, under the plate's name, where there are no marks. Derived here.
+    """
     drawn = tuple(marks)
     if not drawn:
         raise DesignError(name, "there is nothing to draw", "give a position that the linkage reaches")
@@ -84,6 +89,6 @@ def arrow(tail: complex, tip: complex) -> list[AbstractCurve]:
     return [Segment(tail, tip), Polyline(np.array([barbs[0], tip, barbs[1]]), is_closed=False)]
 
 
-def strokes(runs: Iterable[Array]) -> list[AbstractCurve]:
+def strokes(runs: Iterable[Complex]) -> list[AbstractCurve]:
     """Runs of points as open lines."""
     return [Polyline(np.asarray(run), is_closed=False) for run in runs if len(run) > 1]

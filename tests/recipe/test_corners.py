@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.kinds.dyad_list import Corner, DyadList
+from geomkin.kinds.linkage_tables import BodyList, TriangleCorner
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -12,7 +12,7 @@ from geomkin.kinds.dyad_list import Corner, DyadList
 def test_a_corner_has_its_distances_and_its_side(lengths, side, size):
     one, two = np.array([3 - 4j, 75 + 50j]) * size
     bodies = {"ground": {"O": 0j}, "plate": {"O": 0j, "A": one, "B": two}}
-    corner = Corner("plate", "pen", ("A", "B"), tuple(np.array(lengths) * size), side)
-    pen = DyadList(bodies, "plate", (corner,)).linkage.bodies["plate"]["pen"]
+    corner = TriangleCorner("plate", "pen", ("A", "B"), tuple(np.array(lengths) * size), side)
+    pen = BodyList(bodies, "plate", (corner,)).linkage.bodies["plate"]["pen"]
     assert [abs(pen - one), abs(pen - two)] == pytest.approx([length * size for length in lengths], rel=1e-12)
     assert np.sign(np.imag(np.conj(two - one) * (pen - one))) == (1 if side == "left" else -1)

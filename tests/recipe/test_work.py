@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.kinds import KINDS
-from geomkin.kinds.linkages import AbstractLinkageRecipe
+from geomkin.kinds.linkages import SlidRecipe, TurnedRecipe
 from geomkin.linkage.coupler import curves
 from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
@@ -64,7 +64,7 @@ def test_rows_of_a_stroke_too(name):
     assert refusal(changed(text, step=0.998 * advised(words)))[0] == key
 
 
-@pytest.mark.parametrize("name", [name for name in DRIVEN if issubclass(KINDS[name], AbstractLinkageRecipe)])
+@pytest.mark.parametrize("name", [name for name in DRIVEN if issubclass(KINDS[name], (TurnedRecipe, SlidRecipe))])
 def test_columns_are_never_more_than_were_counted(monkeypatch, name):
     counted = []
     real = settings.Turn.check_rows

@@ -5,8 +5,8 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.shop.linkage.links import link_parts
 from geomkin.shop.linkage.plates import LinkStock, assemble
+from geomkin.shop.linkage.stack import link_parts
 
 from .mechanisms import (
     BUILDABLE,

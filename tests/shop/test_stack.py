@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.shop.linkage.layers import Meetings, Passing, order
-from geomkin.shop.linkage.links import link_parts
 from geomkin.shop.linkage.plates import LinkStock, assemble
-from geomkin.shop.linkage.stack import pile_places, stack_links
+from geomkin.shop.linkage.stack import link_parts, pile_places, stack_links
 from geomkin.shop.linkage.sweep import Sweep, separation
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN

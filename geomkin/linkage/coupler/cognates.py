@@ -63,7 +63,7 @@ def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
     same = MappingProxyType({link: link for link in LEFT})
     # Turned and scaled, never mirrored: the branch's sign changes only where the two links of the dyad change places.
     left = Cognate(_left(given, w), 0.0, -1 if given.driver == "rocker" else 1, LEFT)
-    # Coupler and rocker of the right one point against the links they turn with: w - 1 against 1 - w.
+    # Coupler and rocker of the right one point against the links that they turn with: they have w - 1, not 1 - w.
     half_turn = 0.0 if given.driver == "crank" else np.pi
     right = Cognate(_right(given, w), half_turn, -1 if given.driver == "crank" else 1, RIGHT)
     return Cognate(given, 0.0, 1, same), left, right
@@ -121,7 +121,7 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
         "right_coupler": ("right_crank_pin", "right_pin", "coupler_point"),
         "right_rocker": ("rocker_pivot", "right_pin"),
     }
-    # Where the coupler drives, crank and rocker meet as if the rocker's pivot stood back by the coupler.
+    # Where the coupler drives, crank and rocker close as a dyad whose second pivot is set back by the coupler.
     back = point["rocker_pivot"] - (point["rocker_pin"] - point["crank_pin"])
     point |= {"driver_back": back}
     own = {

@@ -22,12 +22,13 @@ from ..motion import Motion
 from ..solve.branch import Branch, chosen
 from ..solve.move import move
 
-# Share of the tolerance that is aimed at. Chords are looked at in three places, which see an S as well as an arc,
-# but 3 % too small; nearer to 1, such a chord may exceed the tolerance.
+# Share of the tolerance that is aimed at. A chord's distance is sampled in three places, which may miss 3 % of it.
+# Nearer to 1, and such a chord exceeds the tolerance; smaller takes more chords than need be.
 AIM = 0.95
 # Chords of a dash at most, as a power of 2. More would take a tolerance that no machine can cut for a real one.
 FINEST = 12
-# Points of all dashes together that are looked at, at most: what takes some seconds and half a GB.
+# Points of all dashes together that are looked at, at most: what takes some seconds and half a GB. More takes minutes,
+# fewer refuses tolerances that can be cut.
 MOST_POINTS = 2_000_000
 # Spacings of floating point that a dash ends short of a limit of the linkage: at the very limit, rounding decides
 # whether it is closed. More would show as a dash that ends early.

@@ -23,13 +23,15 @@ NEWTON = 1e-3
 # Crank angles of the first look for the largest force. Fewer may miss a peak; +-90 deg must be among them, where
 # the force of a rod scarcely longer than the crank has a peak narrower than any spacing.
 LOOKS = np.arange(720) * np.pi / 360
-# Peaks kept at most: where the force is nearly even all round, rounding makes hundreds.
+# Peaks kept at most. Fewer may drop the largest; more take time where the force is nearly even, and rounding makes
+# hundreds.
 PEAKS = 8
-# Narrowings of a peak, each to a quarter: a peak this flat has its value to the last digit.
+# Narrowings of a peak, each to a quarter. Fewer leave an error in its value; more change no digit, as a peak is flat.
 NARROWINGS = 16
-# The largest force over the turn may exceed that at the angles that decide it by this share; less is rounding.
+# Share by which the largest force over the turn may exceed that at the deciding angles when the search ends. Smaller is
+# rounding, and the search goes on to its last round; larger, and digits of the result are lost.
 SETTLED = 1e-12
-# Exchanges of the deciding angles at most: five to twenty are usual.
+# Exchanges of the deciding angles at most. Five to twenty are usual; fewer may stop before the best is found.
 ROUNDS = 100
 
 

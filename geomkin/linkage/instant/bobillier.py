@@ -129,7 +129,7 @@ def _mirrored(line: Real, rays: tuple[Real, Real], pins: tuple[Real, Real]) -> R
     on_a, on_b = _beside(a, b, pins[0], extent), _beside(b, a, pins[1], extent)
     first = (_dot(line, on_a) * _dot(a, on_b))[..., None] * a
     second = (_dot(line, on_b) * _dot(b, on_a))[..., None] * b
-    # A line at infinity has the normal 0, which two equal ones leave only to rounding.
+    # The line at infinity has the normal 0: what two equal terms leave of it is rounding.
     normal = first[..., :2] + second[..., :2]
     rounding = ROUNDING * (np.abs(first[..., :2]).max(axis=-1) + np.abs(second[..., :2]).max(axis=-1))
     normal = np.where((np.abs(normal).max(axis=-1) <= rounding)[..., None], 0.0, normal)

@@ -16,8 +16,8 @@ from ...plane.vec import Complex, Mask, Real, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
 
-# Distance, in sizes of the linkage, from which a centre counts as at infinity. Rates carry 16 digits, so what
-# lies farther is rounding: larger, and a parallelogram's coupler gets a centre; smaller, and a true one is lost.
+# Distance, in sizes of the linkage, from which a centre counts as at infinity. Rates carry 16 digits, so what lies
+# farther is rounding. Larger, and a parallelogram's coupler gets a centre; smaller, and true far ones are lost.
 FAR = 1e12
 
 
@@ -85,7 +85,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
             weight = one.first - two.first
             rest = _at_rest(motion, arm, weight)
             if np.any(rest):
-                # Both vanish as the two turn back together: what they grow by has the same ratio.
+                # Where both bodies turn back together this is 0 / 0, and the derivatives tell the ratio.
                 turn = 1j * two.second - two.first**2
                 gain = 1j * (one.origin.second - two.origin.second - turn * apart)
                 arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)

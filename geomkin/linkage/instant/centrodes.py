@@ -20,10 +20,11 @@ from ..solve.branch import Branch
 from .centres import InstantCentre, instant_centre
 from .inflection import inflection_circle
 
-# How many times the way that its own speed takes it a centre may move between two frames. Larger, and a linkage that
-# changes its branch draws a false line; smaller, and a true curve in coarse steps is broken.
+# Largest way of a centre from one frame to the next, in ways that its own speed would take it. Larger, and a linkage
+# that changes its branch draws a false line; smaller, and a true curve in coarse steps is broken.
 LEAP = 4.0
-# Share of the linkage's size within which a centre that rests counts as resting: its own rounding is far less.
+# Way, as a share of the linkage's size, that counts as none. Smaller, and rounding breaks the curve of a centre that
+# rests; larger, and leaps of tiny centrodes are not seen.
 ROUNDING = 1e-9
 
 
@@ -92,8 +93,8 @@ class Centrodes:
         with np.errstate(invalid="ignore"):
             kept = abs(self._arm) <= reach
         weight, arm = self.centre.weight, self.centre.arm
-        # Through infinity the rate of turning changes sign and the centre comes back on the other side. Where the
-        # body comes to rest and turns back, everything changes sign, and the centre goes on where it is.
+        # A centre that passes through infinity comes back on the other side: the weight alone changes its sign. Where
+        # the body comes to rest and turns back, the arm does so too, and the centre goes on where it is.
         through = (weight[:-1] * weight[1:] < 0) & (dot(arm[:-1], arm[1:]) > 0)
         speed = abs(self._first)
         own_step = np.fmax(speed[:-1], speed[1:]) * abs(np.diff(self.motion.drive))
@@ -137,7 +138,7 @@ class CentrodeCurve(AbstractCurve):
 
     def velocity(self, t: ArrayLike) -> Complex:
         centrodes, frames = self._centrodes(t)
-        # The moving centrode rolls on the fixed one: the same way along both, seen from the body.
+        # The moving centrode rolls on the fixed one: the centre has one velocity along both, turned as the body sees it.
         turned = np.conj(centrodes.motion.bodies[self.body].direction) if self.moving else 1.0
         return (centrodes.velocity * turned)[frames]
 

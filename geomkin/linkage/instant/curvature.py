@@ -16,11 +16,12 @@ from .centres import pin_between, settled, slider_between
 # Share of its terms from which a sum is rounding. Smaller, and a slider's pin gets a centre of curvature and a cusp a
 # radius; larger, and flat paths and sharp bends are lost.
 ROUNDING = 1e-14
-# Speed of a point, as a share of its terms, below which it is so near the instant centre that a bend lost in rounding
-# may be of any radius. Smaller, and short radii are taken for straight; larger, and straight paths are not known.
+# Speed of a point, as a share of its terms, below which a bend that is lost in rounding says nothing of the radius, as
+# the point is too near the instant centre. Smaller, and short radii are told as straight; larger, and straight paths
+# as nan.
 SLOW = 1e-3
-# Square of a body's speed over its acceleration, in sizes of the linkage, below which it turns back: of what bends its
-# paths six digits are left then. Smaller, and rounding is taken for curvature; larger, and true values are lost.
+# Square of a body's speed over its acceleration, in sizes of the linkage, below which it counts as turning back. Six
+# digits of the curvature are left there. Smaller, and rounding is told as curvature; larger, and true values are lost.
 TURNING_BACK = 1e-10
 # 1/a - 1/c - 1/j = 0, the Euler-Savary equation.
 SIGN = {"point": 1, "centre": -1, "inflection": -1}
@@ -141,7 +142,7 @@ def path_in(
     v, a = (velocity, 1j * turn * arm), (acceleration, (1j * turn_rate - turn**2) * arm)
     first, second = v[0] + v[1], a[0] + a[1]
     speed, bend = abs(first), cross(first, second)
-    # How much of speed and bend may be rounding of their terms.
+    # Speed and bend are sums: where their terms cancel, what is left is rounding of the terms.
     speed_terms, gain_terms = abs(v[0]) + abs(v[1]), abs(a[0]) + abs(a[1])
     lost = abs(bend) <= ROUNDING * (speed_terms * abs(second) + speed * gain_terms)
     straight = np.where(speed > SLOW * speed_terms, 0.0, np.nan)

@@ -94,7 +94,7 @@ class InflectionCircle:
         c, extent = cross(self.velocity, self.acceleration), abs(k) + abs(self._p)
         with np.errstate(divide="ignore", invalid="ignore"):
             away = np.where(extent == 0, np.nan, 2 * c / extent)
-        # From the circle's own middle every direction is as good.
+        # From the circle's centre all its points are equally near: any direction will do.
         along: Complex = np.where(k == 0, 1, unit(k))
         return self.reference - along * away
 

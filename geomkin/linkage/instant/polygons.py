@@ -55,7 +55,8 @@ class VectorPolygon:
 
 # Name of the pole, where everything at rest is.
 POLE = "pole"
-# Share of the largest vector below which one is taken for zero and left out: smaller draws rounding as vectors.
+# Share of the largest vector below which one counts as zero and is left out. Smaller, and rounding is drawn as vectors;
+# larger, and true short ones are missing.
 ROUNDING = 1e-12
 
 

@@ -38,10 +38,10 @@ def guide_places(
     used, used_on_guide = [np.array(z) for z in taken], [np.array(z) for z in taken_on_guide]
     start, end = travel
     length = abs(end - start)
-    # Beyond all openings there is room, if anywhere.
+    # How far to look: beyond all openings there is room.
     far = length + 2 * APART * width + max([0.0, *(float(np.abs(z - point).max()) for z in used)])
     far += max([0.0, *(float(np.abs(z - start).max()) for z in used_on_guide)])
-    # A quarter of the width is near enough to the best place; the pairs of more than 200 places take seconds.
+    # A quarter of the width finds a place near enough to the best; with more than 200 places, pairs take seconds.
     step = max(width / 4, far / 100)
     grid = step * np.arange(-int(far / step), int(far / step) + 1)
     grid = grid[_clear((point + grid * direction)[:, None], used, width)]

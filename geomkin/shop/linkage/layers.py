@@ -14,8 +14,8 @@ from ...plane.vec import Mask
 from .plates import Assembly, LinkStock
 from .sweep import Sweep, path_in
 
-# Plates and pins keep apart by this many clearances of a pin in its hole: each of two plates can shift by half
-# of it on either pin. Less lets edges rub; more needs layers that could be saved.
+# Least distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift on its pins. Less
+# lets edges rub; more needs layers that could be saved.
 PLAY = 2.0
 
 # From where to where the driver goes, rad or mm.
@@ -137,7 +137,7 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
         if below not in best:
             continue
         collisions, layers, length, _ = best[below]
-        # A pin that starts in the next layer needs no look: its own plate there meets whatever it hits.
+        # A pin that starts in the next layer need not be tested: its plate there already keeps off what it would hit.
         through = [pin for pin in pins if pin.through(below)]
         barred = [pin.hits for pin in through]
         anywhere = 0

@@ -13,14 +13,16 @@ from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
+from ...part import Part
+from ...plane.primitives import Circle, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from ...sizes import FARTHEST, check_sizes, quantity
 from ..bore import clearance as wider
 from .guides import guide_places
 from .sweep import Sweep, path_in, separation
 
-# Places that differ by this share of their coordinates are one: less takes rounding for a second hole beside
-# the first, more makes one hole of two that were meant to be apart.
+# Places that differ by no more than this share of their coordinates are one. Smaller takes rounding for a second hole
+# beside the first; larger makes one hole of two that were meant to be apart.
 EQUAL = 8 * np.finfo(float).eps
 
 
@@ -70,6 +72,25 @@ class Plate:
             if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
                 yield one, two, apart
 
+    def part(self, name: str, stock: LinkStock, linkage: Linkage) -> Part:
+        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet."""
+        for one, two, apart in self.crossings(stock):
+            traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
+            kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
+            raise DesignError(
+                traced[0] if traced else self.body,
+                f"the {kinds[0]} and the {kinds[1]} in the {name} are {apart:.4g} mm apart, "
+                f"and they are {stock.hole_diameter:g} mm wide",
+                "change the sizes that bring them together, or give a smaller pin_diameter",
+            )
+        radius = stock.hole_diameter / 2
+        # Two guide pins may share one slot.
+        holes = tuple(
+            Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
+            for ends in dict.fromkeys(self.openings.values())
+        )
+        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness, body=self.body)
+
 
 @dataclass(frozen=True, eq=False)
 class Pin:
@@ -108,7 +129,7 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
     sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
-    frames. Raises DesignError where there is no frame, for many linkages at once, and without room for guide pins.
+    frames. Raises DesignError where no frame closes, where guide pins find no room, and for many linkages at once.
     """
     if motion.linkage.many:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
@@ -151,14 +172,14 @@ def _block(linkage: Linkage, slider: Slider) -> str | None:
 
 def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
     points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
-    # What is driven by its angle, or as half of an actuator, needs a plate to hold it by.
+    # What is driven by its angle, or is half of an actuator, needs a plate to be held by.
     driven = body == linkage.driver or slider is linkage.driven_slider
     if body == linkage.ground or (driven and other != linkage.ground):
         return False
     joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
     if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:
         return False
-    # On a fixed shaft, moved only by what slides on it, it is a hub: the shaft is what it is there to turn.
+    # A body on a fixed shaft that only its slide moves is a hub: it must be a plate to turn that shaft.
     if joined == {linkage.ground} and not any(point in linkage.pins for point in linkage.bodies[other]):
         return False
     first = next(iter(points.values()))
@@ -224,8 +245,8 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], sto
             "give narrower bars, or move the pins that lie on the line",
         )
     pins = []
-    for number, place, slot in zip((1, 2), *found):
+    for number, place, ends in zip((1, 2), *found):
         name = f"{slider.name}_guide_{number}"
-        plate.openings[name], guide.openings[name] = (place,), slot
+        plate.openings[name], guide.openings[name] = (place,), ends
         pins.append(Pin(name, slider.name, slider.body, place, (slider.body,), (slider.along,)))
     return pins

@@ -1,4 +1,4 @@
-"""How the plates of a linkage lie on each other so that nothing collides, with a bridge over them where need be."""
+"""How the plates of a linkage lie on each other so that nothing collides, and what is cut of them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.motion import Motion
+from ...part import Part
+from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
-from .layers import Meetings, Order, Passing, Run, order
+from .layers import Meetings, Order, Passing, order
 from .plates import Assembly, LinkStock, Plate, assemble
 from .sweep import path_in
 
-# Moving plates that the search takes. Each more triples its time: the worst case of 15 takes five seconds.
+# Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
+# refuse linkages that could be stacked.
 LARGEST = 15
-# Directions tried for the two piles that hold up a bridge, in half a turn: fewer make it longer than need be.
+# Directions tried for the two piles that hold up a bridge, in half a turn. Fewer make the bridge longer than need be;
+# more take time and save a few hundredths of it at most.
 DIRECTIONS = 36
 # Joints that the bridge carries.
 Way = tuple[str, ...]
@@ -118,6 +122,24 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     return _stack(meetings, fitting[0], least)
 
 
+@checked
+def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | None = None) -> tuple[Part, ...]:
+    """The plates of a linkage, each in its body's own frame: holes for pins and traced points, slots for slides.
+
+    motion: over the whole way that the linkage is to go; slots are as long as the travel over its frames. stack:
+    `stack_links(motion, stock)`, where the plates are to lie on each other so that nothing collides: a bridge that it
+    needs is one more plate, and the discs that hold the bridge up are the part `spacer`, as many as its count says.
+    Without it, the fixed body is one plate. Raises DesignError where no frame closes, where openings run into each
+    other, where guide pins find no room, and for many linkages at once. Derived here.
+    """
+    plates = stack.plates if stack else assemble(motion, stock).plates
+    parts = [plate.part(name, stock, motion.linkage) for name, plate in plates.items()]
+    if stack and stack.spacers:
+        disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, body=motion.linkage.ground))
+    return tuple(parts)
+
+
 def _fits(meetings: Meetings, way: Way) -> bool:
     """Whether no openings of the ground, or of the bridge, run into each other."""
     plates = split(meetings.assembly, meetings.ground, way)
@@ -170,17 +192,13 @@ def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
 
 
 def _collisions(meetings: Meetings, spans: list[PinSpan], layers: Mapping[str, int]) -> Iterator[Collision]:
+    slides = meetings.motion.linkage.driven_slider is not None
     for (name, plate), runs in meetings.pin_and_plate.items():
         pin = next(span for span in spans if span.name == name)
         if pin.first <= layers[plate] <= pin.last:
-            yield from _told(meetings, name, plate, runs)
-
-
-def _told(meetings: Meetings, pin: str, other: str, runs: list[Run]) -> Iterator[Collision]:
-    slides = meetings.motion.linkage.driven_slider is not None
-    for run in runs:
-        first, last = run if slides else np.degrees(run)
-        yield Collision(pin, other, float(first), float(last), "mm" if slides else "deg")
+            for run in runs:
+                first, last = run if slides else np.degrees(run)
+                yield Collision(name, plate, float(first), float(last), "mm" if slides else "deg")
 
 
 def ways(assembly: Assembly, ground: str) -> list[Way]:
@@ -215,6 +233,6 @@ def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[comple
 
     directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
     widths = [out(u) + out(-u) for u in directions]
-    # Ten digits: the last bit must not choose between two sides that are alike.
+    # Compared to ten digits, so that rounding does not choose between two directions that are equally good.
     best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
     return middle + complex(best) * out(best), middle - complex(best) * out(-best)

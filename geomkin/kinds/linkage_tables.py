@@ -1,21 +1,45 @@
-"""Any linkage as a recipe writes it: bodies, their points, corners of triangles, sliders."""
+"""Tables of linkages in a recipe: any linkage as a list of bodies, and the branch on which it moves."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from ..brief import one_line
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
+from ..linkage.solve.branch import Chosen
 from ..names import check_names
-from ..sizes import PointXY, check_sizes, entry, quantity
+from ..sizes import NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
+
+# The branch of all dyads; the same where it may also be followed; the branches of single joints.
+Side = Annotated[Literal[1, -1], NotBoolean()]
+SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
+Branches = dict[str, Annotated[int | complex, SignOrPlace()]]
+
+
+def branches_entry() -> Any:
+    """The table of branches of single joints."""
+    return entry(
+        "branch of single joints: 1 or -1; or of a point roughly where it is at first, [x, y] in mm: the branch "
+        "nearest to that",
+        default_factory=dict,
+    )
+
+
+def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | complex]) -> Chosen:
+    """The branch that a recipe's `branch` and `branches` ask for."""
+    signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
+    near = {name: value for name, value in branches.items() if isinstance(value, complex)}
+    return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
 
 
 @dataclass(frozen=True)
-class Corner:
+class TriangleCorner:
     """A point of a body by its distances from two other points of it."""
 
     body: str = entry("the body it belongs to", example="coupler")
@@ -23,6 +47,8 @@ class Corner:
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
     lengths: tuple[float, float] = entry("its distances from them, mm", example=(50.0, 60.0))
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
+
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -39,13 +65,18 @@ class SliderTable:
     )
     angle_deg: float = quantity("the body's x axis from the line", "deg", default=0.0, at_least=-360, at_most=360)
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
 
 @dataclass(frozen=True)
-class DyadList(AbstractLinkage):
-    """Bodies with their points, mm, each in a frame of its own; the first one is fixed."""
+class BodyList(AbstractLinkage):
+    """Any linkage: bodies with their points, mm, each in a frame of its own; the first one is fixed.
+
+    Where two bodies name the same point, a pin joins them there.
+    """
 
     bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(
         "bodies, the fixed one first, each a table of points [x, y]",
@@ -57,8 +88,10 @@ class DyadList(AbstractLinkage):
         },
     )
     driver: str = entry("the body that is driven, or the slider, as of a cylinder and its rod", example="crank")
-    corners: tuple[Corner, ...] = entry(
-        "points given by two distances", default=(), example=(Corner("coupler", "pen", ("A", "B"), (50.0, 60.0)),)
+    corners: tuple[TriangleCorner, ...] = entry(
+        "points given by two distances",
+        default=(),
+        example=(TriangleCorner("coupler", "pen", ("A", "B"), (50.0, 60.0)),),
     )
     sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
     estimate: dict[str, Annotated[complex, PointXY()]] = field(
@@ -72,6 +105,8 @@ class DyadList(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction of the fixed body's x axis", "deg", default=0.0, at_least=-360, at_most=360
     )
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -100,7 +135,7 @@ class DyadList(AbstractLinkage):
         return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate)
 
 
-def _corner(k: int, corner: Corner, one: complex, two: complex) -> complex:
+def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> complex:
     base, (b, c) = abs(two - one), corner.lengths
     if not abs(b - c) < base < b + c:
         raise DesignError(
@@ -108,7 +143,7 @@ def _corner(k: int, corner: Corner, one: complex, two: complex) -> complex:
             f"{b:g} and {c:g} mm make no triangle on the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
             f"give two lengths that differ by less than {base:g} mm and together exceed it",
         )
-    # Kahan's triangle keeps the digits of a needle's height.
+    # Kahan, Miscalculating area and angles of a needle-like triangle: this keeps the digits of a needle's height.
     long, middle, short = sorted((base, b, c), reverse=True)
     area = 0.25 * np.sqrt(
         (long + (middle + short)) * (short - (long - middle)) * (short + (long - middle)) * (long + (middle - short))
@@ -119,9 +154,9 @@ def _corner(k: int, corner: Corner, one: complex, two: complex) -> complex:
 
 
 # What templates show where sliders are asked for.
-WITH_SLIDER = DyadList(
+WITH_SLIDER = BodyList(
     bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
     driver="crank",
-    corners=(Corner("rod", "pen", ("A", "B"), (50.0, 60.0)),),
+    corners=(TriangleCorner("rod", "pen", ("A", "B"), (50.0, 60.0)),),
     sliders=(SliderTable("slide", "block", "ground"),),
 )
