@@ -13,7 +13,7 @@ from functools import cache, wraps
 from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import DesignError, shown
 
@@ -250,7 +250,9 @@ RealsOrNan = Annotated[
 Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
 Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
 # Of a field that is one place, or one for each of many linkages.
-Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
+Place = Annotated[
+    complex | NDArray[Any], Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")
+]
 # The points that a curve is made of, in a row.
 RealRow = Annotated[np.ndarray, Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers")]
 Row = Annotated[

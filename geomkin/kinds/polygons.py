@@ -19,6 +19,7 @@ from ..linkage.openings import opening
 from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve.move import move
 from ..part import Part
+from ..plane.vec import Complex
 from ..plane.primitives import Circle
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
@@ -155,5 +156,5 @@ class PolygonsRecipe(AbstractRecipe):
         return {"linkage": WITH_SLIDER} if asked else {}
 
 
-def _places(body: Body, points: Mapping[str, complex]) -> list[complex]:
+def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
     return [complex(body.point(z).position[0]) for z in points.values()]

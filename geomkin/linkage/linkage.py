@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from ..arguments import Place, Sort, check_fields, is_place
 from ..brief import one_line
 from ..errors import DesignError, shown
 from ..names import check_names
-from ..plane.vec import Complex, Real, direction_deg
+from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
 
@@ -27,7 +27,8 @@ def _are_bodies(value: Any) -> bool:
 
 # That the points are finite is said with their names.
 Bodies = Annotated[
-    Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+    Mapping[str, Mapping[str, complex | Array]],
+    Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
 ]
 
 
@@ -173,7 +174,10 @@ class Linkage(AbstractLinkage):
         """Largest distance of a point or a slide's line from its body's origin, mm, () or (linkages,)."""
         places = [z for points in self.bodies.values() for z in points.values()]
         places += [place for slider in self.sliders for place in (slider.point, slider.through)]
-        return np.asarray(reduce(np.maximum, [np.abs(place) for place in places], 0.0))
+        largest: Real = np.zeros(())
+        for place in places:
+            largest = np.maximum(largest, np.abs(place))
+        return np.asarray(largest)
 
     @cached_property
     def ground(self) -> str:

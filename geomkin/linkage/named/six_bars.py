@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Annotated
 
 from ...errors import DesignError
+from ...plane.vec import Array
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..linkage import AbstractLinkage, Linkage, Slider
 from .four_bar import FourBar
@@ -70,7 +71,7 @@ class WattSixBar(AbstractLinkage):
 
 
 def _with_dyad(
-    four_bar: FourBar, point: str, body: str, place: complex, sizes: StephensonSixBar | WattSixBar
+    four_bar: FourBar, point: str, body: str, place: complex | Array, sizes: StephensonSixBar | WattSixBar
 ) -> Linkage:
     first = four_bar.linkage
     bodies = {name: dict(points) for name, points in first.bodies.items()}
