@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
 from ..arguments import Place, Sort, check_fields, is_place
-from ..brief import one_line
+from ..brief import LONGEST, one_line
 from ..errors import DesignError, shown
 from ..names import check_names
 from ..plane.vec import Array, Complex, Real, direction_deg
@@ -39,6 +39,13 @@ class AbstractLinkage(ABC):
     @abstractmethod
     def linkage(self) -> Linkage:
         """The same as bodies with named points: what is solved, drawn and cut."""
+
+    def __repr__(self) -> str:
+        """As it is made, without what may be left out; of much in one line."""
+        values = {f.name: (getattr(self, f.name), f.default) for f in fields(self)}  # type: ignore[arg-type]
+        told = (f"{name}={value!r}" for name, (value, default) in values.items() if not np.array_equal(value, default))
+        text = f"{type(self).__name__}({', '.join(told)})"
+        return text if len(text) <= LONGEST and not self.linkage.many else one_line(self)
 
 
 AnyLinkage = Annotated[

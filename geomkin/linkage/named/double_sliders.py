@@ -11,7 +11,7 @@ from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, qua
 from ..linkage import AbstractLinkage, Linkage, Slider
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EllipticTrammel(AbstractLinkage):
     """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
 
@@ -55,7 +55,7 @@ class EllipticTrammel(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScotchYoke(AbstractLinkage):
     """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
 
@@ -95,7 +95,7 @@ class ScotchYoke(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class OldhamCoupling(AbstractLinkage):
     """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
 

@@ -13,7 +13,7 @@ from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, qua
 from ..linkage import AbstractLinkage, Linkage
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FourBar(AbstractLinkage):
     """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
 

@@ -13,7 +13,7 @@ from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, qua
 from ..linkage import AbstractLinkage, Linkage, Slider
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SliderCrank(AbstractLinkage):
     """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
 
@@ -68,7 +68,7 @@ class SliderCrank(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class InvertedSliderCrank(AbstractLinkage):
     """A crank whose pin slides along a rocker, or whose coupler slides through a rocking block; lengths in mm.
 

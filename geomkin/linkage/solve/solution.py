@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...brief import one_line
 from ...plane.vec import Array, Complex, Mask, Real, Whole, direction_deg
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
@@ -101,6 +102,8 @@ class LinkageSolution:
     placements: tuple[Placement, ...]
     drive: Real
     asked: Chosen
+
+    __repr__ = one_line
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
