@@ -17,6 +17,7 @@ from operator import or_
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .arguments import Sort, between, check_fields, is_place, numbers
 from .brief import clipped
@@ -175,6 +176,17 @@ class PointXY(Sort):
             core_schema.tuple_schema([number, number]),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda z: [z.real, z.imag]),
         )
+
+
+class OneOrMany:
+    """Marks a size that in the library may be an array, one for each of many linkages; in a recipe it is one number."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(float)
+
+
+Sizes = Annotated[float | NDArray[np.float64], OneOrMany()]
+PointsXY = Annotated[complex | NDArray[Any], PointXY(many=True)]
 
 
 class NotBoolean:

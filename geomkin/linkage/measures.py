@@ -59,9 +59,9 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
             pairs = {"rocker_pin": (coupler, rocker), "crank_pivot": (ground, crank), "crank_pin": (crank, coupler)}
             one, two = pairs[joints[shortest]]
             sign = np.sign(np.imag(np.conj(one) * two))
-    elif linkage.crank + abs(linkage.offset) < linkage.coupler:
+    elif linkage.crank + np.abs(linkage.offset) < linkage.coupler:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["coupler"].direction))
-    elif linkage.coupler + abs(linkage.offset) < linkage.crank:
+    elif linkage.coupler + np.abs(linkage.offset) < linkage.crank:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["crank"].direction))
     else:
         sign = np.ones(motion.closed.shape)

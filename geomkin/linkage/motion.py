@@ -211,7 +211,7 @@ def motion_table(motion: Motion) -> Table:
 
 
 def _bodies(motion: Motion) -> Iterator[Column]:
-    places = [abs(z) for points in motion.linkage.bodies.values() for z in points.values()]
+    places = [abs(complex(z)) for points in motion.linkage.bodies.values() for z in points.values()]
     reach = max(places, default=0.0) or 1.0
     sizes = {name: (_largest(body.first) * reach, _largest(body.origin.first)) for name, body in motion.bodies.items()}
     least = ROUNDING * max(max(turn, way) for turn, way in sizes.values())

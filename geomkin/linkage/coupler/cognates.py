@@ -141,9 +141,9 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
         on_left = cross(point[last] - point[first], point[joint] - point[first]) >= 0
         order += [one, two] if on_left else [two, one]
 
-    def local(body: str) -> dict[str, complex]:
+    def local(body: str) -> dict[str, complex | Array]:
         origin, ahead = (point[name] for name in made_of[body][:2])
-        x_axis = (ahead - origin) / abs(ahead - origin)
+        x_axis = (ahead - origin) / abs(complex(ahead - origin))
         return {name: (point[name] - origin) * x_axis.conjugate() for name in made_of[body]}
 
     return Linkage(

@@ -210,7 +210,7 @@ class LoopEquations:
                     if 0 <= pair < len(chain) - 1
                 )
                 moves = self.moving(np.asarray(lone))
-                ways = [self._way(state, moves, self.names.index(b), self.linkage.bodies[b][pin])
+                ways = [self._way(state, moves, self.names.index(b), complex(self.linkage.bodies[b][pin]))
                         for b in (chain[k], chain[k - 1 if k else 1])]  # fmt: skip
                 one = sum(np.abs(w[:, 0]) ** 2 for w in ways)
                 two = sum(np.abs(w[:, 1]) ** 2 for w in ways)

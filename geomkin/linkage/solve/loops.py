@@ -135,7 +135,7 @@ class Loops(Placement):
 
     def _points(self, body: str, state: State) -> dict[str, complex]:
         """A body's points in its frame, and where it is half of an actuator those of the other half."""
-        points, driven = dict(self.linkage.bodies[body]), self.equations.driven
+        points, driven = {p: complex(z) for p, z in self.linkage.bodies[body].items()}, self.equations.driven
         if driven and body in (driven.body, driven.along):
             other = driven.along if body == driven.body else driven.body
             drive = float(state[0][0, -1].real)
