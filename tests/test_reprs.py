@@ -18,7 +18,7 @@ RECIPES = Path(__file__).parent.parent / "recipes"
 # Classes whose line is still too long or more than one. None may be added.
 TO_COME = {
     "BoundaryPiece", "ConjugateCurve", "DrivenRRR", "FourBar", "InvertedSliderCrank", "LinkageSolution",
-    "Plate", "Poses", "RingTooth", "RingTrochoid", "Roots", "StephensonSixBar", "Tooth", "ToothCorner",
+    "Poses", "RingTooth", "RingTrochoid", "Roots", "StephensonSixBar", "Tooth", "ToothCorner",
     "WattSixBar",
 }  # fmt: skip
 

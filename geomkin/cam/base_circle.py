@@ -13,7 +13,7 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
-from .followers.flat import TranslatingFlat
+from .followers.flat import straight_face_base_radius
 from .followers.follower import AbstractFollower, Follower
 from .maxima import largest, samples
 from .program.program import FollowerMotion, Program
@@ -109,7 +109,7 @@ def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg:
 
     Source: Rothbart, Cams (1956), flat-faced follower; the tilted face derived here.
     """
-    return TranslatingFlat(tilt_deg).least_base_radius(program, least_radius)
+    return straight_face_base_radius(program, least_radius, tilt_deg)
 
 
 # By how much a rule is broken at each cam angle of a motion, with a base radius in mm; above 0 where it is.

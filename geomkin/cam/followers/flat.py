@@ -80,6 +80,16 @@ def on_face(
     return Contact(normal * (p + 1j * along), normal, rate, -sense * rate * radius, pressure_angle)
 
 
+def straight_face_base_radius(program: Program, least_radius: float, tilt_deg: float) -> float:
+    """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so that least_radius - min(s + s'') cos(tilt)."""
+
+    def below(angle: Real) -> Real:
+        motion = program.motion(angle)
+        return -motion.lift - motion.acceleration
+
+    return least_radius + float(np.cos(np.radians(tilt_deg))) * largest(program.breaks, below)[0]
+
+
 @dataclass(frozen=True)
 class TranslatingFlat(AbstractFace):
     """A flat face that moves along y. At lift 0 it touches the base circle.
@@ -132,13 +142,7 @@ class TranslatingFlat(AbstractFace):
         return np.asarray((np.imag(points * np.exp(-1j * self.tilt)) - base_radius) / np.cos(self.tilt))
 
     def least_base_radius(self, program: Program, least_radius: float) -> float:
-        """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so that least_radius - min(s + s'') cos(tilt)."""
-
-        def below(angle: Real) -> Real:
-            motion = program.motion(angle)
-            return -motion.lift - motion.acceleration
-
-        return least_radius + float(np.cos(np.radians(self.tilt_deg))) * largest(program.breaks, below)[0]
+        return straight_face_base_radius(program, least_radius, self.tilt_deg)
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
         """The face on its stem."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
@@ -25,6 +26,8 @@ class Bars:
     pivot_bore: float
     roller_bore: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class Hole:
@@ -38,6 +41,8 @@ class Hole:
     widest: float
     centre: complex = 0j
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True, eq=False)
 class Plate:
@@ -46,6 +51,8 @@ class Plate:
     name: str
     outline: AbstractCurve
     holes: tuple[Hole, ...] = ()
+
+    __repr__ = one_line
 
 
 def rounded(outline: Polyline, radius: float) -> Polyline:
