@@ -11,6 +11,7 @@ import numpy as np
 
 from ..cam.base_circle import least_base_circle
 from ..cam.cam import Cam, convex_curvature, pressure_angle
+from ..cam.extremes import largest
 from ..cam.follower import Roller
 from ..cam.limits import cam_angles, segment_limits, tightest_convex
 from ..cam.polar import polar_radius
@@ -29,6 +30,8 @@ from .settings import Drive, Files
 
 # Share of the peak acceleration that the scatter of a table may add: more is felt and heard.
 NOISE = 0.1
+# Of the largest velocity, what counts as rest. A larger share would leave out angles at which the follower moves.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -103,18 +106,13 @@ def _finite(values: Array) -> Array:
 def _checks(recipe: DiskCamRecipe) -> list[Check]:
     """Pressure angles of rise and return, room left before undercut, and what undercut takes."""
     cam = recipe.cam
-    angles = cam_angles(cam)
-    leaning = np.degrees(np.abs(pressure_angle(cam, angles)))
-    velocity = cam.program.motion(angles).velocity
     # An arm swings away from a leaning force, a guide binds: the usual limits.
     limit = 45 if cam.follower.oscillates else 30
     checks = []
-    for name, moving in (("rise", velocity > 0), ("return", velocity < 0)):
-        if moving.any():
+    for name, way in (("rise", 1), ("return", -1)):
+        if (leaning := _most_leaning(cam, way)) is not None:
             advice = "give a larger base_radius or a longer segment"
-            checks.append(
-                Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", limit, "deg", advice)
-            )
+            checks.append(Check(f"pressure angle on the {name}", leaning, "at most", limit, "deg", advice))
     jumps = np.abs(cam.program.jumps.velocity)
     if jumps.any():
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
@@ -141,6 +139,19 @@ def _checks(recipe: DiskCamRecipe) -> list[Check]:
         advice = "a sharp edge wears: give a larger base_radius"
         checks.append(Check("least convex radius of the profile", sharpest, "at least", 1, "mm", advice))
     return checks
+
+
+def _most_leaning(cam: Cam, way: int) -> float | None:
+    """Largest pressure angle, deg, where the follower moves outward, way 1, or inward, -1; None where it never does."""
+    # At rest what is left of the velocity is rounding, whose sign says nothing.
+    rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
+
+    def leaning(angle: Array) -> Array:
+        moving = way * cam.program.motion(angle).velocity > rest
+        return np.where(moving, np.abs(pressure_angle(cam, angle)), -1.0)
+
+    most, _ = largest(cam.program.breaks, leaning)
+    return float(np.degrees(most)) if most >= 0 else None
 
 
 def _above(value: float) -> str:

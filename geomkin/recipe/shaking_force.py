@@ -30,6 +30,9 @@ from ..table import Column, Table, xy_columns
 from .kind import Kind
 from .settings import Files, Turn
 
+# Of the largest force, what counts as none. A smaller share is that of the force's own rounding.
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class ShakingForceRecipe:
@@ -110,11 +113,14 @@ def _table(recipe: ShakingForceRecipe) -> Table:
 
 def _checks(recipe: ShakingForceRecipe) -> list[Check]:
     largest = recipe.largest
+    # Where the best leaves nothing, the rest is rounding, and so would be a quotient by it.
+    least = max(largest["best"], ROUNDING * max(largest.values()))
     return [
         Check("share of the crank's turn reached", 100 * recipe.motion.closed.mean(), "at least", 100, "%"),
         Check(
-            "largest force, given to best counterbalance", largest["given"] / largest["best"], "at most", 1.05, "",
-            f"give counterbalance = {recipe.best.product.real:.6g}",
+            "largest force, given to best counterbalance", max(largest["given"], least) / least if least > 0 else 1.0,
+            "at most", 1.05, "",
+            f"give counterbalance = {recipe.best.product.real + 0.0:.6g}",
         ),
         Check("plates and pins that collide", len(recipe.stack.collisions), "at most", 0, "", "see summary.json"),
         *recipe.drive.checks,
