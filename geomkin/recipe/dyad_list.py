@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import DesignError
 from ..linkage.linkage import Linkage, Slider
 from ..names import check_names
-from ..sizes import PointXY, check_sizes, entry, quantity
+from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,9 @@ class Corner:
     body: str = entry("the body it belongs to", example="coupler")
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
-    lengths: tuple[float, float] = entry("its distances from them, mm", example=(50.0, 60.0))
+    lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
+        "its distances from them, mm", example=(50.0, 60.0)
+    )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 
 
