@@ -224,13 +224,23 @@ def _backward(raw: RawOutline) -> tuple[list[Span], list[Span]]:
         if end > piece + 1:
             # The profile jumps in between: each side by itself.
             loops += [(start, piece + 1), (float(np.floor(end)), end)]
-        elif abs(np.subtract(*raw.curve.point(np.array([start, end])))) > POINT * raw.cam.base_radius:
+        elif (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
             loops.append((start, end))
         else:
-            # The two branches of a small loop meet this much beyond its cusps, where the contact stands still.
-            beyond = (np.sqrt(3) - 1) / 2 * (end - start)
-            points.append((max(start - beyond, piece), min(end + beyond, piece + 1)))
+            # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.
+            away = max(2 * start - end, piece), min(2 * end - start, piece + 1)
+            before, after = (_gone(raw, cusp, far, back / 2) for cusp, far in zip((start, end), away))
+            points.append((before, after))
     return loops, points
+
+
+def _gone(raw: RawOutline, cusp: float, far: float, way: float) -> float:
+    """Where the curve, from a cusp towards a place as far as its loop is wide, has gone a way, mm; there at most."""
+    low, high, tip = cusp, far, raw.curve.point(cusp)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if abs(raw.curve.point(middle) - tip) < way else (low, middle)
+    return 0.5 * (low + high)
 
 
 def _small_jumps(raw: RawOutline) -> list[Span]:
@@ -263,7 +273,7 @@ def _grid(raw: RawOutline, loops: list[Span], points: list[Span]) -> Array:
     grid = [raw.places]
     for a, b in loops:
         near = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
-        grid.append(near[(near >= np.floor(a)) & (near < np.ceil(b))])
+        grid += [near[(near >= np.floor(a)) & (near < np.ceil(b))]]
     chosen = np.unique(np.concatenate(grid))
     for a, b in points:
         before, after = chosen <= a, chosen >= b
