@@ -124,6 +124,8 @@ class CentrodeCurve(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if not self.span[0] < self.span[1]:
+            raise DesignError("span", f"found {self.span}", "give a rising pair")
         bodies = self.linkage.linkage.bodies
         if self.body not in bodies:
             raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
