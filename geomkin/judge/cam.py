@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arguments import checked
 from ..cam.cam import Cam
+from ..cam.maxima import largest
 from ..cam.measures import cam_angles, pressure_angle, segment_limits, tightest_convex
 from ..cam.undercut import Undercut, undercut
-from ..cam.maxima import largest
 from ..check import Check
 from ..plane.vec import Real
 

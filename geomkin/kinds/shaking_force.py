@@ -31,7 +31,6 @@ from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
 from .linkages import AbstractLinkageRecipe
 
-
 # Of the largest force, what counts as none. A smaller share is that of the force's own rounding.
 ROUNDING = 1e-9
 
