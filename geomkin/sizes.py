@@ -200,6 +200,13 @@ class NotBoolean:
         )
 
 
+class AsWritten:
+    """Marks a number in a row, where text that reads like one would otherwise do."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(source) | {"strict": True}
+
+
 class SignOrPlace:
     """Marks a branch of one joint: 1 or -1, or the place `[x, y]` of a point, in mm, that it is nearest to."""
 

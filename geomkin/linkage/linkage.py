@@ -42,9 +42,9 @@ class AbstractLinkage(ABC):
 
     def __repr__(self) -> str:
         """As it is made, without what may be left out; of much in one line."""
-        values = {f.name: (getattr(self, f.name), f.default) for f in fields(self)}  # type: ignore[arg-type]
-        told = (f"{name}={value!r}" for name, (value, default) in values.items() if not np.array_equal(value, default))
-        text = f"{type(self).__name__}({', '.join(told)})"
+        values = ((f.name, getattr(self, f.name), f.default) for f in fields(self))  # type: ignore[arg-type]
+        told = ", ".join(f"{name}={value!r}" for name, value, left_out in values if np.any(value != left_out))
+        text = f"{type(self).__name__}({told})"
         return text if len(text) <= LONGEST and not self.linkage.many else one_line(self)
 
 
