@@ -168,7 +168,7 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
+    "AbstractCurve", "AbstractFlankGear", "AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
