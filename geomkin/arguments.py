@@ -272,7 +272,6 @@ Count = Annotated[int, Sort(lambda value: is_whole(value) and value > 0, "a whol
 Positive = Annotated[float, Sort(lambda value: is_real(value) and value > 0, "a number above 0")]
 # What a number was found to be, which may be nothing.
 Found = Annotated[float, Sort(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")]
-RealArray = NDArray[np.floating[Any]]
 # Places over the frames, nan where there is none.
 Places = Annotated[ArrayLike, Sort(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")]
 Points = Annotated[ArrayLike, Sort(are_points, "finite points as complex numbers x + yj, one or an array")]
