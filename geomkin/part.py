@@ -16,7 +16,8 @@ class Part:
 
     name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
     direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make. marks:
-    open or closed curves engraved within the outline.
+    open or closed curves engraved within the outline. body: whose motion it follows, by the name that the
+    mechanism gives it; "" for a part that belongs to no motion, as a drawing.
     """
 
     name: str
@@ -26,9 +27,7 @@ class Part:
     layer: str = "CUT"
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
-    __repr__ = one_line
-
-    __repr__ = one_line
+    body: str = ""
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -19,6 +19,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 
 from .arguments import Sort, between, check_fields, is_place, numbers
+from .brief import clipped
 from .errors import DesignError, shown
 
 T = TypeVar("T")
@@ -223,6 +224,9 @@ class KindTable(UserDict[str, type[T]]):
     def __delitem__(self, kind: str) -> None:
         super().__delitem__(kind)
         KindTable.changes += 1
+
+    def __repr__(self) -> str:
+        return clipped(f"KindTable({', '.join(self)})")
 
 
 class OneOfKinds:

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +19,15 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
 
 
-def test_the_python_code_runs_and_its_comments_are_true():
+def test_the_python_code_runs_and_its_comments_are_true(tmp_path, monkeypatch):
+    shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
+    monkeypatch.chdir(tmp_path)
     names = {}
     for code in blocks("python"):
         exec(code, names)
+    assert names["wheel"] == names["recipe"] and names["swings"].rocker.direction.shape == (361, 5)
+    assert {path.name for path in Path().iterdir() if path.is_file()} == {"gear.dxf", "gear.csv", "wheel.stl"}
+    assert (tmp_path / "made" / "spur-gear" / "summary.json").exists()
     assert names["gear"].is_undercut and names["gear"].form_radius == pytest.approx(11.3027, abs=5e-5)
     assert np.iscomplexobj(names["motion"].point("coupler_point").acceleration)
     assert len(names["points"]) > 100 and names["arcs"].bulges.any()

@@ -20,12 +20,14 @@ from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
 # Base radii tried before the least is closed in on. Good ones between bad ones are found where they cover a
-# stretch wider than a step: 7 % of the radius, or a 240th of what an arm can reach.
+# stretch wider than a step: 7 % of the radius, or a 240th of what an arm can reach. Fewer miss more of them, more take
+# as much longer.
 TRIED = 240
-# Halvings that close in on a radius, to 1e-12 of it.
+# Halvings that close in on a radius, to 1e-12 of it: fewer lose digits, more only find rounding.
 HALVINGS = 36
-# Shares of the size of lifts, rates and follower: the least base radius tried, below which any might do, and one at
-# which flanks that cross on smaller cams no longer do.
+# Shares of the size of lifts, rates and follower. The least base radius tried: a larger one calls a small cam the
+# least, a smaller one is lost in rounding. And one at which flanks that cross on smaller cams no longer do: less
+# refuses programmes that a large cam could run.
 SMALLEST, FAR = 1e-5, 1e3
 
 Limit = Literal["pressure angle", "undercut", "reach", "nothing"]
@@ -36,9 +38,7 @@ class BaseCircle:
     """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
 
     limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even the smallest will do, and
-    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame.
-
-    Source: derived here.
+    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame. Derived here.
     """
 
     radius: float
@@ -147,7 +147,7 @@ def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float)
     motion = program.motion(samples(program.breaks))
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        # What the samples show needs no closer look.
+        # Where the samples show a rule broken, no closer look is needed.
         fits = all(rule(motion, middle).max() <= 0 for rule in rules.values()) and worst(middle)[0] <= 0
         good, bad = (middle, bad) if fits else (good, middle)
     _, angle, name = worst(bad)

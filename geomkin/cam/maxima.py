@@ -1,4 +1,4 @@
-"""The largest value of a function that is smooth between breaks."""
+"""The largest value of a function that is smooth between breaks: seen on samples, then climbed to."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import numpy as np
 
 from ..plane.vec import Real
 
-# Places looked at in each segment. What a segment's law does between two of them is one hill at most.
+# Places looked at in each stretch. What a segment's law does between two of them is one hill at most; fewer may miss
+# a hill, more take as much longer.
 SAMPLES = 256
-# Places looked at in all segments, of which each then has fewer, but no fewer than FEWEST: where there are very many,
-# each is short, and simple. Less would see less of a spline among many dwells, more takes seconds.
+# Where stretches are so many that all together would have more places than TOGETHER, each gets fewer, but no fewer than
+# FEWEST. Less would see too little of a spline among many dwells, more takes seconds.
 TOGETHER, FEWEST = 256 * 256, 48
 # Each look narrows the hill to a sixteenth; after seven a cam angle is known to 1e-9 rad and, a hill being
 # flat at its top, the value to rounding.
@@ -43,11 +44,12 @@ def highest_between(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[R
 
 
 def _hills(places: Real, values: Real) -> tuple[Real, Real, Real]:
-    """What the top at the highest sample of each row stays below, and the places that it lies between."""
+    """Of each row of samples: what the hill at its highest sample stays below, and the places on both sides of it."""
     top = values.argmax(axis=1)[:, None]
     sides = np.maximum(top - 1, 0), np.minimum(top + 1, places.shape[1] - 1)
     one, other = (np.take_along_axis(values, side, 1)[:, 0] for side in sides)
-    # A hill seen at three places rises above the middle one by an eighth of what it falls to the sides.
+    # A parabola through three samples rises above the middle one by an eighth of its fall to the sides at most: eight
+    # times as much is allowed.
     most = np.take_along_axis(values, top, 1)[:, 0]
     before, after = (np.take_along_axis(places, side, 1)[:, 0] for side in sides)
     with np.errstate(invalid="ignore"):
@@ -57,7 +59,7 @@ def _hills(places: Real, values: Real) -> tuple[Real, Real, Real]:
 def climb(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
     """The top of the one hill of f between each `low` and `high`: its value and its place."""
     for _ in range(LOOKS):
-        # The last of them may round to beyond `high`, where a joint lies.
+        # Rounding may put the last place beyond `high`, across a joint.
         places = np.minimum(low[:, None] + (high - low)[:, None] * np.linspace(0, 1, FINE), high[:, None])
         values = f(places)
         top = values.argmax(axis=1)[:, None]
@@ -71,7 +73,7 @@ def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     places = samples(breaks)
     values = f(places)
     most, before, after = _hills(places, values)
-    # Most segments are seen to be lower at a glance.
+    # Most stretches are clearly lower: only those that may hold the largest value are climbed.
     may = ~(most < values.max())
     tops, where = climb(before[may], after[may], f)
     k = int(tops.argmax())

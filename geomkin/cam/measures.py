@@ -56,8 +56,7 @@ def convex_curvature(cam: Cam, angle: ArrayLike) -> Real:
 @checked
 def segment_limits(cam: Cam) -> SegmentLimits:
     """Pressure angle and convex radius of each segment, at their exact peaks, with both sides of every joint.
-
-    Source: derived here.
+    Derived here.
     """
     breaks = cam.program.breaks
     leaning, leaning_at = highest(breaks, lambda t: np.abs(pressure_angle(cam, t)))

@@ -1,4 +1,4 @@
-"""Where a closed curve crosses itself: roughly, of its chords, and to rounding."""
+"""Where a closed curve crosses itself: roughly, by its chords, and then to rounding."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross
 
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
-# six are enough; where they touch each step only halves the gap.
+# six are enough; where they touch each step only halves the gap, and fewer would lose that crossing.
 STEPS = 60
-# Pairs of chords looked at in one go: more takes more memory, and less than a thousandth as many takes longer.
+# Pairs of chords looked at in one go: more takes more memory; fewer than a thousand take longer.
 BLOCK = 1_000_000
 
 
@@ -35,7 +35,7 @@ def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
             break
         step = np.stack([cross(apart, v[:, 1]), cross(apart, v[:, 0])], axis=1) / -turned[:, None]
         t = np.clip(t + step, low[live], high[live])
-    # A place is where it is itself.
+    # Two parameters that have become one are no crossing.
     best[(least >= 1e-12 * size) | (np.abs(best[:, 0] - best[:, 1]) <= 1e-12 * (last - first))] = np.nan
     return best
 
@@ -45,7 +45,7 @@ def chord_crossings(z: Complex, reach: float = np.inf) -> tuple[Whole, Whole, Re
 
     Of chords that come nearer to the origin than `reach`; others may be left out.
     """
-    # Turned, so that no chord of a drawn shape is likely to stand upright, among many at the same place.
+    # Turned by an odd angle: drawn shapes may have many upright chords at the same x, whose boxes would all meet.
     a = z * np.exp(0.7j)
     b = np.roll(a, -1)
     near = np.flatnonzero(np.minimum(np.abs(a), np.abs(b)) - np.abs(b - a) / 2 < reach)
@@ -91,7 +91,7 @@ def _boxes_that_meet(a: Complex, b: Complex) -> tuple[Whole, Whole]:
         one = np.searchsorted(total, k, side="right")
         other = one + 1 + k - (total[one] - counts[one])
         i, j = chord[one], chord[other]
-        # Two that share several bands are told in the lowest of them.
+        # Two chords that share several bands are counted in the lowest of them.
         meet = (low[i] <= high[j]) & (low[j] <= high[i]) & (band[one] == np.maximum(first[i], first[j]))
         found.append(np.stack([i[meet], j[meet]]))
     i, j = np.concatenate([np.zeros((2, 0), int), *found], axis=1)

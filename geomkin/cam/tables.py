@@ -31,14 +31,15 @@ def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = 
     the contact on the ground. Where the follower undercuts, a last column tells the lift that is lost. cut: what
     `undercut` found, where it is known already.
 
+        gk.cam.cam_table(cam, speed=10.0, angle=np.radians(np.arange(360)))
+
     Source: derived here, by the chain rule from the motion programme.
     """
-    motion, oscillates = cam.program.motion(angle), cam.follower.oscillates
-    unit, size = ("deg", 180 / np.pi) if oscillates else ("mm", 1.0)
-    rate = "rad" if oscillates else "mm"
+    motion, (unit, size) = cam.program.motion(angle), cam.follower.lift_unit
+    rate = "rad" if cam.follower.oscillates else "mm"
     contact, left = cam.contact(angle), cut or undercut(cam)
     radius = polar_radius(left.outline, angle)
-    # At a point of the profile no number tells it.
+    # At a sharp point of the profile it is infinite, which no number tells.
     bend = finite(-cam.sense * cam.profile.curvature(angle))
     columns = [
         Column("cam_angle", "deg", "angle the cam has turned", np.degrees(angle)),
@@ -72,9 +73,7 @@ def polar_radius(outline: AbstractCurve, angle: Reals) -> Real:
     """Distance from the origin to a closed outline about it, mm, in the directions of `angle`, rad; any shape.
 
     Where the outline passes a direction more than once, the farthest point counts: what a probe from outside meets,
-    so that a cam can be cut on a dividing head and inspected.
-
-    Source: derived here.
+    so that a cam can be cut on a dividing head and inspected. Derived here.
     """
     directions = np.exp(1j * np.asarray(angle, dtype=float).ravel())
     breaks = outline.breaks

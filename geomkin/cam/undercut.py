@@ -20,23 +20,23 @@ from .maxima import climb, highest_between, samples
 from .self_crossings import chord_crossings, crossings
 from .untrimmed_outline import UntrimmedOutline
 
-# Chords over the width of a reversed stretch and, to either side, over four times its width, where the
-# profile crosses itself.
+# Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within
+# which its loop closes. Fewer may miss a small loop, more take longer.
 CHORDS_PER_LOOP = 8
-# A reversed stretch whose ends lie nearer than this share of the base radius is a point: its loop is lost in
-# rounding, and so is the lift that it costs.
+# A stretch that runs backwards over less than this share of the base radius is a point: its loop is lost in rounding,
+# and so is the lift that it costs. Smaller looks for crossings in rounding, larger loses loops that can be found.
 POINT = 3e-10
-# So is what a backward jump smaller than this share costs: the branches beside it meet too flat to be solved for.
+# So is what a backward jump over less than this share costs: the branches beside it meet too flat to be solved for.
+# Smaller leaves such jumps to a search that does not settle, larger rounds off jumps that can be solved for.
 JUMP = 1e-6
-
-# Follower on corner, at how many angles times corners in one go: more takes more memory.
+# Angles times corners, on which the follower is let down, in one go: more takes more memory, less takes longer.
 BLOCK = 1_000_000
-
-# Share by which two losses of lift may differ and still count as equal: far above what rounding makes of equals.
+# Share by which two losses of lift may differ and still count as equal: less lets rounding choose where a symmetric
+# cam is worst, more takes the first of two that differ.
 TIED = 1e-9
 
 # From one parameter of the untrimmed outline to another.
-Stretch = tuple[float, float]
+Interval = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +46,7 @@ class Undercut:
     outline: closed, what the follower leaves as a cutter: all that it covers nowhere, round the cam's axis. The
     cam's own profile where there is no undercut. spans: (n, 2), cam angles, rad, from and to, between which the
     follower does not touch where it should, in order; the last may end beyond one turn. corners: (n,) complex,
-    mm, on the cam: the sharp points on which it rests meanwhile.
-
-    Source: derived here.
+    mm, on the cam: the sharp points on which it rests meanwhile. Derived here.
     """
 
     cam: Cam
@@ -78,7 +76,7 @@ class Undercut:
         at = angle[missing]
         corners = self.corners * np.exp(1j * self.cam.sense * at)[:, None]
         rest = self.cam.follower.resting_lift(corners, self.cam.base_radius).max(axis=-1)
-        # It rests on a corner always: on a smooth part it would stand where the programme puts it.
+        # Where lift is lost it rests on a corner: on a smooth part it would stand where the programme puts it.
         lost[missing] = np.maximum(self.cam.program.motion(at).lift - rest, 0)
         return lost
 
@@ -128,7 +126,7 @@ class _Tracing:
     pairs (n, 2): parameters. chords (n, 2): numbers of the chords that cross there. settled (n,).
     """
 
-    def __init__(self, raw: UntrimmedOutline, grid: Real, z: Complex, points: list[Stretch]):
+    def __init__(self, raw: UntrimmedOutline, grid: Real, z: Complex, points: list[Interval]):
         self.raw, self.grid = raw, grid
         self.end = float(raw.curve.breaks[-1])
         # A touch farther, since chords lie inside the curve.
@@ -143,7 +141,7 @@ class _Tracing:
             self.chords = np.concatenate([self.chords, np.searchsorted(grid, points, side="right") - 1])
             self.settled = np.append(self.settled, np.ones(len(points), bool))
 
-    def trace(self, start: float) -> tuple[list[Stretch], list[Stretch]]:
+    def trace(self, start: float) -> tuple[list[Interval], list[Interval]]:
         """Stretches of the parameter that are kept, from that which holds `start`, and those skipped between them."""
         while True:
             kept, skipped = _trace(self.pairs, start, self.end)
@@ -152,8 +150,8 @@ class _Tracing:
                 return kept, skipped
             self._settle(np.flatnonzero(passed))
 
-    def _near(self, kept: list[Stretch]) -> Mask:
-        """Whether chords are near to what is kept: a crossing may lie two chords from that of its chords."""
+    def _near(self, kept: list[Interval]) -> Mask:
+        """Which chords lie near what is kept: the curve may cross itself two chords away from where its chords do."""
         near = np.zeros(len(self.grid), bool)
         for a, b in kept:
             first, last = np.searchsorted(self.grid, [a, b], side="right").tolist()
@@ -165,7 +163,7 @@ class _Tracing:
         low, high = following[np.maximum(chords - 1, 0)], following[np.minimum(chords + 2, len(self.grid))]
         self.pairs[which] = crossings(self.raw.curve, self.pairs[which], low, high)
         self.settled[which] = True
-        # Chords on both sides of a place lead to the same one.
+        # Neighbouring chords may have led to the same crossing: it is kept once.
         alike = [
             np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
             for t in self.pairs.T
@@ -177,8 +175,8 @@ class _Tracing:
         self.pairs, self.chords, self.settled = self.pairs[keep], self.chords[keep], self.settled[keep]
 
 
-def _trace(pairs: Real, start: float, end: float) -> tuple[list[Stretch], list[Stretch]]:
-    """As `_Tracing.trace`, by the pairs as they stand."""
+def _trace(pairs: Real, start: float, end: float) -> tuple[list[Interval], list[Interval]]:
+    """The same, by the pairs as they now stand, settled or not."""
     if not len(pairs):
         return [(0.0, end)], []
     both = np.concatenate([pairs, pairs[:, ::-1]])
@@ -186,8 +184,8 @@ def _trace(pairs: Real, start: float, end: float) -> tuple[list[Stretch], list[S
     leave = both[:, 0].tolist()
     into = np.searchsorted(both[:, 0], both[:, 1])
     enter, into = both[:, 1].tolist(), into.tolist()
-    kept: list[Stretch] = []
-    skipped: list[Stretch] = []
+    kept: list[Interval] = []
+    skipped: list[Interval] = []
     first = here = (bisect_right(leave, start) - 1) % len(leave)
     for _ in pairs:
         following = (here + 1) % len(leave)
@@ -200,11 +198,9 @@ def _trace(pairs: Real, start: float, end: float) -> tuple[list[Stretch], list[S
     return [(a, b) for a, b in kept if b > a], skipped
 
 
-def _backward(raw: UntrimmedOutline) -> tuple[list[Stretch], list[Stretch]]:
-    """Stretches of the curve's parameter along which the contact runs backwards within a piece.
-
-    Of those too small to have a loop, which come apart from the others, it is the pairs of places where the
-    branches would meet.
+def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
+    """Stretches of the parameter along which contact runs backwards within a piece; then, of those too small for a
+    loop to be seen, the two parameters at which the branches beside them would meet.
     """
 
     def advance(angle: Real) -> Real:
@@ -224,8 +220,8 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Stretch], list[Stretch]]:
         return [], []
     low = _turning(advance, places[np.maximum(starts - 1, 0)], places[starts]).tolist()
     high = _turning(advance, places[np.minimum(ends + 1, len(places) - 1)], places[ends]).tolist()
-    loops: list[Stretch] = []
-    points: list[Stretch] = []
+    loops: list[Interval] = []
+    points: list[Interval] = []
     for a, b in zip(low, high):
         start, end = raw.parameter(a, ending=False), raw.parameter(b, ending=True)
         piece = float(np.floor(start))
@@ -241,9 +237,9 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Stretch], list[Stretch]]:
     return loops, points
 
 
-def _small_jumps(raw: UntrimmedOutline) -> list[Stretch]:
-    """Where the profile jumps a little backwards: the pairs of places before and after where it meets itself."""
-    found: list[Stretch] = []
+def _small_jumps(raw: UntrimmedOutline) -> list[Interval]:
+    """Of each small backward jump of the profile, the parameters before and after it at which the two sides meet."""
+    found: list[Interval] = []
     for k in range(1, len(raw.pieces), 2):
         before, jump, after = (raw.pieces[j % len(raw.pieces)] for j in (k - 1, k, k + 1))
         way = complex(jump.point(jump.breaks[-1]) - jump.point(jump.breaks[0]))
@@ -258,7 +254,7 @@ def _small_jumps(raw: UntrimmedOutline) -> list[Stretch]:
 
 
 def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
-    """Where f, negative inside, stops being so towards outside; `inside` where both are one place."""
+    """Where f, negative at `inside`, changes sign on the way to `outside`; `inside` where the two are the same."""
     for _ in range(60):
         middle = 0.5 * (outside + inside)
         negative = f(middle) < 0
@@ -266,8 +262,8 @@ def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
     return inside
 
 
-def _grid(raw: UntrimmedOutline, loops: list[Stretch], points: list[Stretch]) -> Real:
-    """Parameters of the raw outline whose chords cross where it does, loops included."""
+def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) -> Real:
+    """Parameters of the untrimmed outline whose chords cross where it does, loops included."""
     grid = [raw.places]
     for a, b in loops:
         near = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)

@@ -16,17 +16,17 @@ from .cam import Cam
 from .maxima import samples
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
-# what joins them is a piece of the outline. Smaller makes pieces of what a law leaves of rounding at its ends;
-# larger leaves a gap that a path of pieces does not take for closed.
+# what joins them is a piece of the outline. Smaller makes pieces out of the rounding at a law's ends; larger
+# leaves gaps, with which a path of pieces is not closed.
 APART = 5e-10
 # Chords over one turn in the search for crossings, and at least in each segment. Loops of the profile are looked
-# at more closely; of two flanks that cross without one, these miss what lies within 3e-7 of the radius of curvature.
+# at more closely. Fewer miss flanks that just cross; these, crossings less deep than 3e-7 of the radius of curvature.
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 
 
 @dataclass(frozen=True, eq=False)
 class UntrimmedOutline:
-    """What a follower touches all the way round: the profile, and where it jumps what joins its ends.
+    """What a follower touches all the way round: the profile and, where it jumps, what joins its ends.
 
     Where the programme's velocity jumps, the follower stands still while the contact runs along it: along
     the face, or round the roller. So pieces of the profile, each over a stretch of cam angles, are followed
@@ -95,7 +95,7 @@ class UntrimmedOutline:
 
     @cached_property
     def places(self) -> Real:
-        """Rising parameters whose chords are near enough to the curve to cross where it does, but for its loops."""
+        """Rising parameters. The chords between them cross where the curve does, except in its loops."""
         return np.concatenate([k + self._shares(k) for k in range(len(self.pieces))])
 
     def _shares(self, number: int) -> Real:

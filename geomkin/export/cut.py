@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..brief import one_line
 from ..errors import DesignError
 from ..part import Part
 from ..plane import measure, region
@@ -14,7 +15,7 @@ from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Array, rounded
+from ..plane.vec import Complex, rounded
 from ..sizes import WIDEST
 
 # Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
@@ -31,8 +32,10 @@ class Loop:
     """
 
     shape: Circle | Polyline
-    points: Array
+    points: Complex
     layer: str
+
+    __repr__ = one_line
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -68,6 +71,8 @@ class Cut:
     marks: tuple[Loop, ...]
     digits: int
 
+    __repr__ = one_line
+
     @property
     def area(self) -> float:
         """Area within the cuts as they are written, mm2: the outline's less the holes'."""
@@ -86,7 +91,7 @@ class Cut:
         return self.loops[0].box
 
 
-def _tops(shape: Polyline) -> Array:
+def _tops(shape: Polyline) -> Complex:
     """Places on arcs where they run along either axis."""
     edges = np.arange(len(shape.breaks) - 1)
     chord = shape.point(edges + 1) - shape.point(edges)
@@ -185,7 +190,7 @@ def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
 
 
-def _is_inside(outline: Array, place: complex) -> bool:
+def _is_inside(outline: Complex, place: complex) -> bool:
     """Whether a polygon winds round a place that does not lie on it."""
     seen = outline - place
     return bool(abs(np.angle(np.roll(seen, -1) / seen).sum()) > np.pi)
@@ -203,7 +208,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     sense = float(np.sign(measure.signed_area(curve, 1e-3)))
     moved = parallel(curve, grow * sense) if grow else curve
-    points = flatten(moved, tolerance) if moved else np.empty(0)
+    points = flatten(moved, tolerance) if moved else np.empty(0, dtype=complex)
     # What a slot narrower than the beam leaves runs the other way round.
     turned = grow != 0 and (len(points) < 3 or signed_area(points) * sense <= 0)
     points = _rounded_loop(points, digits)
@@ -218,7 +223,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     return Loop(shape, points, layer)
 
 
-def _is_outline(points: Array) -> bool:
+def _is_outline(points: Complex) -> bool:
     return len(points) >= 3 and region.is_simple(points)
 
 
@@ -237,7 +242,7 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
     return shape if measure.signed_area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
-def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
+def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex:
     """The polygon grown by half the kerf; refused where a beam so wide would leave another part than asked for."""
     points = points if signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
@@ -254,7 +259,7 @@ def _grown(points: Array, grow: float, tolerance: float, name: str) -> Array:
     return regions[0][0]
 
 
-def _rounded_loop(z: Array, digits: int) -> Array:
+def _rounded_loop(z: Complex, digits: int) -> Complex:
     """Rounded, without repeats, counterclockwise."""
     if not len(z):
         return z
@@ -263,7 +268,7 @@ def _rounded_loop(z: Array, digits: int) -> Array:
     return z if signed_area(z) >= 0 else z[::-1]
 
 
-def signed_area(z: Array) -> float:
+def signed_area(z: Complex) -> float:
     """Area of a polygon, mm2, positive when counterclockwise."""
     about = z - z[:1]
     return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..brief import one_line
 from .cut import Cut, Loop
 
 # Operations that a cutting program tells apart, each with its colour index, for programs that know only those, and its
@@ -28,6 +29,8 @@ class Placed:
     cut: Cut
     shift: complex
 
+    __repr__ = one_line
+
     @property
     def loops(self) -> tuple[Loop, ...]:
         """All of it on the sheet, in the order of the work.
@@ -45,6 +48,8 @@ class Sheet:
     placed: tuple[Placed, ...]
     width: float
     height: float
+
+    __repr__ = one_line
 
     @property
     def extents(self) -> tuple[complex, complex]:

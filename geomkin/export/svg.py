@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Array
+from ..plane.vec import Real
 from .cut import Loop
 from .job import Job
 from .layout import LAYERS, Sheet
@@ -58,7 +58,7 @@ def _shape(loop: Loop, height: float, digits: int) -> str:
     return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, bulges, places[1:] + places[:1], digits))}Z"'
 
 
-def _arcs(shape: Polyline, bulges: Array, ends: list[str], digits: int) -> list[str]:
+def _arcs(shape: Polyline, bulges: Real, ends: list[str], digits: int) -> list[str]:
     radii = 1 / np.where(bulges == 0, np.inf, np.abs(shape.curvature(np.arange(len(ends)) + 0.5)))
     steps = []
     for bulge, radius, end in zip(bulges.tolist(), radii.tolist(), ends):

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from .conjugate.lantern import LanternPinion as LanternPinion
     from .contract import AbstractGear as AbstractGear
     from .contract import AbstractInvoluteGear as AbstractInvoluteGear
-    from .contract import AbstractMesh as AbstractMesh
     from .contract import AbstractShaper as AbstractShaper
     from .cutters import PinionCutter as PinionCutter
     from .cutters import RackCutter as RackCutter

@@ -5,50 +5,45 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import RealsOrNan, checked
+from ..arguments import checked
+from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..plane.pose import Pose
-from ..plane.vec import Real
 from ..sizes import Length
 
-__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractMesh", "AbstractShaper", "AbstractTooth", "told"]
+__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
 
 if TYPE_CHECKING:
     from builtins import property as told
 else:
 
-    class told:
+    class told:  # noqa: N801  # stands as `property` does
         """What each class of a contract tells of itself, by a field or a property of this name."""
 
         def __init__(self, tell):
             self.__doc__ = tell.__doc__
 
 
-class _Contract(ABC):
-    """A class of which each heir tells all that is asked of it, or is refused when Python reads it.
+class _Contract(ABC):  # noqa: B024  # its heirs say what is asked
+    """A class of which each heir tells all that is asked, by fields or properties, or is refused when Python reads it.
 
     Heirs whose names begin with `Abstract` may leave things to their own heirs.
     """
 
     def __init_subclass__(cls, **given: Any) -> None:
         super().__init_subclass__(**given)
-        fields = inspect.get_annotations(cls)
-        for name in fields:
+        for name in inspect.get_annotations(cls):
             # What is inherited would count as the field's default.
             if name not in vars(cls) and hasattr(cls, name):
                 setattr(cls, name, dataclasses.field())
-        asked = {name for name in dir(cls) if _is_asked(getattr(cls, name, None))}
-        if missing := sorted(asked - set(fields)):
-            if not cls.__name__.startswith(("Abstract", "_Abstract")):
-                raise TypeError(f"{cls.__name__} must tell {', '.join(missing)}")
-
-
-def _is_asked(member: object) -> bool:
-    return type(member) is told or getattr(member, "__isabstractmethod__", False)
+        fields = {name for base in cls.__mro__ for name in inspect.get_annotations(base)}
+        members = {name: getattr(cls, name, None) for name in sorted(set(dir(cls)) - fields)}
+        asked = [name for name, m in members.items() if type(m) is told or getattr(m, "__isabstractmethod__", False)]
+        if asked and not cls.__name__.lstrip("_").startswith("Abstract"):
+            raise TypeError(f"{cls.__name__} must tell {', '.join(asked)}")
 
 
 class _AbstractToothed(_Contract):
@@ -101,7 +96,7 @@ class AbstractGear(_AbstractToothed):
 
     @property
     def solid_rim(self) -> float | None:
-        """Thickness under the teeth, mm, where nothing is cut out: down to the axis; None of a ring, whose plate has it."""
+        """Thickness under the teeth, mm, where nothing is cut out: to the axis; None of a ring, whose plate has it."""
         return None if self.is_ring else self.root_radius
 
     @property
@@ -120,6 +115,16 @@ class AbstractTooth(_Contract):
     @abstractmethod
     def base_radius(self) -> float:
         """Radius of the circle from which the flanks unwind, mm."""
+
+    @told
+    @abstractmethod
+    def tip_radius(self) -> float:
+        """Radius of the tips, mm."""
+
+    @told
+    @abstractmethod
+    def root_radius(self) -> float:
+        """Radius of the bottoms of the spaces, mm."""
 
     @told
     @abstractmethod
@@ -191,6 +196,16 @@ class AbstractInvoluteGear(AbstractGear):
         return self.tooth.base_radius
 
     @property
+    def tip_radius(self) -> float:
+        """Radius of the tips of the teeth, mm: of a ring the smallest."""
+        return self.tooth.tip_radius
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the bottoms of the spaces, mm: of a ring the largest."""
+        return self.tooth.root_radius
+
+    @property
     def base_pitch(self) -> float:
         """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
         return 2 * np.pi * self.base_radius / self.teeth
@@ -232,6 +247,16 @@ class AbstractInvoluteGear(AbstractGear):
         return self.tooth.tip_edge
 
 
+def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:
+    """Raise DesignError where what a gear drives, called `name` and made by its `tool`, has other teeth."""
+    if abs(driver.module - module) > 1e-9 * driver.module:
+        found = f"found {module:g} mm beside {driver.module:g} mm"
+        raise DesignError(f"{name}.module", found, f"give {driver.module:.10g}")
+    if abs(driver.pressure_angle - pressure_angle) > 1e-9:
+        found = f"found {np.degrees(pressure_angle):g} deg beside {np.degrees(driver.pressure_angle):g} deg"
+        raise DesignError(f"{name}.{tool}.pressure_angle_deg", found, "give both tools the same")
+
+
 class AbstractShaper(_AbstractToothed):
     """A gear about the origin that shapes a mate: it is taken as the tool, and the mate is what its teeth leave."""
 
@@ -246,56 +271,3 @@ class AbstractShaper(_AbstractToothed):
 
         Its first pieces are the side that drives, the right-hand one of the tooth on +y.
         """
-
-
-class AbstractMesh(_Contract):
-    """A gear that drives a gear or a rack by involute flanks.
-
-    Lengths along the line of action are measured from the driving gear's base circle, mm.
-    """
-
-    # What the two are called in tables.
-    names: ClassVar[tuple[str, str]]
-
-    @told
-    @abstractmethod
-    def module(self) -> float:
-        """Pitch diameter per tooth of both, mm."""
-
-    @told
-    @abstractmethod
-    def driver(self) -> AbstractInvoluteGear:
-        """The gear that drives."""
-
-    @told
-    @abstractmethod
-    def contact_lengths(self) -> tuple[float, float]:
-        """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
-
-    @told
-    @abstractmethod
-    def contact_ratio(self) -> float:
-        """Mean number of tooth pairs in contact; below 1 the drive is passed on in jerks."""
-
-    @told
-    @abstractmethod
-    def backlash(self) -> float:
-        """Play between the teeth, mm along the circles, or the line, that roll on each other."""
-
-    @told
-    @abstractmethod
-    def clearances(self) -> tuple[float, float]:
-        """From the tips of the second to the roots of the first, and of the first to the second's, mm."""
-
-    @told
-    @abstractmethod
-    def interferences(self) -> tuple[str, ...]:
-        """What hits, in words; empty where nothing does."""
-
-    @abstractmethod
-    def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
-        """Specific sliding of both at places on the line of action, mm, any shape."""
-
-    @abstractmethod
-    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
-        """Where both stand when the driver, about the origin, has turned by `turn`, rad, any shape."""

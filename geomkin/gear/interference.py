@@ -1,4 +1,4 @@
-"""Whether teeth hit each other beside their contact: tips against roots, and the tips of a pinion against its ring's."""
+"""Whether teeth hit each other beside their contact: tips against roots, a pinion's tips against its ring's."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from ..sizes import last_fit
 
 
 def involute_function(roll: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll angle (ISO 21771)."""
+    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll (ISO 21771)."""
     return float(roll - np.arctan(roll))
 
 

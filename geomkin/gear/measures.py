@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import checked
+from ..brief import one_line
 from ..errors import DesignError
 from ..sizes import Length, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
@@ -21,11 +22,14 @@ class SpanMeasure:
     length: float
     radius: float
 
+    __repr__ = one_line
+
 
 @dataclass(frozen=True)
 class PinMeasure:
-    """diameter: over two pins in opposite spaces, mm, between them for a ring; pin: their diameter, mm;
+    """What two pins in opposite spaces measure.
 
+    diameter: over the two pins, mm, between them for a ring; pin: their diameter, mm;
     radius: of the circle through the pins' centres, mm; contact: of the circle on which they touch the flanks, mm.
     """
 
@@ -33,6 +37,8 @@ class PinMeasure:
     pin: float
     radius: float
     contact: float
+
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,8 @@ class ChordMeasure:
     chord: float
     half_angle: float
     height: float
+
+    __repr__ = one_line
 
 
 @checked

@@ -13,7 +13,7 @@ from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
-from .contract import AbstractMesh
+from .contract import check_alike
 from .interference import InternalMesh, tip_margin
 from .involute import inverse_involute, involute_function
 from .ring import RingGear
@@ -24,15 +24,16 @@ SEEN = 1e-5
 
 
 @dataclass(frozen=True)
-class GearPair(AbstractMesh):
+class GearPair:
     """A spur gear, and a spur gear or a ring gear that it drives.
 
-    centre_distance: mm; left out, the one without backlash, were it not for the teeth's thinning; `axis_distance` is
+    centre_distance: mm; left out, the one at which teeth that are not thinned have no backlash; `axis_distance` is
     the one that holds. Lengths along the line of action are measured from the first gear's base circle. Distance,
     contact ratio and specific sliding as in ISO 21771 and DIN 3960.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
+    # What tables call the two.
     names = "first", "second"
 
     first: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
@@ -44,17 +45,8 @@ class GearPair(AbstractMesh):
     def __post_init__(self) -> None:
         check_sizes(self)
         first, second = self.first, self.second
-        if abs(first.module - second.module) > 1e-9 * first.module:
-            raise DesignError(
-                "second.module", f"found {second.module:g} mm beside {first.module:g} mm", f"give {first.module:.10g}"
-            )
-        if abs(first.pressure_angle - second.pressure_angle) > 1e-9:
-            angles = np.degrees([first.pressure_angle, second.pressure_angle])
-            raise DesignError(
-                "second.pressure_angle",
-                f"found {angles[1]:g} deg beside {angles[0]:g} deg",
-                "give both gears tools of one pressure angle",
-            )
+        tool = "cutter" if self.is_internal else "rack"
+        check_alike(first, second.module, second.pressure_angle, "second", tool)
         if self.is_internal and second.teeth <= first.teeth:
             raise DesignError(
                 "second.teeth",
@@ -95,18 +87,28 @@ class GearPair(AbstractMesh):
     @property
     def tight_distance(self) -> float:
         """Centre distance, mm, at which teeth that are not thinned have no backlash."""
-        slope = np.tan(self.first.pressure_angle)
-        x1, x2 = self.first.profile_shift, self.second.profile_shift
-        shift = x2 - x1 if self.is_internal else x1 + x2
-        angle = involute_function(slope) + 2 * slope * shift / self._teeth
+        angle = self._tight_involute(0.0)
         if angle < 0:
+            x1, x2, slope = self.first.profile_shift, self.second.profile_shift, np.tan(self.first.pressure_angle)
             least = -involute_function(slope) * self._teeth / (2 * slope)
             raise DesignError(
                 "second.profile_shift",
                 f"found {x2:g} with {x1:g}: no distance brings the teeth together",
-                f"give {self._nearest_shift(least + x2 - shift)}",
+                f"give {self._nearest_shift(least + x2 - self._shift)}",
             )
         return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
+
+    @property
+    def _shift(self) -> float:
+        """Profile shifts, modules, that bring the axes apart."""
+        x1, x2 = self.first.profile_shift, self.second.profile_shift
+        return x2 - x1 if self.is_internal else x1 + x2
+
+    def _tight_involute(self, thinning: float) -> float:
+        """Involute function of the working pressure angle, rad, without backlash; thinning: of both teeth, mm."""
+        slope, sign = np.tan(self.first.pressure_angle), 1 if self.is_internal else -1
+        apart = 2 * slope * self._shift + sign * thinning / self.first.module
+        return involute_function(slope) + float(apart) / self._teeth
 
     def _nearest_shift(self, least: float) -> str:
         """The least profile shift of the second gear, beyond one that brings the teeth together, with contact."""
@@ -289,11 +291,7 @@ class GearPair(AbstractMesh):
         thinning = self.first.thinning + self.second.thinning
         if thinning == 0:
             return self.tight_distance
-        sign = 1 if self.is_internal else -1
-        slope = np.tan(self.first.pressure_angle)
-        x1, x2 = self.first.profile_shift, self.second.profile_shift
-        shift = x2 - x1 if self.is_internal else x1 + x2
-        angle = involute_function(slope) + (2 * slope * shift + sign * thinning / self.first.module) / self._teeth
+        angle = self._tight_involute(thinning)
         return self._base_distance * float(np.hypot(1, inverse_involute(max(angle, 0.0))))
 
     def _too_far(self) -> tuple[str, str]:

@@ -42,7 +42,7 @@ class PlanetarySet:
                 f"found {self.ring.profile_shift:g}: planets {inner:.6g} mm from the sun, {outer:.6g} mm in the ring",
                 self._fitting_ring(),
             )
-        self.outer  # refuses a ring in which the planets jam
+        self.outer  # noqa: B018  # refuses a ring in which the planets jam
         if not self._can_hold(self.planets):
             raise DesignError("planets", *self._wrong_planets())
 

@@ -21,8 +21,8 @@ Total = Annotated[float, between(-20, 20, "modules")]
 def undercut_free_shift(teeth: Count, rack: RackCutter | None = None) -> float:
     """The least profile shift, 0 or more, modules, with which a rack does not undercut a gear of `teeth` teeth.
 
-    The end of the rack's straight flank must meet the line of action outside the base circle : h - z sin^2(alpha) / 2 for
-    a flank that is straight down to h below the reference line (Colbourne, The Geometry of Involute Gears).
+    The end of the rack's straight flank must meet the line of action outside the base circle: h - z sin^2(alpha) / 2
+    for a flank that is straight down to h below the reference line (Colbourne, The Geometry of Involute Gears).
     """
     rack = RackCutter() if rack is None else rack
     least = rack.flank_depth - teeth / 2 * float(np.sin(rack.pressure_angle)) ** 2
@@ -36,10 +36,10 @@ def balanced_shifts(
 ) -> tuple[float, float]:
     """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
 
-    first, second: numbers of teeth; total: sum of the shifts, 0 for the centre distance of a pair without.
+    first, second: numbers of teeth; total: sum of the shifts; 0 keeps the centre distance of gears without.
     The largest specific sliding of each gear, at the tips of the other, becomes the same. Teeth reach the
-    rack's addendum above their shifted reference lines. Derived here. Raises DesignError where tips of either gear meet the
-    line of action outside the base circles whatever the shifts.
+    rack's addendum above their shifted reference lines. Derived here. Raises DesignError where tips of either gear meet
+    the line of action outside the base circles whatever the shifts.
     """
     rack = RackCutter() if rack is None else rack
     slope = float(np.tan(rack.pressure_angle))

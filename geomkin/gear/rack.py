@@ -13,7 +13,7 @@ from ..plane.pose import Pose
 from ..plane.primitives import Polyline
 from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
-from .contract import AbstractGear, AbstractMesh
+from .contract import AbstractGear, check_alike
 from .cutters import RackCutter
 from .spur import SpurGear
 
@@ -142,15 +142,16 @@ class GearRack(AbstractGear):
 
 
 @dataclass(frozen=True)
-class RackPair(AbstractMesh):
+class RackPair:
     """A spur gear and the rack it drives.
 
-    distance: of the gear's axis from the rack's reference line, mm; left out, the one without backlash, were it
-    not for the teeth's thinning; `axis_distance` is the one that holds. Lengths along the line of action are
-    measured from the gear's base circle. The limits of ISO 21771's cylindrical pairs as one gear grows; derived here.
+    distance: of the gear's axis from the rack's reference line, mm; left out, the one at which teeth that are not
+    thinned have no backlash; `axis_distance` is the one that holds. Lengths along the line of action are measured
+    from the gear's base circle. Derived here, as the limit of a pair of gears of which one grows.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
+    # What tables call the two.
     names = "pinion", "rack"
 
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
@@ -163,17 +164,8 @@ class RackPair(AbstractMesh):
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        pinion, rack = self.pinion, self.rack
-        if abs(pinion.module - rack.module) > 1e-9 * pinion.module:
-            raise DesignError(
-                "rack.module", f"found {rack.module:g} mm beside {pinion.module:g} mm", f"give {pinion.module:.10g}"
-            )
-        if abs(pinion.pressure_angle - rack.pressure_angle) > 1e-9:
-            raise DesignError(
-                "rack.rack.pressure_angle_deg",
-                f"found {np.degrees(rack.pressure_angle):g} beside {np.degrees(pinion.pressure_angle):g} deg",
-                "give both the same",
-            )
+        pinion = self.pinion
+        check_alike(pinion, self.rack.module, self.rack.pressure_angle, "rack", "rack")
         if self.backlash < -1e-9 * pinion.module:
             least = self.axis_distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
             raise DesignError(

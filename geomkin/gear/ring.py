@@ -28,8 +28,8 @@ class RingGear(AbstractInvoluteGear):
     shift then meshes at the distance of a pair without shift. More makes the teeth thinner at their root
     circle and the spaces wider. thinning: the cutter widens the spaces by going round turned to both sides by
     all angles up to thinning / (2 pitch_radius), so that each side of a tooth turns as a whole, root curve and
-    flank, and the bottom lands grow. The shift counts as in ISO 21771 for internal gears taken with positive numbers
-    of teeth; the root curve is derived here.
+    flank, and the bottom lands grow. ISO 21771 and DIN 3960, which count the teeth of internal gears as negative,
+    give the shift the other sign. The root curve is derived here.
     Raises DesignError where the cutter leaves no whole teeth, with sizes that do.
     """
 
@@ -119,16 +119,6 @@ class RingGear(AbstractInvoluteGear):
         return self.cutter.pressure_angle
 
     @property
-    def tip_radius(self) -> float:
-        """Radius of the tooth tips, mm: the smallest of the gear."""
-        return self.tooth.tip_radius
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the bottom of the spaces, mm: the largest of the gear."""
-        return self.tooth.root_radius
-
-    @property
     def outline(self) -> Ring:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
         return toothed([with_land([self.root_curve, self.flank], self.tooth.half_land)], self.teeth)
@@ -139,7 +129,7 @@ class RingGear(AbstractInvoluteGear):
         return RingTooth(self.teeth, self.module, self.profile_shift, self.cutter, self.addendum, self.thinning)
 
     def _wider(self, least: float) -> str:
-        """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make a ring."""
+        """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make one."""
         for step in (1e-9, *np.arange(0.05, 2, 0.05).tolist()):
             shift = rounded_up(least + step)
             if abs(float(shift)) <= FARTHEST_SHIFT and replace(self.tooth, profile_shift=float(shift)).stands:

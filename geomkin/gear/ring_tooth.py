@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..brief import one_line
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.pose import Pose
@@ -29,6 +30,8 @@ class RingTooth(AbstractTooth):
     cutter: PinionCutter
     addendum: float
     thinning: float
+
+    __repr__ = one_line
 
     @property
     def stands(self) -> bool:

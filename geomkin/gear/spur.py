@@ -174,16 +174,6 @@ class SpurGear(AbstractInvoluteGear):
         return self.rack.pressure_angle
 
     @property
-    def tip_radius(self) -> float:
-        """Radius of the tooth tips, mm."""
-        return self.tooth.tip_radius
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the bottom of the spaces, mm."""
-        return self.tooth.root_radius
-
-    @property
     def is_undercut(self) -> bool:
         """Whether the rack's tip cuts away part of the involute it has made."""
         return self.tooth.is_undercut

@@ -14,7 +14,9 @@ from ..plane.vec import Real
 from ..sizes import Length
 from ..table import Column, Table, xy_columns
 from .conjugate.conjugate import Conjugate
-from .contract import AbstractInvoluteGear, AbstractMesh
+from .contract import AbstractInvoluteGear
+from .pair import GearPair
+from .rack import RackPair
 
 # Places along the path of contact: enough to draw its curves.
 ROWS = 101
@@ -51,7 +53,7 @@ def _sides(gear: AbstractInvoluteGear) -> Mapping[str, AbstractCurve]:
 
 
 @checked
-def contact_table(pair: AbstractMesh) -> Table:
+def contact_table(pair: GearPair | RackPair) -> Table:
     """Contact of one pair of flanks from its beginning to its end, sliding included."""
     names, gear = pair.names, pair.driver
     start, end = pair.contact_lengths

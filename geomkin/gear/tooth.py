@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..brief import one_line
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
@@ -39,6 +40,8 @@ class Tooth(AbstractTooth):
     flank_depth: float
     tip_rounding: float = 0.0
     tip_chamfer: float = 0.0
+
+    __repr__ = one_line
 
     @cached_property
     def stands(self) -> bool:

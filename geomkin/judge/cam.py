@@ -12,15 +12,16 @@ from ..cam.measures import cam_angles, pressure_angle, segment_limits, tightest_
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
 
-# deg. A guide binds on a force that leans more; an arm swings away from it, and bears more (Rothbart, Cams, 1956, on
-# pressure angle: 30 deg for followers that move straight; 45 for arms is the common rule).
+# deg. Larger lets a guide bind on a force that leans; smaller asks for larger cams. 30 for followers that move
+# straight is the rule of Rothbart, Cams (1956). An arm swings away from the force and bears more: how much, rules
+# differ (Norton, Design of Machinery, ch. 8, gives about 35); 45 is chosen here.
 MOST_PRESSURE_ANGLE_DEG = {"straight": 30, "arm": 45}
-# Least radius of the pitch curve over the roller's: at 1 the cam has a point, and the stress in its flank rises without
-# limit on the way there (Norton, Cam Design and Manufacturing Handbook, on radius of curvature: 1.5 to 2).
+# Least radius of the pitch curve over the roller's. At 1 the cam has a point, and on the way there the stress in its
+# flank rises without limit. Norton, Design of Machinery, ch. 8, advises 2 to 3; below 1.5, chosen here, is poor.
 LEAST_PITCH_TO_ROLLER = 1.5
-# mm. A sharper edge wears off under a flat face; derived here.
+# mm. A sharper edge wears off under a flat face, or a knife edge; chosen here, as the corner that a file breaks.
 LEAST_CONVEX_RADIUS = 1
-# Share of the peak acceleration that the scatter of a table may add: more is felt and heard; derived here.
+# Share of the peak acceleration that the scatter of a table may add: more is felt and heard; chosen here.
 MOST_NOISE = 0.1
 
 
@@ -31,9 +32,15 @@ def most_pressure_angle(cam: Cam) -> float:
 
 @checked
 def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
-    """Pressure angles of rise and return, jumps, scatter of tables, room left before undercut, and what undercut takes.
+    """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
+    follower; jumps in velocity; scatter of tables; the room left before undercut, and the lift that undercut takes.
 
-    cut: what `undercut` found, where it is known already.
+        [check for check in gk.judge.cam_checks(cam) if not check.passed]
+
+    A check that fails is advice: the cam exists all the same. cut: what `undercut` found, where it is known already.
+
+    Source: the limits stand, each with its source, above the function: Rothbart, Cams (1956), and Norton, Design of
+    Machinery.
     """
     return tuple(_checks(cam, cut or undercut(cam)))
 
@@ -68,10 +75,9 @@ def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
         advice = "near 1 the cam gets a point"
         yield Check("least pitch radius to roller radius", room, "at least", LEAST_PITCH_TO_ROLLER, "", advice)
     if cut.found:
-        lost, at = cut.worst
+        (lost, at), (unit, size) = cut.worst, cam.follower.lift_unit
         advice = f"undercut, worst at {np.degrees(at):.4g} deg: give a larger base_radius or a longer segment there"
-        size, unit = (float(np.degrees(lost)), "deg") if cam.follower.oscillates else (lost, "mm")
-        yield Check("lift lost to undercut", size, "at most", 0, unit, advice)
+        yield Check("lift lost to undercut", lost * size, "at most", 0, unit, advice)
     elif not roller:
         sharpest = float(segment_limits(cam).convex_radius.min())
         advice = "a sharp edge wears: give a larger base_radius"

@@ -5,20 +5,22 @@ from __future__ import annotations
 from ..arguments import checked
 from ..check import Check
 from ..gear.conjugate.conjugate import BEYOND, Conjugate
-from ..gear.contract import AbstractGear, AbstractMesh
+from ..gear.contract import AbstractGear
+from ..gear.pair import GearPair
 from ..gear.planetary import PlanetarySet
+from ..gear.rack import RackPair
 
-# Modules. A thinner tip chips, and breaks through when it is hardened (DIN 3960, on tooth thickness at the tip: 0.2).
+# Modules. A thinner tip chips, and breaks off when it is hardened (Roloff/Matek, Maschinenelemente: 0.2, hardened 0.4).
 LEAST_TIP_THICKNESS = 0.2
-# Modules of rim under or outside the teeth. AGMA 2001-D04 lets a rim bear fully from 1.2 tooth heights on; under half a
-# height, which this is, cracks run through it instead of through the tooth.
+# Modules of rim under or outside the teeth. A rim bears fully from 1.2 tooth heights on, and under half a height, which
+# this is, cracks run through it instead of through the tooth (rim thickness factor of ISO 6336-3 and AGMA 2001-D04).
 LEAST_RIM = 1
-# Pairs of teeth in contact on the average, of involutes that may be a little apart: some tenths above 1, so that the
-# next pair takes over before the last lets go (AGMA 908-B89 and most books ask for 1.1 to 1.4).
+# Pairs of teeth in contact on the average, of involutes that may be a little apart: somewhat above 1, so that the next
+# pair takes over before the last lets go (Roloff/Matek: 1.1; Shigley's Mechanical Engineering Design: about 1.2).
 LEAST_CONTACT_RATIO = 1.1
-# The same of conjugate teeth, whose contact is found exactly: at 1 it just hands over.
+# The same of conjugate teeth, whose contact is found exactly: at 1 it just hands over; derived here.
 LEAST_CONJUGATE_CONTACT_RATIO = 1
-# Modules between tips and roots: DIN 867 gives a rack 0.1 to 0.3.
+# Modules between tips and roots: the least that DIN 867 gives a basic rack.
 LEAST_CLEARANCE = 0.1
 # Modules between the tips of neighbouring planets; derived here, of play and dirt.
 LEAST_PLANET_GAP = 0.5
@@ -43,12 +45,13 @@ def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") ->
     rim = gear.solid_rim if rim is None else rim
     if rim is not None:
         where, advice = ("outside", "give a thicker rim") if gear.is_ring else ("under", "give a smaller bore")
+        advice = advice if gear.hole_room else "give a higher bar"
         checks.append(Check(f"{before}rim {where} the teeth", rim / module, "at least", LEAST_RIM, "modules", advice))
     return tuple(checks)
 
 
 @checked
-def mesh_checks(pair: AbstractMesh, name: str = "") -> tuple[Check, ...]:
+def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
     """Contact, clearance and interference of two gears. name: what the checks call the pair."""
     clear = min(pair.clearances) / pair.module
     before = f"{name}: " if name else ""

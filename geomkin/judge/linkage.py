@@ -20,7 +20,7 @@ LEAST_TRANSMISSION_ANGLE_DEG = 40
 LEAST_ANGLE_OF_POLYGONS_DEG = 5
 # Hole to thickness. Smaller ones burn shut or break out; what cutting services ask for of laser and water jet alike.
 LEAST_HOLE_TO_THICKNESS = 0.5
-# mm. Traces of one curve by three linkages that are farther apart than this are not the same; derived here, of rounding.
+# mm. Traces of one curve by three linkages that are farther apart are not the same; derived here, of rounding.
 SAME_CURVE = 1e-6
 # Largest force over the least that it could be. Nobody feels five percent; derived here.
 MOST_FORCE_TO_BEST = 1.05
@@ -62,5 +62,5 @@ def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
 
 @checked
 def collision_check(collisions: int, advice: str = "") -> Check:
-    """Whether plates and pins pass each other. collisions: how many do not, as `len(stack.collisions)`. Derived here."""
+    """Whether plates and pins pass each other. collisions: how many do not, `len(stack.collisions)`. Derived here."""
     return Check("plates and pins that collide", collisions, "at most", 0, "", advice)

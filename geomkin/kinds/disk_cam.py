@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -112,7 +112,7 @@ class DiskCamRecipe(AbstractRecipe):
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _undercut(self) -> Mapping[str, object]:
-        (unit, size), (lost, at) = ("deg", 180 / np.pi) if self.cam.follower.oscillates else ("mm", 1.0), self.cut.worst
+        (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
         return {
             f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
             "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
@@ -121,13 +121,13 @@ class DiskCamRecipe(AbstractRecipe):
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Follower and programme of the kinds asked for; an arm's lifts are angles, as many degrees as the others mm."""
+        """Follower and programme of the kinds asked for; an arm is lifted by as many degrees as others by mm."""
         follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
         lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
         if follower.oscillates:
             values = vars(lift)
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
-            swung = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
+            swung: dict[str, Any] = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
             lift = replace(lift, **swung)
         return {
             "cam.base_radius": follower.example_base_radius,

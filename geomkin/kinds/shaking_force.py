@@ -125,7 +125,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if radius <= 4 * hole:
             return []
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
-        return [Part("counterweight", Circle(complex(-radius / 2), radius), holes, stock.thickness)]
+        return [Part("counterweight", Circle(complex(-radius / 2), radius), holes, stock.thickness, body="crank")]
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -38,7 +38,7 @@ class AbstractCurve(ABC):
     @property
     @abstractmethod
     def breaks(self) -> Real:
-        """Rising parameters (n,), n > 1: the ends of the domain, and between them each corner, cusp and jump of curvature.
+        """Rising parameters (n,), n > 1: the ends of the domain, and each corner, cusp or jump of curvature within it.
 
         From one to the next all derivatives are continuous. More breaks do no harm.
         """

@@ -28,7 +28,8 @@ class AbstractRecipe(ABC):
 
     kind: str
     files: Files
-    # Of the folder and the files that are made; "" for that of the kind. It is no part of what two recipes compare.
+    # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name, and
+    # recipes that differ in nothing else are equal.
     name: str = ""
     # What a template says of the kind, besides what it is.
     advice: ClassVar[str] = ""
@@ -37,7 +38,8 @@ class AbstractRecipe(ABC):
 
     def __init_subclass__(cls) -> None:
         # A dataclass writes a repr of its own, of many lines, into a class that has none.
-        cls.__repr__ = one_line  # type: ignore[method-assign]
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = one_line  # type: ignore[method-assign]
 
     @property
     @abstractmethod

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Literal
 
 from pydantic import TypeAdapter
@@ -48,6 +49,9 @@ def _plain(node: Any) -> Any:
     if not isinstance(node, dict):
         return node
     node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
+    # Where a formula is from is for those who read the code.
+    if isinstance(node.get("description"), str):
+        node["description"] = re.split(r"\n\nSource\b", node["description"])[0]
     # Examples are written as Python has them; templates show them as TOML.
     if isinstance(node.get("examples"), list):
         del node["examples"]

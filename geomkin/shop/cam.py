@@ -91,7 +91,8 @@ def _cut(plate: Plate, stock: CamStock) -> Part:
     holes = [
         bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre) for hole in plate.holes
     ]
-    return Part(plate.name, plate.outline, tuple(circle for one in holes for circle in one), stock.thickness)
+    circles = tuple(circle for one in holes for circle in one)
+    return Part(plate.name, plate.outline, circles, stock.thickness, body=plate.name)
 
 
 def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
@@ -101,10 +102,10 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     play, width, depth = stock.clearance, stock.keyway_width, stock.keyway_depth
     holes = keyed_bore(stock.bore, play, width, depth, towards, narrowest, "stock")
     if not stock.timing_mark:
-        return Part("cam", cut.outline, holes, stock.thickness)
+        return Part("cam", cut.outline, holes, stock.thickness, body="cam")
     inner = abs(complex(widened(stock.bore, play) / 2 + depth, width / 2))
     marks = _timing_marks(towards, inner, narrowest / 2, cam.sense)
-    return Part("cam", cut.outline, holes, stock.thickness, marks=marks)
+    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam")
 
 
 def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> tuple[AbstractCurve, ...]:

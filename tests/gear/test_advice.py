@@ -1,6 +1,7 @@
 """Every number named in a refusal: it works at first go, at every size, and a little more is refused again."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,6 +62,7 @@ AT_MOST = {
 }
 AT_LEAST = {
     "spur shift": (lambda m, x: gk.SpurGear(6, m, x), -1.0, False, "profile_shift"),
+    "straight dedendum": (lambda m, x: gk.gear.StraightSidedGear(8, m, 10, 1, x), 0.02, False, "dedendum"),
     "gear rack height": (lambda m, x: gk.gear.GearRack(5, m, height=x), 1.0, False, "height"),
     "rack and pinion too near": (
         lambda m, x: gk.gear.RackPair(gk.SpurGear(24, m), gk.gear.GearRack(9, m), x),
@@ -233,3 +235,13 @@ def test_the_largest_cutter_that_does_is_found_however_many_do_not(monkeypatch):
     assert cut_by(named)
     with pytest.raises(gk.DesignError):
         cut_by(named + 1)
+
+
+def test_cutters_that_fewer_teeth_would_point_are_passed_over():
+    """The cutter of five teeth has its tips nearly at the point, and none of four can be as tall."""
+    cutter = gk.gear.PinionCutter(5, 14.5, 1.928387, 0, -1)
+    with pytest.raises(gk.DesignError, match="at most"):
+        replace(cutter, teeth=4)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.RingGear(8, 2, -9.0, cutter, 1.0)
+    assert caught.value.remedy == "give a cutter with fewer teeth and a larger profile_shift"

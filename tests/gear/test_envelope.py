@@ -48,7 +48,10 @@ PLACE = 30 + 40j
 
 def bend(curvature, long):
     """An arc from PLACE along +x, as a curve of the boundary: its length from 0 to `long`."""
-    point = lambda t: PLACE + 1j * (1 - np.exp(1j * curvature * np.asarray(t))) / curvature
+
+    def point(t):
+        return PLACE + 1j * (1 - np.exp(1j * curvature * np.asarray(t))) / curvature
+
     return SimpleNamespace(point=point, start=0.0, end=long)
 
 

@@ -202,3 +202,17 @@ def test_more_points_than_a_flank_can_use_are_refused_with_the_most():
         gk.gear.PointToothGear(24, 3, flank(101))
     most = int(caught.value.remedy.split()[-1])
     assert most == 100 and len(gk.gear.PointToothGear(24, 3, flank(most)).points) == most
+
+
+def shows():
+    """What public calls of the gears give."""
+    toothed, meshing = mate(), pair()
+    yield from (GEAR, GEAR.tooth, RACK, gk.RingGear(60, 2), gk.RingGear(60, 2).tooth, pointed(), meshing, planets())
+    yield from (gk.gear.RackPair(GEAR, RACK), toothed, toothed.contact([0.2, 0.4]), *toothed.untouched, *toothed.steps)
+    yield from (gk.gear.span(GEAR), gk.gear.over_pins(GEAR), gk.gear.chord(GEAR))
+    yield gk.shop.GearStock(bore=8, web=gk.shop.Web(hub=20, rim=3))
+
+
+def test_gears_show_on_one_line():
+    for thing in shows():
+        assert len(repr(thing)) <= 120 and repr(thing).isprintable(), type(thing)

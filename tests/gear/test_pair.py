@@ -167,7 +167,11 @@ def test_standard_internal_pairs_need_ten_teeth_between_them():
         (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 3)), "second.module"),
         (
             lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2, rack=gk.gear.RackCutter(25, tip_radius=0.2))),
-            "second.pressure_angle",
+            "second.rack.pressure_angle_deg",
+        ),
+        (
+            lambda: gk.GearPair(gk.SpurGear(20, 2, rack=gk.gear.RackCutter(25, tip_radius=0.2)), gk.RingGear(60, 2)),
+            "second.cutter.pressure_angle_deg",
         ),
         (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 39), "centre_distance"),
         (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 60), "centre_distance"),

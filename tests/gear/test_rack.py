@@ -89,6 +89,12 @@ def test_contact_with_a_rack_is_the_limit_of_contact_with_a_large_gear():
         (lambda: gk.gear.GearRack(5, 2, height=1), "height"),
         (lambda: gk.gear.GearRack(5, 2, thinning=2), "thinning"),
         (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 3)), "rack.module"),
+        (
+            lambda: gk.gear.RackPair(
+                gk.SpurGear(24, 2), gk.gear.GearRack(9, 2, gk.gear.RackCutter(25, tip_radius=0.2))
+            ),
+            "rack.rack.pressure_angle_deg",
+        ),
         (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 23.9), "distance"),
         (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 29), "distance"),
     ],

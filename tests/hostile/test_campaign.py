@@ -32,7 +32,7 @@ def _child(folder, *arguments):
     import sys
     import warnings
 
-    sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", closefd=False)
+    sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", closefd=False)  # noqa: SIM115
     warnings.simplefilter("always")
     sys.argv = ["geomkin", *arguments]
     from geomkin.cli import main

@@ -4,6 +4,7 @@ What comes of it is a GeomkinError that names the argument, or a sound result: n
 inside, and no warning.
 """
 
+import contextlib
 import dataclasses
 import inspect
 
@@ -79,7 +80,7 @@ GOOD = {
     "OptimisedSpline": {"intervals": 20, "jerk_limit": None, **RISE_ENDS},
     "OscillatingFlat": {"pivot_distance": 100, "face_offset": 5, "side": "above"},
     "OscillatingRoller": {"roller_radius": 10, "pivot_distance": 100, "arm_length": 80, "side": "below"},
-    "Part": {"name": "a", "outline": CIRCLE, "holes": (CIRCLE,), "thickness": 3.0, "layer": "CUT", "count": 1, "marks": ()},
+    "Part": {"name": "a", "outline": CIRCLE, "holes": (CIRCLE,), "thickness": 3.0, "layer": "CUT", "count": 1, "marks": (), "body": "crank"},
     "Path": {"pieces": (gk.plane.Segment(0j, 1j), gk.plane.Segment(1j, 2 + 0j))},
     "PathCurvature": {"position": 1j, "tangent": 1 + 0j, "curvature": 0.1},
     "PinionCutter": {"teeth": 24, "pressure_angle_deg": 20, "addendum": 1.25, "tip_radius": 0.2, "profile_shift": 0},
@@ -229,10 +230,8 @@ def used(result):
     if isinstance(result, gk.cam.LiftTable | gk.cam.LiftSpline):
         gk.Program((result,)).motion([1.0, 2.0])
     if hasattr(type(result), "linkage") and not isinstance(result, gk.linkage.DirectContact):
-        try:
+        with contextlib.suppress(gk.DesignError):
             gk.move(result, [0.3])
-        except gk.DesignError:
-            pass
     return result
 
 

@@ -206,9 +206,8 @@ def test_a_place_that_takes_no_files_is_told(tmp_path, place):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_a_shell_shows_a_recipe_and_what_is_known_of_it_on_a_line_each(tmp_path, name):
+def test_a_shell_shows_a_recipe_and_what_became_of_it_on_a_line_each(tmp_path, name):
     recipe = gk.load(template_of(name))
-    shown = [recipe, recipe.table, *recipe.checks, *recipe.parts, recipe.files]
-    shown += [gk.make(recipe, tmp_path, ["csv"]), *recipe.table.columns]
+    shown = [recipe, recipe.files, gk.make(recipe, tmp_path, ["csv"])]
     long = [repr(thing) for thing in shown if len(repr(thing)) > 120 or "\n" in repr(thing)]
     assert not long, long[0]

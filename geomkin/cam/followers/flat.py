@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.pose import Pose
 from ...plane.primitives import Segment
@@ -94,6 +95,8 @@ class TranslatingFlat(AbstractFace):
     kind: Literal["translating-flat"] = "translating-flat"
     oscillates = False
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
@@ -171,6 +174,8 @@ class OscillatingFlat(AbstractFace):
     oscillates = True
     # A smaller cam is undercut.
     example_base_radius: ClassVar[float] = 60.0
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -51,13 +51,11 @@ class AbstractFollower(ABC):
 
     A subclass is a frozen dataclass of its sizes with a field `kind`, a Literal with itself as default; with a row in
     `FOLLOWERS`, recipes, templates and the schema know it. Most roll (`AbstractRoller`) or have a flat face
-    (`AbstractFace`), which answer the half of these questions.
+    (`AbstractFace`); those two answer half of these questions.
 
     Throughout, `sense` is +1 for a cam that turns counterclockwise, -1 for clockwise, `base_radius` is in mm, and
     lifts, mm, or rad where it oscillates, are 0 on the base circle and positive away from the cam. Methods that take
-    a `motion` answer at each of its cam angles, those that take the `program` for the whole turn.
-
-    Source: derived here.
+    a `motion` answer at each of its cam angles, those that take the `program` for the whole turn. Derived here.
     """
 
     kind: str
@@ -70,6 +68,11 @@ class AbstractFollower(ABC):
     @abstractmethod
     def oscillates(self) -> bool:
         """Whether it swings about a pivot, so that its lifts are angles."""
+
+    @property
+    def lift_unit(self) -> tuple[str, float]:
+        """Unit in which people are told its lifts, and how many of it are one mm or rad."""
+        return ("deg", 180 / np.pi) if self.oscillates else ("mm", 1.0)
 
     @property
     @abstractmethod
@@ -122,7 +125,7 @@ class AbstractFollower(ABC):
 
     @abstractmethod
     def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
-        """Least radius of curvature of the profile where it is convex, mm, in each piece between breaks, and where, rad.
+        """Least radius of curvature of each stretch of the profile where convex, mm, and the cam angle there, rad.
 
         Infinite where it is nowhere convex, 0 or less where the follower undercuts.
         """
@@ -148,7 +151,10 @@ class AbstractFollower(ABC):
 Follower = Annotated[
     AbstractFollower,
     OneOfKinds(),
-    Sort(lambda value: isinstance(value, AbstractFollower), "a follower, such as TranslatingRoller"),
+    Sort(
+        lambda value: isinstance(value, AbstractFollower),
+        "a follower, such as TranslatingRoller",
+    ),
 ]
 
 

@@ -10,7 +10,8 @@ from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 
-# Radius of outer corners, mm: a sharp one cuts fingers and chips in a drop, and beams burn it.
+# Radius of outer corners, mm. Smaller ones cut fingers, chip when dropped and are burnt by a beam; larger ones waste
+# material beyond the face.
 CORNER = 1.0
 
 

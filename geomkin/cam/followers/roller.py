@@ -8,6 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, rounded_hull
@@ -85,9 +86,7 @@ def on_roller(
 
     way: unit direction in which the centre moves as the lift grows. sign: +1 or -1, of the pressure angle. With B the
     centre, the pitch curve E B has the velocity E u, u = B' - i sgn B, and the roller lies to the left of it for
-    sgn = +1.
-
-    Source: derived here.
+    sgn = +1. Derived here.
     """
     u = slope - 1j * sense * centre
     speed = np.abs(u)
@@ -104,7 +103,7 @@ class TranslatingRoller(AbstractRoller):
     The line passes the cam's axis at `offset`, mm, positive to +x. With the cam's sense times the offset above 0 the
     pressure angle is smaller on the rise and larger on the return.
 
-    Source: Rothbart, Cams (1956), offset radial follower; formulas derived here.
+    Source: Rothbart, Cams (1956), offset translating follower; formulas derived here.
     """
 
     offset: float = quantity(
@@ -116,6 +115,8 @@ class TranslatingRoller(AbstractRoller):
     )
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -179,6 +180,8 @@ class OscillatingRoller(AbstractRoller):
     side: Side = entry("side of the line from cam axis to pivot on which the roller rides", default="above")
     kind: Literal["oscillating-roller"] = "oscillating-roller"
     oscillates = True
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -18,20 +18,23 @@ from .polynomials import Ends, spline_through
 from .segments import LiftTable, Pointed
 from .smoothing_spline import smoothest_within
 
-# Nearly three times a table of 0.1 deg; more takes seconds to fit and tells no more.
+# Rows of all tables of a programme: nearly three times a table of 0.1 deg. More take seconds to fit and tell no more.
 MOST_ROWS = 10_000
-# Bytes of a CSV file: as many rows of fifty columns.
+# Bytes of a CSV file: as many rows of fifty columns. A larger one is something else by mistake.
 LARGEST = 10_000_000
+# Columns of a CSV file; of those with lifts, whether these are angles.
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
 # Neighbouring rows held against a polynomial of the fifth degree: fewer take the motion for scatter, more see less.
 WINDOW = 7
-# Rows below which their scatter cannot be told.
+# Rows below which their scatter is not told: of fewer, it would be a guess.
 FEWEST = 24
-# A band of so many standard deviations holds nearly all rows.
+# A band of so many standard deviations to either side holds nearly all rows: in a narrower one the curve follows their
+# scatter, in a wider one it leaves the motion.
 WIDE = 3.0
-# Where every second row scatters so many times as much, it is the motion that is seen, in too few rows.
+# Where every second row scatters more than so many times as much as all rows, it is the motion that is seen, in too few
+# rows. Less calls true scatter motion, more calls motion scatter.
 MOTION = 3.0
-# Rows looked at between rows for the largest acceleration.
+# Places looked at from each row to the next for the largest acceleration: fewer may miss it.
 LOOKS = 8
 
 
@@ -54,6 +57,7 @@ def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, b
 
 
 def checked_rows(rows: object, field: str) -> Real:
+    """The rows as an array (n, 2); refused under the field's name where they are none."""
     try:
         points = np.array(rows, dtype=float)
         fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
@@ -185,9 +189,9 @@ class TableFit:
 
 
 def _scatter(x: Real, lifts: Real) -> float:
-    """Standard deviation of what no polynomial of the fifth degree explains: of the upper quarter of all windows.
+    """Standard deviation of what polynomials of the fifth degree leave over, by the upper quartile of all windows.
 
-    Half of the rows may be a dwell that is known exactly, and joints of the motion are few.
+    Half of the windows may lie in a dwell that is known exactly; the few at joints of the motion lie above it.
     """
     number = np.arange(len(x) - WINDOW + 1)[:, None] + np.arange(WINDOW)
     at = x[number] - x[number[:, :1]]

@@ -3,8 +3,8 @@
 Every law returns (4, ...): f, f', f'', f''' by x. Scaled to a rise h over an angle beta, the k-th
 derivative by angle is h f^(k) / beta^k. A law whose derivatives jump inside carries an attribute
 `breaks`: x from 0 to 1, the jumps between; at a jump it answers for the piece that starts there.
-The peaks in the docstrings are those of f', f'' and f'''. They and the laws stand in VDI 2143 Blatt 1 (1980) and in
-Norton, Cam Design and Manufacturing Handbook, on double-dwell cams; the forms here are derived.
+The peaks in the docstrings are those of f', f'' and f'''. They and the laws stand in Norton, Cam Design and
+Manufacturing Handbook, on double-dwell cams, most also in VDI 2143 Blatt 1 (1980); the forms here are derived.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ class BrokenLaw(Protocol):
 
     @property
     def breaks(self) -> Real:
-        """Where they do, x from 0 to 1, both included."""
+        """Places x of the jumps, rising, with 0 and 1."""
 
 
 class NamedLaw:
@@ -160,7 +160,7 @@ class NamedLaw:
 
 
 def breaks_of(law: Law) -> Real:
-    """Where the derivatives of a law may jump, x from 0 to 1, both included."""
+    """Places x where the derivatives of a law may jump, rising, with 0 and 1."""
     return np.asarray(law.breaks if isinstance(law, BrokenLaw) else (0.0, 1.0), dtype=float)
 
 
@@ -195,7 +195,7 @@ def law_of(law: LawName | Law) -> Law:
     if abs(ends[0, 0]) > TRUST or abs(ends[0, -1] - 1) > TRUST:
         raise DesignError("law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1")
     for k in range(3):
-        # Jumps at the piece's own end belong to the next piece, so steps that end there only count for f.
+        # At a jump the law answers for the piece after it, so steps that end at one are compared by f alone.
         last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)
         missed = np.abs(np.diff(ends[k]) - inside[k + 1] @ weights * step / 2)[~last].max(initial=0)
         if missed > TRUST * max(1, np.abs(inside[k]).max()):

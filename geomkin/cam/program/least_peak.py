@@ -14,7 +14,8 @@ from numpy.polynomial import chebyshev
 from ...plane.vec import Real
 from .polynomials import condition_row, derive
 
-# The solver's tolerance of what must hold, absolute: its least.
+# By how much the solver may break a condition, absolute: the least it takes. More leaves more for Newton's steps to
+# mend.
 TOLERANCE = 1e-10
 
 
@@ -75,8 +76,8 @@ def bound(equal: Real, values: Real, rows: Real, weights: Real, limited: Real, s
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
-    """coefficients (n,); places of the peaks that count and their multipliers, as `least_peak.bound` takes them."""
+class LevelPeaks:
+    """coefficients (n,); places of the peaks that count and their multipliers, as `bound` takes them."""
 
     coefficients: Real
     places: Real
@@ -85,7 +86,7 @@ class Level:
     shares: Real
 
 
-def level_peaks(c: Real, equal: Real, values: Real, peaked: int, limited: int, limit: float, near: float) -> Level:
+def level_peaks(c: Real, equal: Real, values: Real, peaked: int, limited: int, limit: float, near: float) -> LevelPeaks:
     """Newton's method on the conditions of an optimum, for a Chebyshev series with coefficients c.
 
     The derivative of order `peaked` has its peaks least, that of order `limited` is at most `limit`,
@@ -97,7 +98,7 @@ def level_peaks(c: Real, equal: Real, values: Real, peaked: int, limited: int, l
     """
     n, e = len(c), len(equal)
     weight: Real = np.zeros(0)
-    # Quadratic from a percent off; an eighth step changes nothing.
+    # Newton's method converges quadratically from a percent off: seven steps do, the eighth is to spare.
     for _ in range(8):
         series = derive(c, peaked)
         places, signs, bend = _near(series, (1 - near) * peak(series))
@@ -124,7 +125,7 @@ def level_peaks(c: Real, equal: Real, values: Real, peaked: int, limited: int, l
         right[t] = -1
         found = np.linalg.lstsq(system, right, rcond=1e-14)[0]
         c, weight = c + found[:n], found[a]
-    return Level(c, places, signs * weight[:k], limited_places, limited_signs * weight[k:])
+    return LevelPeaks(c, places, signs * weight[:k], limited_places, limited_signs * weight[k:])
 
 
 def _rows(signs: Real, places: Real, order: int, n: int) -> Real:
@@ -132,14 +133,14 @@ def _rows(signs: Real, places: Real, order: int, n: int) -> Real:
 
 
 def _near(series: Real, least: float) -> tuple[Real, Real, Real]:
-    """Places of the extremes of at least that size, their signs, and how fast each rises as its place may move.
+    """Places of the extremes of at least that size, their signs, and how much each gains because its place may move.
 
     That is 1 / |second derivative|, or 0 at the ends, which do not move.
     """
     places = extremes(series)
     value, second = (chebyshev.chebval(2 * places - 1, derive(series, k)) for k in (0, 2))
     bend = np.zeros(len(places))
-    # A peak so flat that it has no place gives a term that would drown the others: a smaller one only slows.
+    # The term of a very flat peak would drown the others: bounded, it only slows the steps.
     bend[1:-1] = 1 / np.maximum(np.abs(second[1:-1]), 1e-3 * np.abs(second).max(initial=1e-300))
     near = np.abs(value) >= least
     return places[near], np.sign(value[near]), bend[near]
@@ -156,6 +157,6 @@ def extremes(series: Real) -> Real:
     # Leading coefficients that are rounding would send roots to infinity.
     slope = chebyshev.chebtrim(slope, 1e-13 * np.abs(slope).max())
     roots = chebyshev.chebroots(slope)
-    # A double root comes out as a pair beside the axis, off it by the root of the rounding.
+    # A double root comes out as a pair beside the real axis, off it by the root of the rounding.
     real = np.real(roots)[(np.abs(np.imag(roots)) < 1e-6) & (np.abs(np.real(roots)) < 1)]
     return np.unique(np.concatenate([[0.0], (real + 1) / 2, [1.0]]))

@@ -26,10 +26,11 @@ from .polynomials import PiecewisePolynomial, chebyshev_law, condition_row, deri
 # How far the peak may lie above the bound, and the jerk above its limit, relative. Less is lost in
 # rounding at degree 15, more shows in the files.
 GAP = 1e-9
-# Peaks this near the highest, relative, count in the first round: as near as a solution comes that saw
-# them at a few points only.
+# Peaks this near the highest, relative, count in the first round. A solution that saw the curve at a few places only
+# comes no nearer: less leaves out peaks that count, more takes in some that do not.
 NEAR = 0.01
-# Rounds before giving up. One or two do as a rule; where peaks merge, each brings the points twice as near.
+# Rounds before giving up. One or two do as a rule; where peaks merge, each brings the places twice as near, and fewer
+# rounds would refuse the segment.
 ROUNDS = 40
 
 
@@ -38,9 +39,7 @@ class Optimum:
     """A motion of least peak acceleration within its family, over an angle.
 
     law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
-    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below.
-
-    Source: derived here.
+    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below. Derived here.
     """
 
     law: Law
@@ -188,7 +187,7 @@ def optimal_spline(
     jerk = slopes @ a
     v = start[0] + np.append(0, np.cumsum(step * (a[:-1] + a[1:]) / 2))
     s = np.append(0, np.cumsum(step * v[:-1] + step**2 * (2 * a[:-1] + a[1:]) / 6))
-    # Where the acceleration goes straight on there is no break to tell others of.
+    # Where the acceleration runs straight through a knot, that is no break.
     bends = np.abs(np.diff(jerk)) > 1e-9 * np.abs(jerk).max()
     breaks = np.concatenate([[0.0], x[1:-1][bends], [1.0]])
     law = PiecewisePolynomial(x, np.stack([s[:-1], v[:-1], a[:-1] / 2, jerk / 6]), breaks)

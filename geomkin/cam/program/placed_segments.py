@@ -172,7 +172,7 @@ def _given(
 ) -> PlacedSegment:
     """A segment from its own points. lift: that of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
-    # A row of a file is found by what it says.
+    # Rows of a file have no place in the recipe: a message finds them by their angle.
     row = "" if field == "file" else "[{}]"
     unit = "deg" if oscillates else "mm"
     if len(points) < 2:

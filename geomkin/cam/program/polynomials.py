@@ -14,7 +14,7 @@ from ...plane.vec import Real, Whole
 
 # Conditions whose equations multiply rounding by more than this do not settle the polynomial: a slope without its
 # lift, or so many places between that it swings far beyond them. Larger lets such polynomials pass, smaller refuses
-# some of the fifteenth degree that are still good to a nanometre.
+# sound ones of a high degree.
 WORST = 1e10
 # Slope and curvature at the start and at the end, by x; None for a spline that closes on itself.
 Ends = tuple[tuple[float, float], tuple[float, float]] | None
@@ -42,7 +42,7 @@ def chebyshev_law(series: Sequence[Real]) -> ChebyshevLaw:
 
 
 def derive(coefficients: Real, order: int) -> Real:
-    """Chebyshev coefficients of a derivative by x; columns are taken one by one."""
+    """Chebyshev coefficients of a derivative by x, of each column by itself."""
     # x runs from 0 to 1 and a Chebyshev polynomial's own variable from -1 to 1.
     return chebyshev.chebder(coefficients, order, scl=2) if order else coefficients
 
@@ -56,7 +56,7 @@ def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> Chebyshev
     """The polynomial of least degree that meets conditions (x, order of the derivative, its value by x)."""
     degree = len(conditions) - 1
     rows = np.array([condition_row(x, order, degree) for x, order, _ in conditions])
-    # A row of the third derivative is thousands of times one of the value.
+    # Scaled, since a row of the third derivative is thousands of times one of the value.
     size = np.abs(rows).max(axis=1)
     if not size.all() or np.linalg.cond(rows / size[:, None]) > WORST:
         raise DesignError(

@@ -52,9 +52,7 @@ class Program:
 
     folder: where a table's file must lie, there or below, as for a recipe's; a script's, without one, may lie anywhere.
     DesignError, its field a segment such as `program[2].end_deg`, where the segments do not fill the turn, overlap,
-    or their lifts do not close or fall below the base circle.
-
-    Source: derived here.
+    or their lifts do not close or fall below the base circle. Derived here.
     """
 
     segments: Sequence[Segment]

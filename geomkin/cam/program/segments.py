@@ -9,11 +9,11 @@ speed in rad/s it is a velocity; by the degree a jerk would be 190000 times smal
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
 from ...arguments import check_fields
-from ...brief import short
+from ...brief import one_line
 from ...sizes import FARTHEST, OneOfKinds, entry, quantity
 from .laws import Law, LawName, NamedLaw
 
@@ -34,13 +34,6 @@ class Pairs:
 
 
 Rows = Annotated[tuple[tuple[float, float], ...], Pairs()]
-
-
-def _as_given(self: Any) -> str:
-    """What `__repr__` gives: the fields that differ from what is meant where they are left out."""
-    values = {f.name: vars(self)[f.name] for f in fields(self) if f.name != "kind" and vars(self)[f.name] != f.default}
-    text = ", ".join(f"{name}={short(value)}" for name, value in values.items())
-    return f"{type(self).__name__}({text})"
 
 
 def _angle(meaning: str) -> Any:
@@ -68,7 +61,7 @@ class Dwell:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -91,7 +84,7 @@ class Rise:
     rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -111,7 +104,7 @@ class Return:
     duration_deg: float | None = _angle("cam angle it takes")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -140,7 +133,7 @@ class LiftPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -158,7 +151,7 @@ class LiftSpline:
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -201,7 +194,7 @@ class LiftTable:
     )
     kind: Literal["table"] = "table"
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
@@ -232,7 +225,7 @@ class OptimisedPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -265,7 +258,7 @@ class OptimisedSpline:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = _as_given
+    __repr__ = one_line
 
 
 # Those that move to a lift, those whose start and end are given as angles, those that bring their own points.

@@ -17,18 +17,20 @@ import numpy as np
 from ...plane.vec import Mask, Real, Whole
 from .polynomials import Ends, PiecewisePolynomial
 
-# Twice as many intervals must make the jerk's integral less than this share of what it was, or it is the least:
-# nearer to 1 takes four times the intervals for what does not show.
+# Intervals are doubled until that leaves at least this share of the jerk's integral, which is then taken for the least.
+# Nearer to 1 takes four times the intervals for what does not show, farther from it stops too early.
 GAIN = 0.98
-# Intervals, and rows, beyond and below which there is no search: the first takes seconds, the second has no freedom.
+# Most intervals that are tried: more take seconds. Fewest rows: fewer leave the spline no freedom.
 MOST_INTERVALS, FEWEST = 2048, 5
-# Steps of the interior-point method; it takes 10 to 25.
+# Steps of the interior-point method, which takes 10 to 25: fewer stop before the end, more are never reached.
 STEPS = 60
-# How far the integral may lie above the least, relative, where the method ends.
+# How far the integral may lie above the least, relative, where the method ends: more shows in the acceleration, less is
+# lost in rounding.
 GAP = 1e-7
 # Neighbours to either side that an unknown meets: those of a quintic spline.
 BAND = 5
-# Share of the way to the band's edge that a step may go, and by how much it aims to lessen the gap.
+# Share of the way to the band's edge that a step may go: at 1 it would end on the edge, and stay there. By how much a
+# step aims to lessen the gap: less of it takes more steps, more of it runs into the edge.
 BACK, AIM = 0.98, 0.1
 
 
@@ -71,7 +73,7 @@ class _Basis:
         self.free = np.full(self.size, self.closed)
         if ends is not None:
             self._fix_ends(values[[0, -1]] / within, np.array(ends) / within)
-            # The ends are met, and ask no more.
+            # Both ends are met exactly, so that their rows ask nothing more.
             x, values = x[1:-1], values[1:-1]
         else:
             # The last row is the first again.
@@ -153,7 +155,7 @@ class _Basis:
         wanted = self.values - self.rows.times(self.fixed)
         right = self.rows.back(wanted, self.size)
         jerks = self.jerks.times(self.fixed)
-        # From where only waves of a whole turn bend to where waves of two intervals do, and farther.
+        # From so stiff that only waves as long as the whole bend, to so soft that waves of two intervals do, and on.
         most = len(self.values) * float(self.count) ** 5
         for stiffness in most * 10.0 ** -np.arange(0.0, 8 + 6 * np.log10(self.count)):
             matrix = rows.plus(self.jerks.normal(np.full(len(jerks), stiffness), self.size, self.free))
@@ -197,7 +199,7 @@ def _basis(knots: Real, at: Whole, x: Real, order: int) -> Real:
         found = []
         for r in range(p + 1):
             i = at - p + r
-            # Beside the interval the lower ones are 0, and their widths may be.
+            # The first and the last have one part only: the other lies beside the interval, where widths may be 0.
             one = 1 / (knots[i + p] - knots[i]) if r else 0.0
             other = 1 / (knots[i + p + 1] - knots[i + 1]) if r < p else 0.0
             if p <= 5 - order:
@@ -238,7 +240,7 @@ class BandMatrix:
         for k in range(1, BAND + 1):
             bands[k] *= np.roll(self.free, -k)
         bands[0, ~self.free] = 1.0
-        # Round a ring, all but the last unknowns are a line, both of whose ends meet those: its border.
+        # On a ring, all but the last few unknowns form a line; both of its ends meet those last ones, its border.
         edge = BAND if bands[1, -1] else 0
         line = n - edge
         rows = [[*row, *[0.0] * edge] for row in bands.T.tolist()]

@@ -123,7 +123,7 @@ def _optimal(
 
 
 def lift_range(solved: SolvedSegment) -> tuple[float, float, float]:
-    """Least lift of a solved, in the units of its placed, the angle there, deg, and the largest; seen in 1024 steps."""
+    """Least lift of a segment, mm or deg, the angle there, deg, and the largest lift; seen in 1024 steps."""
     placed = solved.placed
     if solved.law is None:
         return placed.lift, placed.start, placed.lift

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -165,7 +166,7 @@ def conjugate(
 def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, ring_gear: bool) -> None:
     """The mate's tips must not reach the gear's bottom lands."""
     b = tooth.breaks
-    radii = np.abs(tooth.point(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(b, b[1:])])))
+    radii = np.abs(tooth.point(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(b)])))
     deep = radii.max() - pitch_radius if ring_gear else pitch_radius - radii.min()
     if addendum > deep * (1 + 1e-12):
         raise DesignError(

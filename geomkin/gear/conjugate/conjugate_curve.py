@@ -101,9 +101,10 @@ class ToothContact:
 
 
 class Meeting(NamedTuple):
-    """A touch and its root: b, the pitch point's distance along the normal from the foot of the gear's axis on it,
+    """A point of the tooth, and the pitch point that its normal passes when it touches.
 
-    q that from the tooth's point, and the pitch point's direction.
+    b, q: place of the pitch point along the normal, mm, from the foot of the gear's axis on it, and from the tooth's
+    point; direction: of the pitch point from the gear's axis.
     """
 
     touch: TangentPoint
@@ -117,7 +118,8 @@ class ConjugateCurve(AbstractCurve):
     """What a piece of a tooth leaves in its mate, in the mate's frame.
 
     The gear of pitch radius r turns about the origin; its mate, of pitch radius R, below 0 where one of the
-    two is a ring, about i (r + R) while the gear's +y lies on the line of centres. By the law of gearing the
+    two is a ring, about i (r + R) while the gear's +y lies on the line of centres. By the law of gearing (Litvin and
+    Fuentes, Gear Geometry and Applied Theory; the forms that follow are derived here) the
     normal at the touching point passes the pitch point P = r e^{i phi}. With tangent T and normal i T:
     conj(T) P = a + i b where a = Re(conj(T) z), b = root sqrt(r^2 - a^2); no root where the normal misses the
     pitch circle. z touches when the pitch point has turned to phi in the gear's frame. With k = 1 + r / R the
@@ -140,6 +142,8 @@ class ConjugateCurve(AbstractCurve):
     turn: complex = 1 + 0j
     start: float = 0.0
     end: float = 1.0
+
+    __repr__ = one_line
 
     @property
     def k(self) -> float:
@@ -172,15 +176,17 @@ class ConjugateCurve(AbstractCurve):
 
     def _rate(self, u: Real) -> Real:
         """d tooth_parameter / dt."""
-        span = self.last - self.first
+        rate: Real
         match self.folds:
             case (True, True):
-                return span * np.pi / 2 * np.sin(np.pi * u)
+                rate = np.pi / 2 * np.sin(np.pi * u)
             case (True, False):
-                return 2 * span * u
+                rate = 2 * u
             case (False, True):
-                return 2 * span * (1 - u)
-        return np.full(np.shape(u), span)
+                rate = 2 * (1 - u)
+            case _:
+                rate = np.ones(np.shape(u))
+        return (self.last - self.first) * rate
 
     def _meeting(self, u: Real) -> Meeting:
         touch = self.side.touch(self.tooth_parameter(u))
@@ -192,7 +198,8 @@ class ConjugateCurve(AbstractCurve):
 
     def _phi(self, m: Meeting) -> Real:
         """Angle of the pitch point from +y in the gear's frame, rad."""
-        return np.angle(-1j * m.direction)
+        phi: Real = np.angle(-1j * m.direction)
+        return phi
 
     def _place(self, m: Meeting) -> Complex:
         """The point in the mate's frame."""

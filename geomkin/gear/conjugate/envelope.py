@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.derived import Stretch
@@ -30,10 +32,10 @@ GRAZE = 1e-9
 # Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle. Fewer lose
 # such crossings, more only repeat what leads nowhere.
 MOST_STEPS = 8
-# BoundaryPiece of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
+# Step of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
 # crossing off its place, smaller goes on where rounding alone moves it.
 SETTLED = 1e-12
-# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many places as for one.
+# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many as for one.
 SHARES = np.linspace(0, 1, 33)
 # Curves that a walk follows before it is given up as going round in circles.
 MOST_CURVES = 400
@@ -46,6 +48,8 @@ class BoundaryPiece:
     curve: ConjugateCurve
     start: float
     end: float
+
+    __repr__ = one_line
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +65,8 @@ class Swept:
     points: list[Complex]
     grids: list[Real]
     size: float
+
+    __repr__ = one_line
 
     def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
         """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.
@@ -185,7 +191,7 @@ def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius:
         raise DesignError("tooth", "no normal of it meets the pitch circle", "give another pitch_radius")
     # Along the tangent where b has the sign that a sound touch asks for.
     sense = [-c.root * int(np.sign(c.k)) for c in curves]
-    grids = [c.start + (c.end - c.start) * GRID for c in curves]
+    grids: list[Real] = [c.start + (c.end - c.start) * GRID for c in curves]
     points = [c.point(g) for c, g in zip(curves, grids)]
     return Swept(curves, sense, points, grids, abs(mate_radius))
 
@@ -210,7 +216,7 @@ def _sound(
 ) -> list[ConjugateCurve]:
     """The parts of a side's two conjugate curves along which it touches the mate without cutting it."""
     b = side.breaks
-    grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(b, b[1:])]))
+    grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(b)]))
 
     def reach(t: Real) -> Real:
         touch = side.touch(t)
@@ -222,16 +228,16 @@ def _sound(
     grazing = b[np.abs(reach(b)) < GRAZE]
     near = 1e-6 * (b[-1] - b[0])
     limits = sorted({*(t for t in _changes(reach, grid) if (np.abs(t - grazing) > near).all()), *grazing, b[0], b[-1]})
-    for first, last in zip(limits, limits[1:]):
+    for first, last in pairwise(limits):
         if reach(np.array(0.5 * (first + last))) <= 0:
             continue
         folds = (_is_fold(side, first, pitch_radius), _is_fold(side, last, pitch_radius))
         for root in (-1, 1):
             whole = ConjugateCurve(side, pitch_radius, mate_radius, root, first, last, folds, turn)
             inner = whole.breaks
-            t = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in zip(inner, inner[1:])]))
+            t = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(inner)]))
             edges = _changes(whole.sound, t)
-            for start, end in zip(edges, edges[1:]):
+            for start, end in pairwise(edges):
                 ways = np.diff(whole.point(np.array([start, 0.5 * (start + end), end])))
                 # Where the roots touch, rounding makes slivers.
                 if whole.sound(np.array(0.5 * (start + end))) < 0 and np.abs(ways).sum() > 0.1 * MEET * abs(

@@ -20,7 +20,7 @@ from ...plane.pose import Pose
 from ...plane.primitives import Segment
 from ...plane.spline import Spline
 from ...plane.spread import direction
-from ...sizes import FARTHEST, Length, PointXY, check_sizes, entry, quantity, rounded_down
+from ...sizes import FARTHEST, Length, PointXY, check_sizes, entry, quantity, rounded_down, rounded_up
 from ..contract import AbstractGear, AbstractShaper, told
 from ..tooth import toothed
 
@@ -216,11 +216,8 @@ class StraightSidedGear(AbstractFlankGear):
                 f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg",
             )
         if self.root_radius >= self.pitch_radius:
-            raise DesignError(
-                "dedendum",
-                f"found {self.dedendum:g}, so little that the bottom lands lie outside the pitch circle",
-                "give more",
-            )
+            problem = f"found {self.dedendum:g}, so little that the bottom lands lie outside the pitch circle"
+            raise DesignError("dedendum", problem, f"give {self._shallowest()}")
 
     @property
     def _slope(self) -> float:
@@ -230,6 +227,15 @@ class StraightSidedGear(AbstractFlankGear):
         """The dedendum at which the bottom lands vanish, modules: where a flank meets the line between two teeth."""
         a = np.tan(np.pi / self.teeth)
         return float((self.teeth / 2 * a - np.pi / 4) / (self._slope + a) * (1 - 1e-12))
+
+    def _shallowest(self) -> str:
+        """The dedendum at which the straight flank passes the pitch circle once more, if it does, in words."""
+        # The smaller d of (pi / 4 + slope d)^2 + (teeth / 2 - d)^2 = (teeth / 2)^2, in the form that keeps its digits.
+        square, half = 1 + self._slope**2, self.teeth / 2 - np.pi / 4 * self._slope
+        under = half**2 - square * (np.pi / 4) ** 2
+        if half <= 0 or under < 0:
+            return "more teeth, or a smaller flank_angle_deg"
+        return f"at least {rounded_up((np.pi / 4) ** 2 / (half + np.sqrt(under)) * (1 + 1e-9))}"
 
     @property
     def pitch_radius(self) -> float:

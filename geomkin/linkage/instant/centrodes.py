@@ -138,7 +138,7 @@ class CentrodeCurve(AbstractCurve):
 
     def velocity(self, t: ArrayLike) -> Complex:
         centrodes, frames = self._centrodes(t)
-        # The moving centrode rolls on the fixed one: the centre has one velocity along both, turned as the body sees it.
+        # The moving centrode rolls on the fixed one: the velocity is the same along both, turned as the body sees it.
         turned = np.conj(centrodes.motion.bodies[self.body].direction) if self.moving else 1.0
         return (centrodes.velocity * turned)[frames]
 

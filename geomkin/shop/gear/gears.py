@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arguments import Count, checked
+from ...brief import one_line
 from ...errors import DesignError
 from ...gear.conjugate.conjugate import Conjugate
 from ...gear.conjugate.lantern import LanternPinion
@@ -35,6 +36,8 @@ class GearStock:
     clearance: float = clearance(0.0)
     web: Web | None = entry("openings between hub and rim; left out, none", default=None)
 
+    __repr__ = one_line
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
@@ -52,8 +55,9 @@ class GearStock:
         """What holds a gear's teeth: the thickness under them, mm."""
         if gear.solid_rim is None:
             raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
-        hole = self.hole_reach if gear.hole_room else 0.0
-        return gear.solid_rim - hole if self.web is None else self.web.rim
+        if not gear.hole_room:
+            return gear.solid_rim
+        return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
         """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
@@ -133,8 +137,8 @@ def _plate(
 ) -> Part:
     """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
     if gear.is_ring:
-        return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count)
-    return Part(name, gear.outline, holes, thickness, count=count)
+        return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
+    return Part(name, gear.outline, holes, thickness, count=count, body=name)
 
 
 @checked
@@ -158,7 +162,7 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
     middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
-    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2), _mate(mate, stock)
+    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
 
 
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
@@ -174,11 +178,12 @@ def base_plate(name: str, axes: list[complex], holes: list[float], margin: float
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
             "stock.bore",
-            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, meet in the plate",
+            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
+            "meet in the plate",
             f"give bores and clearances of less than {2 * apart:.6g} mm together",
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
-    return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness)
+    return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
 
 
 def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, thickness: float) -> Part:
@@ -191,4 +196,4 @@ def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, 
     outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
     holes = [*bore(sun, 0.0, 2 * gears.inner.axis_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]
-    return Part("carrier", outline, tuple(holes), thickness)
+    return Part("carrier", outline, tuple(holes), thickness, body="carrier")

@@ -89,7 +89,7 @@ class Plate:
             Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
             for ends in dict.fromkeys(self.openings.values())
         )
-        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness)
+        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness, body=self.body)
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,7 +136,7 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     parts = [plate.part(name, stock, motion.linkage) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, body=motion.linkage.ground))
     return tuple(parts)
 
 

@@ -89,7 +89,7 @@ def test_within_a_reach_none_is_left_out_and_chords_farther_away_are():
 
 def test_a_crossing_is_found_to_rounding_from_a_tenth_of_a_radian_away():
     exact = np.array([2, 4]) * np.pi / 3
-    assert found(LIMACON, exact + [0.1, -0.07])[0] == pytest.approx(exact, abs=1e-15)
+    assert found(LIMACON, exact + np.array([0.1, -0.07]))[0] == pytest.approx(exact, abs=1e-15)
 
 
 def test_many_crossings_are_found_at_once_and_where_there_is_none_it_says_so():

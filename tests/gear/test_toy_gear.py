@@ -1,0 +1,178 @@
+"""A kind of gear made outside, of the public contracts alone: its class, its recipe and a row in the table of kinds."""
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import ezdxf
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.gear import AbstractGear
+from geomkin.kinds import KINDS
+from geomkin.recipe import AbstractRecipe, Files
+from geomkin.sizes import check_sizes, entry, quantity
+
+TEXT = """
+kind = "ratchet-wheel"
+
+[gear]
+teeth = 12
+module = 4
+
+[stock]
+bore = 8
+"""
+
+
+@dataclass(frozen=True)
+class RatchetWheel(AbstractGear):
+    """A wheel with saw teeth, for a pawl."""
+
+    teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=200, example=12)
+    module: float = quantity("tip diameter per tooth", "mm", above=0, at_most=100, example=4)
+    depth: float = quantity("depth of the teeth", "modules", default=0.8, above=0, at_most=1.5)
+    land: float = quantity("width of the tips", "modules", default=0.3, above=0, at_most=1)
+
+    def __post_init__(self):
+        check_sizes(self)
+
+    @property
+    def tip_radius(self):
+        return self.module * self.teeth / 2
+
+    @property
+    def pitch_radius(self):
+        return self.tip_radius
+
+    @property
+    def root_radius(self):
+        return self.tip_radius - self.module * self.depth
+
+    @property
+    def tip_thickness(self):
+        return self.module * self.land
+
+    @property
+    def outline(self):
+        half = self.tip_thickness / self.tip_radius / 2
+        right, left = (self.tip_radius * 1j * np.exp(1j * a) for a in (-half, half))
+        root = self.root_radius * 1j * np.exp(1j * half)
+        corners = root * np.exp(-2j * np.pi / self.teeth), right, left, root
+        return gk.plane.Ring(
+            gk.plane.Path(tuple(gk.plane.Segment(a, b) for a, b in zip(corners, corners[1:]))), self.teeth
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatchetWheelRecipe(AbstractRecipe):
+    """A ratchet wheel."""
+
+    kind: Literal["ratchet-wheel"] = "ratchet-wheel"
+    gear: RatchetWheel
+    stock: gk.shop.GearStock = entry("what the wheel is cut from", default=gk.shop.GearStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def design(self):
+        return self.gear
+
+    @cached_property
+    def table(self):
+        step = np.arange(self.gear.teeth + 1)
+        return gk.Table((gk.Column("turn", "deg", "where the pawl falls in", 360 * step / self.gear.teeth),))
+
+    @property
+    def judged(self):
+        return gk.judge.gear_checks(self.design, self.stock.rim_under(self.design))
+
+    @cached_property
+    def parts(self):
+        return gk.shop.gear_parts(self.design, self.stock, "wheel")
+
+
+@pytest.fixture
+def kind(monkeypatch):
+    monkeypatch.setitem(KINDS, "ratchet-wheel", RatchetWheelRecipe)
+
+
+def test_a_gear_kind_from_outside_goes_from_a_text_to_a_drawing_and_checks(kind, tmp_path):
+    (tmp_path / "ratchet.toml").write_text(TEXT)
+    made = gk.make(tmp_path / "ratchet.toml", tmp_path / "out")
+    drawing = ezdxf.readfile(tmp_path / "out" / "ratchet" / "ratchet.dxf").modelspace()
+    (outline,) = drawing.query("LWPOLYLINE")
+    assert len(outline) == 12 * 3 and outline.closed
+    (hole,) = drawing.query("CIRCLE")
+    assert hole.dxf.radius == 4
+    assert {c.name for c in gk.load(TEXT).checks} >= {"tip thickness", "rim under the teeth"} and made
+
+
+@pytest.mark.parametrize(
+    ("stock", "field"), [(gk.shop.GearStock(bore=100), "stock.bore"), (gk.shop.RingStock(), "stock")]
+)
+def test_what_leaves_no_wheel_is_refused(stock, field):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.shop.gear_parts(RatchetWheel(12, 4), stock)
+    assert caught.value.field == field
+
+
+def test_a_member_that_is_forgotten_is_an_error_when_the_class_is_read():
+    with pytest.raises(TypeError, match="Halfgear must tell module, outline, pitch_radius, root_radius, tip_thickness"):
+
+        class Halfgear(AbstractGear):
+            teeth: int
+            tip_radius = 3.0
+
+
+def test_plain_fields_and_heirs_of_whole_gears_are_whole():
+    @dataclass(frozen=True)
+    class Bare(RatchetWheel):
+        is_ring: bool = True
+
+    @dataclass(frozen=True)
+    class Told(AbstractGear):
+        teeth: int
+        is_ring: bool
+        module: float
+        pitch_radius: float
+        tip_radius: float
+        root_radius: float
+        tip_thickness: float
+        outline: gk.AbstractCurve
+
+    assert Bare(12, 4).is_ring and Bare(12, 4).solid_rim is None
+    wheel = RatchetWheel(12, 4)
+    told = Told(12, False, 4, *(getattr(wheel, f.name) for f in dataclasses.fields(Told)[3:]))
+    assert gk.judge.gear_checks(told) == gk.judge.gear_checks(wheel)
+    with pytest.raises(TypeError, match="missing"):
+        Told(12)
+
+
+@pytest.mark.parametrize(
+    ("gear", "stock", "name"),
+    [
+        (gk.SpurGear(24, 2), gk.shop.GearStock(bore=8), "gear"),
+        (gk.RingGear(60, 2), gk.shop.RingStock(), "ring"),
+        (gk.gear.GearRack(12, 2), gk.shop.GearStock(bore=8), "rack"),
+        (gk.gear.StraightSidedGear(40, 3), gk.shop.GearStock(bore=8), "gear"),
+        (gk.gear.FlankGear(gk.plane.Segment(3 + 33j, 1 + 38j), 24, 36.0), gk.shop.GearStock(bore=8), "gear"),
+        (RatchetWheel(12, 4), gk.shop.GearStock(bore=8), "wheel"),
+    ],
+)
+def test_every_gear_has_a_plate_and_checks(gear, stock, name):
+    (part,) = gk.shop.gear_parts(gear, stock, name)
+    assert part.name == name and gk.area(part.outline) > sum(gk.area(hole) for hole in part.holes)
+    checks = gk.judge.gear_checks(gear)
+    assert checks and all(np.isfinite(check.value) for check in checks)
+    assert gk.judge.gear_checks(gear, stock.rim_under(gear), "a")[-1].name.startswith("a rim")
+
+
+def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
+    """Teeth 1.25 modules deep in a bar 2 modules high leave 0.75 modules under them."""
+    rack, stock = gk.gear.GearRack(12, 2, height=2.0), gk.shop.GearStock(bore=8, web=gk.shop.Web(hub=20, rim=4))
+    (bar,) = gk.shop.gear_parts(rack, stock)
+    rim = gk.judge.gear_checks(rack, stock.rim_under(rack))[-1]
+    assert bar.holes == () and rim.value == pytest.approx(0.75) and rim.advice == "give a higher bar"
+    assert rim == gk.judge.gear_checks(rack)[-1]

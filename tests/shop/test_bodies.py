@@ -1,0 +1,53 @@
+"""Every part says whose motion it follows."""
+
+from pathlib import Path
+
+import pytest
+
+import geomkin as gk
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+
+
+def bodies(name):
+    return {part.name: part.body for part in gk.load(RECIPES / f"{name}.toml").parts}
+
+
+@pytest.mark.parametrize(
+    "name", ["crank-rocker", "lift-table", "walking-leg", "watt-six-bar", "whitworth", "slider-crank"]
+)
+def test_a_plate_of_a_linkage_follows_the_body_it_is_cut_for(name):
+    recipe = gk.load(RECIPES / f"{name}.toml")
+    for part in recipe.parts:
+        assert part.body in recipe.motion.bodies
+        # A bridge and its spacers stand still, and so does the ground.
+        assert part.body == (recipe.motion.linkage.ground if part.name in ("bridge", "spacer") else part.name)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        (
+            "whitworth",
+            {"crank": "crank", "rocker": "rocker", "ground": "ground", "bridge": "ground", "spacer": "ground"},
+        ),
+        ("shaking-force", {"ground": "ground", "crank": "crank", "coupler": "coupler", "counterweight": "crank"}),
+        ("rocker-cam", {"cam": "cam", "roller": "roller", "arm": "arm"}),
+        ("flat-rocker-cam", {"cam": "cam", "arm": "arm"}),
+        ("flat-cam", {"cam": "cam", "follower": "follower"}),
+        ("gear-pair", {"first": "first", "second": "second", "base": "ground"}),
+        ("planetary", {"sun": "sun", "planet": "planet", "ring": "ring", "carrier": "carrier"}),
+        ("rack-and-pinion", {"pinion": "pinion", "rack": "rack"}),
+        ("straight-sided", {"gear": "gear", "mate": "mate"}),
+        ("straight-sided-ring", {"gear": "gear", "ring": "ring"}),
+        ("lantern", {"disc": "pinion", "mate": "mate"}),
+        # What is engraved on a plate stands for no body.
+        ("polygons", {"position": "", "velocity-polygon": "", "acceleration-polygon": ""}),
+    ],
+)
+def test_parts_of_each_kind_name_their_bodies(name, expected):
+    assert bodies(name) == expected
+
+
+def test_a_part_of_no_mechanism_follows_nothing():
+    assert gk.Part("plate", gk.plane.Circle(0j, 5.0), (), 3.0).body == ""
