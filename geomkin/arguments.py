@@ -258,7 +258,9 @@ RealsOrNan = Annotated[
 Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
 Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
 # Of a field that is one place, or one for each of many linkages.
-Place = Annotated[complex, Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")]
+Place = Annotated[
+    complex | NDArray[Any], Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")
+]
 # The points that a curve is made of, in a row.
 RealRow = Annotated[
     NDArray[np.floating[Any]],

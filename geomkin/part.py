@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .arguments import check_fields
-from .brief import one_line
 from .names import check_names
 from .plane.curve import AbstractCurve
 

@@ -17,6 +17,7 @@ from operator import or_
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .arguments import Sort, between, check_fields, is_place, numbers
 from .brief import clipped
@@ -177,6 +178,17 @@ class PointXY(Sort):
         )
 
 
+class OneOrMany:
+    """Marks a size that in the library may be an array, one for each of many linkages; in a recipe it is one number."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(float)
+
+
+Sizes = Annotated[float | NDArray[np.float64], OneOrMany()]
+PointsXY = Annotated[complex | NDArray[Any], PointXY(many=True)]
+
+
 class NotBoolean:
     """Marks a choice of numbers, where `true` would otherwise count as 1."""
 
@@ -186,6 +198,13 @@ class NotBoolean:
         return core_schema.no_info_before_validator_function(
             lambda value: str(value).lower() if isinstance(value, bool) else value, handler(source)
         )
+
+
+class AsWritten:
+    """Marks a number in a row, where text that reads like one would otherwise do."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(source) | {"strict": True}
 
 
 class SignOrPlace:

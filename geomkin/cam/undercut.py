@@ -228,13 +228,23 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
         if end > piece + 1:
             # The profile jumps in between: each side by itself.
             loops += [(start, piece + 1), (float(np.floor(end)), end)]
-        elif abs(np.subtract(*raw.curve.point(np.array([start, end])))) > POINT * raw.cam.base_radius:
+        elif (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
             loops.append((start, end))
         else:
-            # The two branches of a small loop meet this much beyond its cusps, where the contact stands still.
-            beyond = (np.sqrt(3) - 1) / 2 * (end - start)
-            points.append((max(start - beyond, piece), min(end + beyond, piece + 1)))
+            # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.
+            away = max(2 * start - end, piece), min(2 * end - start, piece + 1)
+            before, after = (_gone(raw, cusp, far, back / 2) for cusp, far in zip((start, end), away))
+            points.append((before, after))
     return loops, points
+
+
+def _gone(raw: UntrimmedOutline, cusp: float, far: float, way: float) -> float:
+    """Where the curve, from a cusp towards a place as far as its loop is wide, has gone a way, mm; there at most."""
+    low, high, tip = cusp, far, raw.curve.point(cusp)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if abs(raw.curve.point(middle) - tip) < way else (low, middle)
+    return 0.5 * (low + high)
 
 
 def _small_jumps(raw: UntrimmedOutline) -> list[Interval]:

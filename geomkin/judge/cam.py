@@ -8,9 +8,11 @@ import numpy as np
 
 from ..arguments import checked
 from ..cam.cam import Cam
+from ..cam.maxima import largest
 from ..cam.measures import cam_angles, pressure_angle, segment_limits, tightest_convex
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
+from ..plane.vec import Real
 
 # deg. Larger lets a guide bind on a force that leans; smaller asks for larger cams. 30 for followers that move
 # straight is the rule of Rothbart, Cams (1956). An arm swings away from the force and bears more: how much, rules
@@ -23,6 +25,9 @@ LEAST_PITCH_TO_ROLLER = 1.5
 LEAST_CONVEX_RADIUS = 1
 # Share of the peak acceleration that the scatter of a table may add: more is felt and heard; chosen here.
 MOST_NOISE = 0.1
+
+# Of the largest velocity, what counts as rest. A larger share would leave out angles at which the follower moves.
+ROUNDING = 1e-9
 
 
 def most_pressure_angle(cam: Cam) -> float:
@@ -46,13 +51,10 @@ def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
 
 
 def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
-    angles = cam_angles(cam)
-    leaning = np.degrees(np.abs(pressure_angle(cam, angles)))
-    velocity = cam.program.motion(angles).velocity
-    for name, moving in (("rise", velocity > 0), ("return", velocity < 0)):
-        if moving.any():
+    for name, way in (("rise", 1), ("return", -1)):
+        if (leaning := _most_leaning(cam, way)) is not None:
             most, advice = most_pressure_angle(cam), "give a larger base_radius or a longer segment"
-            yield Check(f"pressure angle on the {name}", leaning[moving].max(), "at most", most, "deg", advice)
+            yield Check(f"pressure angle on the {name}", leaning, "at most", most, "deg", advice)
     jumps = np.abs(cam.program.jumps.velocity)
     if jumps.any():
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
@@ -88,3 +90,16 @@ def _above(value: float) -> str:
     """A little more, in two digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - 1)
     return f"{np.ceil(value / step) * step:.2g}"
+
+
+def _most_leaning(cam: Cam, way: int) -> float | None:
+    """Largest pressure angle, deg, where the follower moves outward, way 1, or inward, -1; None where it never does."""
+    # At rest what is left of the velocity is rounding, whose sign says nothing.
+    rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
+
+    def leaning(angle: Real) -> Real:
+        moving = way * cam.program.motion(angle).velocity > rest
+        return np.where(moving, np.abs(pressure_angle(cam, angle)), -1.0)
+
+    most, _ = largest(cam.program.breaks, leaning)
+    return float(np.degrees(most)) if most >= 0 else None

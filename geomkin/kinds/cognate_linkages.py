@@ -116,7 +116,7 @@ def _sizes(linkage: FourBar) -> Mapping[str, object]:
     lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker", "ground_angle_deg")}
     return {name: float(f"{length:.10g}") for name, length in lengths.items()} | {
         "driver": linkage.driver,
-        "coupler_point": _pair(linkage.coupler_point),
+        "coupler_point": _pair(complex(linkage.coupler_point)),
         "origin": _pair(linkage.origin),
     }
 

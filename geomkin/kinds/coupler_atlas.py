@@ -24,7 +24,7 @@ from ..plane.vec import Complex
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity, rounded_up
+from ..sizes import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
 
@@ -44,7 +44,7 @@ class Grid:
     columns: int = quantity("columns of points", whole=True, at_least=1, at_most=50, example=4)
     centre: Annotated[complex, PointXY()] = entry("middle of the rectangle, [x, y] in mm", default=0j, example=45 + 0j)
     dash_deg: float = quantity("crank's turn for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90)
-    chosen: tuple[tuple[int, int], ...] = entry(
+    chosen: tuple[tuple[Annotated[int, AsWritten()], Annotated[int, AsWritten()]], ...] = entry(
         "points, as [row, column] from 1, whose velocity and acceleration go into the table", default=()
     )
 

@@ -62,7 +62,7 @@ class InflectionCircleRecipe(AbstractRecipe):
     def longest(self) -> float:
         """Longest link, mm."""
         sizes = self.linkage
-        return max(sizes.ground, sizes.crank, sizes.coupler, sizes.rocker)
+        return float(max(sizes.ground, sizes.crank, sizes.coupler, sizes.rocker))
 
     @cached_property
     def table(self) -> Table:
@@ -115,7 +115,7 @@ class InflectionCircleRecipe(AbstractRecipe):
             marks = []
         centre, radius = complex(path.centre[0]), abs(float(path.radius[0]))
         if 1e-3 < radius < LARGEST_DRAWN * self.longest:
-            half = min(np.pi, 0.5 * self.linkage.crank / radius)
+            half = min(np.pi, 0.5 * float(self.linkage.crank) / radius)
             marks += [Arc(centre, centre + (point - centre) * np.exp(-1j * half), 2 * half)]
             marks += [Circle(centre, self.stock.pin_diameter / 4), Segment(centre, point)]
         return [*marks, Circle(point, self.stock.pin_diameter / 4)]

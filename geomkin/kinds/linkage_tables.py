@@ -14,7 +14,7 @@ from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..linkage.solve.branch import Chosen
 from ..names import check_names
-from ..sizes import NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
+from ..sizes import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
 
 # The branch of all dyads; the same where it may also be followed; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
@@ -45,7 +45,9 @@ class TriangleCorner:
     body: str = entry("the body it belongs to", example="coupler")
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
-    lengths: tuple[float, float] = entry("its distances from them, mm", example=(50.0, 60.0))
+    lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
+        "its distances from them, mm", example=(50.0, 60.0)
+    )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 
     __repr__ = one_line

@@ -20,6 +20,7 @@ from ..linkage.openings import opening
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.primitives import Circle
+from ..plane.vec import Complex
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
@@ -154,5 +155,5 @@ class PolygonsRecipe(AbstractRecipe):
         return {"linkage": WITH_SLIDER} if asked else {}
 
 
-def _places(body: Body, points: Mapping[str, complex]) -> list[complex]:
+def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
     return [complex(body.point(z).position[0]) for z in points.values()]

@@ -31,6 +31,9 @@ from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
 from .linkages import AbstractLinkageRecipe
 
+# Of the largest force, what counts as none. A smaller share is that of the force's own rounding.
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, kw_only=True)
 class ShakingForceRecipe(AbstractLinkageRecipe):
@@ -102,7 +105,10 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     @property
     def judged(self) -> tuple[Check, ...]:
         largest = self.largest
-        share, advice = largest["given"] / largest["best"], f"give counterbalance = {self.best.product.real:.6g}"
+        # Where the best leaves nothing, the rest is rounding, and so would be a quotient by it.
+        least = max(largest["best"], ROUNDING * max(largest.values()))
+        share = max(largest["given"], least) / least if least > 0 else 1.0
+        advice = f"give counterbalance = {self.best.product.real + 0.0:.6g}"
         return (
             reached(self.motion, "crank's turn"),
             Check("largest force, given to best counterbalance", share, "at most", MOST_FORCE_TO_BEST, "", advice),

@@ -24,11 +24,11 @@ from .solve.solution import reach_of, with_branches
 # only the driver moves the dyad, whose limits are known in closed form.
 LOOKS = 1440
 TURN = (0.0, 2 * np.pi)
-# Reaches of the linkage within which a driving slide is looked for, ever coarser outwards. Rails that are parallel to
-# within its inverse count as parallel, so that a slide whose limits lie farther is taken for one without limits.
+# Reaches of the linkage within which a driving slide is looked for, ever coarser outwards: a slide whose limits lie
+# farther is taken for one without limits. Larger, and rails that rounding alone turns would give it some.
 FARTHEST = 1e6
 # Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
-# half of all digits tell all of them.
+# half of all digits tell all of them. Fewer, and a linkage that closes at hardly more than one place is missed.
 NARROWED = 10
 
 
@@ -38,11 +38,12 @@ def driver_limits(
 ) -> tuple[tuple[float, float], ...]:
     """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
 
-    Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes. DesignError
-    where these have no end, and where a start has to be told: for a branch that is followed or near given pins, and
-    for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched or folded;
-    there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of
-    the span, where its estimate holds, to its first limit.
+    Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes.
+    DesignError where these have no end, and where a start has to be told: for a branch that is followed or near given
+    pins, and for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched
+    or folded; there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of
+    dyads is followed from the start of the span, where its estimate holds, to its first limit. Derived here: in closed
+    form where the driver alone moves a dyad, by bisection to the last bit elsewhere.
     """
     if span is None:
         span = _whole(linkage, branch)
@@ -74,7 +75,8 @@ def driver_limits(
 def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None) -> Real:
     """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke.
 
-    Without a span they are looked for in the one that `driver_limits` takes.
+    Without a span they are looked for in the one that `driver_limits` takes. Derived here: zeros of the body's
+    first kinematic coefficient.
     """
     general = linkage.linkage
     if output not in general.bodies or output == general.ground:

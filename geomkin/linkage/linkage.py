@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, reduce
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
 from ..arguments import Place, Sort, check_fields, is_place
-from ..brief import one_line
+from ..brief import LONGEST, one_line
 from ..errors import DesignError, shown
 from ..names import check_names
-from ..plane.vec import Complex, Real, direction_deg
+from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
 
@@ -27,7 +27,8 @@ def _are_bodies(value: Any) -> bool:
 
 # That the points are finite is said with their names.
 Bodies = Annotated[
-    Mapping[str, Mapping[str, complex]], Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj")
+    Mapping[str, Mapping[str, complex | Array]],
+    Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
 ]
 
 
@@ -38,6 +39,13 @@ class AbstractLinkage(ABC):
     @abstractmethod
     def linkage(self) -> Linkage:
         """The same as bodies with named points: what is solved, drawn and cut."""
+
+    def __repr__(self) -> str:
+        """As it is made, without what may be left out; of much in one line."""
+        values = ((f.name, getattr(self, f.name), f.default) for f in fields(self))  # type: ignore[arg-type]
+        told = ", ".join(f"{name}={value!r}" for name, value, left_out in values if np.any(value != left_out))
+        text = f"{type(self).__name__}({told})"
+        return text if len(text) <= LONGEST and not self.linkage.many else one_line(self)
 
 
 AnyLinkage = Annotated[
@@ -173,7 +181,10 @@ class Linkage(AbstractLinkage):
         """Largest distance of a point or a slide's line from its body's origin, mm, () or (linkages,)."""
         places = [z for points in self.bodies.values() for z in points.values()]
         places += [place for slider in self.sliders for place in (slider.point, slider.through)]
-        return np.asarray(reduce(np.maximum, [np.abs(place) for place in places], 0.0))
+        largest: Real = np.zeros(())
+        for place in places:
+            largest = np.maximum(largest, np.abs(place))
+        return np.asarray(largest)
 
     @cached_property
     def ground(self) -> str:

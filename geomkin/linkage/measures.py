@@ -13,7 +13,7 @@ from .named.slider_crank import SliderCrank
 
 @checked
 def grashof_type(linkage: FourBar) -> str:
-    """Which links turn fully: by the shortest link if shortest + longest is no more than the other two.
+    """Which links turn fully: by the shortest link if shortest + longest is no more than the other two (Grashof, 1883).
 
     crank-rocker, double-crank, rocker-crank, double-rocker (the coupler turns), change-point (the sums
     are equal, to rounding), triple-rocker.
@@ -45,7 +45,8 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
 
     0 where open; +1 throughout where there is one circuit only. Of a Grashof four-bar the sign of the angle at a
     joint not adjacent to the shortest link; of a slider-crank whose crank turns fully the side on which the
-    slider stands, and where the connecting rod turns fully the side on which the crank does.
+    slider stands, and where the connecting rod turns fully the side on which the crank does (Chase and Mirth, Circuits
+    and branches of single-degree-of-freedom planar linkages, Journal of Mechanical Design 115, 1993).
     """
     if isinstance(linkage, FourBar):
         _, shortest, spare = _by_length(linkage)
@@ -59,9 +60,9 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
             pairs = {"rocker_pin": (coupler, rocker), "crank_pivot": (ground, crank), "crank_pin": (crank, coupler)}
             one, two = pairs[joints[shortest]]
             sign = np.sign(np.imag(np.conj(one) * two))
-    elif linkage.crank + abs(linkage.offset) < linkage.coupler:
+    elif linkage.crank + np.abs(linkage.offset) < linkage.coupler:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["coupler"].direction))
-    elif linkage.coupler + abs(linkage.offset) < linkage.crank:
+    elif linkage.coupler + np.abs(linkage.offset) < linkage.crank:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["crank"].direction))
     else:
         sign = np.ones(motion.closed.shape)

@@ -58,7 +58,7 @@ class Motion:
 
     @property
     def transmission_angle(self) -> Real:
-        """Acute angle between coupler and rocker at their pin, rad: pi/2 at best, 0 at a dead centre.
+        """Acute angle between coupler and rocker at their pin, rad: pi/2 at best, 0 at a dead centre (Alt, 1932).
 
         Of other dyads, and of loops that are solved together, the angle between the ways in which their two members
         let a joint move; the least of all. nan where the driver drives nothing else.
@@ -67,9 +67,9 @@ class Motion:
 
     @property
     def condition(self) -> Real:
-        """How many times an error of sizes or drive is seen in where the joint with the least transmission angle stands.
+        """How many times an error of sizes or drive is seen in the place of the joint that stands worst.
 
-        1/sin of that angle: inf at a limit, nan where there is none.
+        1/sin of the transmission angle: inf at a limit, nan where there is none. Derived here.
         """
         with np.errstate(divide="ignore"):
             return 1 / np.sin(self.transmission_angle)
@@ -211,7 +211,7 @@ def motion_table(motion: Motion) -> Table:
 
 
 def _bodies(motion: Motion) -> Iterator[Column]:
-    places = [abs(z) for points in motion.linkage.bodies.values() for z in points.values()]
+    places = [abs(complex(z)) for points in motion.linkage.bodies.values() for z in points.values()]
     reach = max(places, default=0.0) or 1.0
     sizes = {name: (_largest(body.first) * reach, _largest(body.origin.first)) for name, body in motion.bodies.items()}
     least = ROUNDING * max(max(turn, way) for turn, way in sizes.values())

@@ -70,7 +70,7 @@ class Opening:
 def opening(motion: Motion) -> Opening | None:
     """Where a motion first opens and what opens there; None where every frame is closed.
 
-    DesignError for arrays of linkages: take one.
+    DesignError for arrays of linkages: take one. Derived here, from how far each dyad is from closing.
     """
     if motion.closed.ndim > 1:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
@@ -126,7 +126,7 @@ def _shown(drive: float, turns: bool) -> str:
 
 
 def _closing(motion: Motion, solution: LinkageSolution, frame: int, opened: Placement) -> dict[str, int] | None:
-    """Signs on which the linkage closes at a frame: the sign of a dyad decides nothing of itself, but of those after it."""
+    """Signs on which the linkage closes at a frame: that of a dyad decides nothing of itself, but of those after it."""
     own = {joint: int(signs[frame]) or 1 for joint, signs in solution.signs.items()}
     placed = solution.placements[: solution.placements.index(opened)]
     before = [one.joint for one in placed if isinstance(one, Dyad)]

@@ -28,8 +28,8 @@ class AbstractRecipe(ABC):
 
     kind: str
     files: Files
-    # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name, and
-    # recipes that differ in nothing else are equal.
+    # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name,
+    # and recipes that differ in nothing else are equal.
     name: str = ""
     # What a template says of the kind, besides what it is.
     advice: ClassVar[str] = ""

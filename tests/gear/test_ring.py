@@ -1,5 +1,8 @@
 """Ring gears by second roads: the pinion cutter rolled by brute force, meshing outlines, limits."""
 
+import dataclasses
+import re
+
 import numpy as np
 import pytest
 
@@ -223,3 +226,29 @@ def test_a_cutter_is_refused_just_when_its_tips_would_hit_the_teeth_on_their_way
                 gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))
         else:
             assert gk.RingGear(60, 2, 0, gk.gear.PinionCutter(teeth))
+
+
+# Rings for which no shift within reach makes room for the cutter, of teeth, shift, addendum and cutter.
+CROWDED = [
+    (25, -2.0, 1.0, gk.gear.PinionCutter(24, 45, 0.5, 0.3)),
+    (31, -2.0, 1.0, gk.gear.PinionCutter(21, 45, 0.5, 0.3)),
+    (40, -1.0, 1.5, gk.gear.PinionCutter(37, 30, 1, 0.2)),
+    (55, -1.0, 1.0, gk.gear.PinionCutter(45, 40, 0.8, 0, 1)),
+    (80, -0.5, 0.8, gk.gear.PinionCutter(79, 45, 0.5, 0.3)),
+    (80, -3.0, 1.5, gk.gear.PinionCutter(70, 30, 0.2, 0.2, 0.3)),
+]
+
+
+@pytest.mark.parametrize(("teeth", "shift", "addendum", "cutter"), CROWDED)
+def test_a_smaller_cutter_that_is_named_is_the_largest_that_works(teeth, shift, addendum, cutter):
+    with pytest.raises(gk.DesignError, match="give a cutter of ") as caught:
+        gk.RingGear(teeth, 1, shift, cutter, addendum)
+
+    def fits(z):
+        try:
+            return gk.RingGear(teeth, 1, shift, dataclasses.replace(cutter, teeth=z), addendum)
+        except gk.DesignError:
+            return None
+
+    named = int(re.search(r"cutter of (\d+) teeth", caught.value.remedy)[1])
+    assert named == max(z for z in range(4, cutter.teeth) if fits(z))

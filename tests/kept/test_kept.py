@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from geomkin.kinds import KINDS as NAMES
-from tests.kept import calls, net
+from tests.kept import calls, net, texts
 
 KEPT = net.kept()
 RECIPES = net.recipes()
@@ -65,3 +65,16 @@ def test_a_call_gives_what_was_kept_of_it(call):
 
 def test_every_call_has_its_kept_result():
     assert list(CALLED) == calls.calls()
+
+
+PRINTED = texts.kept()
+
+
+@pytest.mark.parametrize("command", PRINTED)
+def test_a_command_prints_what_was_kept_of_it(command):
+    assert texts.differences(PRINTED[command], texts.outcome(command)) == ""
+
+
+def test_every_command_has_its_kept_text():
+    assert list(PRINTED) == list(texts.commands())
+    assert {command.split()[1] for command in PRINTED if command.startswith("new ")} >= set(NAMES)

@@ -137,6 +137,9 @@ def test_what_has_no_meaning_is_refused():
         Centrodes(motion, "coupler").runs(0.0)
     with pytest.raises(gk.DesignError, match="body"):
         Centrodes(motion, "conrod").fixed
+    for span in ((1.2, 0.3), (0.3, 0.3)):
+        with pytest.raises(gk.DesignError, match="rising"):
+            gk.linkage.CentrodeCurve(gk.FourBar(100, 30, 90, 70), "coupler", span)
     many = gk.move(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70), TURN)
     assert Centrodes(many, "coupler").fixed.shape == (len(TURN), 2)
     with pytest.raises(gk.DesignError, match="one"):

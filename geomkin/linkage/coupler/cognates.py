@@ -12,7 +12,7 @@ import numpy as np
 from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import cross, direction_deg
+from ...plane.vec import Complex, cross, direction_deg
 from ..linkage import Linkage
 from ..named.four_bar import FourBar
 from ..solve.branch import Branch
@@ -141,9 +141,9 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
         on_left = cross(point[last] - point[first], point[joint] - point[first]) >= 0
         order += [one, two] if on_left else [two, one]
 
-    def local(body: str) -> dict[str, complex]:
+    def local(body: str) -> dict[str, complex | Complex]:
         origin, ahead = (point[name] for name in made_of[body][:2])
-        x_axis = (ahead - origin) / abs(ahead - origin)
+        x_axis = (ahead - origin) / abs(complex(ahead - origin))
         return {name: (point[name] - origin) * x_axis.conjugate() for name in made_of[body]}
 
     return Linkage(

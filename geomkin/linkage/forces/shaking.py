@@ -142,11 +142,11 @@ def _from_crank(linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, b
 
 def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch) -> tuple[Real, Complex]:
     """Crank angles at which the force has its largest maxima, and sum m a there, without the counterbalance."""
-    if linkage.coupler <= linkage.crank + abs(linkage.offset):
+    if linkage.coupler <= linkage.crank + np.abs(linkage.offset):
         raise DesignError(
             "coupler",
             f"found {linkage.coupler:g} mm, so the crank cannot turn fully",
-            f"give more than {linkage.crank + abs(linkage.offset):g} mm, crank and offset together",
+            f"give more than {linkage.crank + np.abs(linkage.offset):g} mm, crank and offset together",
         )
     driven = replace(linkage, driver="crank")
     size = np.abs(_from_crank(driven, masses, LOOKS, branch) + product)

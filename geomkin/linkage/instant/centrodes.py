@@ -124,6 +124,8 @@ class CentrodeCurve(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if not self.span[0] < self.span[1]:
+            raise DesignError("span", f"found {self.span}", "give a rising pair")
         bodies = self.linkage.linkage.bodies
         if self.body not in bodies:
             raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
@@ -138,7 +140,7 @@ class CentrodeCurve(AbstractCurve):
 
     def velocity(self, t: ArrayLike) -> Complex:
         centrodes, frames = self._centrodes(t)
-        # The moving centrode rolls on the fixed one: the velocity is the same along both, turned as the body sees it.
+        # The moving centrode rolls on the fixed one: the centre has one velocity along both, turned as the body is.
         turned = np.conj(centrodes.motion.bodies[self.body].direction) if self.moving else 1.0
         return (centrodes.velocity * turned)[frames]
 

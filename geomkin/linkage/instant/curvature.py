@@ -102,7 +102,7 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     return path_in(position, position - moved.origin.position, *second_order(motion, carrier))
 
 
-def _guided(motion: Motion, body: str, local: complex) -> tuple[str, complex]:
+def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, complex | Complex]:
     """The same point as one of a body that is joined to the ground, where a pin makes it one."""
     linkage = motion.linkage
 

@@ -7,11 +7,11 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 from ...errors import DesignError
-from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
 from ..linkage import AbstractLinkage, Linkage, Slider
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EllipticTrammel(AbstractLinkage):
     """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
 
@@ -19,8 +19,8 @@ class EllipticTrammel(AbstractLinkage):
     shuttle's x; then branch +1 puts the second shuttle on the positive side of its slot's foot.
     """
 
-    rod: float = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
-    rod_point: Annotated[complex, PointXY(many=True)] = entry(
+    rod: Sizes = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
+    rod_point: PointsXY = entry(
         "point traced by the rod, from its first pin, x towards the second, [x, y] in mm", default=0j, example=100 + 0j
     )
     angle_deg: float = quantity(
@@ -55,15 +55,15 @@ class EllipticTrammel(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScotchYoke(AbstractLinkage):
     """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
 
     The crank turns about the origin; the yoke is guided `guide` beyond its slot; lengths in mm.
     """
 
-    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    guide: float = quantity(
+    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    guide: Sizes = quantity(
         "from the middle of the yoke's slot to the middle of its guide", "mm", above=0, at_most=FARTHEST, example=100
     )
     slot_deg: float = quantity(
@@ -95,7 +95,7 @@ class ScotchYoke(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class OldhamCoupling(AbstractLinkage):
     """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
 
@@ -103,7 +103,7 @@ class OldhamCoupling(AbstractLinkage):
     turn around the circle over the two centres; lengths in mm.
     """
 
-    shift: float = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
+    shift: Sizes = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
     origin: Annotated[complex, PointXY()] = entry("centre of the driving shaft, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from driving to driven shaft", "deg", default=0.0, at_least=-360, at_most=360

@@ -9,11 +9,11 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...errors import DesignError
-from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
 from ..linkage import AbstractLinkage, Linkage
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FourBar(AbstractLinkage):
     """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
 
@@ -22,13 +22,13 @@ class FourBar(AbstractLinkage):
     which those that cannot be assembled are open at every frame.
     """
 
-    ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
-    crank: float = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
-    coupler: float = quantity(
+    ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
+    crank: Sizes = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: Sizes = quantity(
         "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
     )
-    rocker: float = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
-    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
+    rocker: Sizes = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
+    coupler_point: PointsXY = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )

@@ -7,12 +7,13 @@ from functools import cached_property
 from typing import Annotated
 
 from ...errors import DesignError
+from ...plane.vec import Array
 from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..linkage import AbstractLinkage, Linkage, Slider
 from .four_bar import FourBar
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StephensonSixBar(AbstractLinkage):
     """A four-bar whose coupler point moves an output link through a connecting link; lengths in mm.
 
@@ -39,7 +40,7 @@ class StephensonSixBar(AbstractLinkage):
         return _with_dyad(self.four_bar, "coupler_point", "coupler", self.four_bar.coupler_point, self)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class WattSixBar(AbstractLinkage):
     """Two four-bars in a row: a point of the first one's rocker moves an output link; lengths in mm.
 
@@ -70,7 +71,7 @@ class WattSixBar(AbstractLinkage):
 
 
 def _with_dyad(
-    four_bar: FourBar, point: str, body: str, place: complex, sizes: StephensonSixBar | WattSixBar
+    four_bar: FourBar, point: str, body: str, place: complex | Array, sizes: StephensonSixBar | WattSixBar
 ) -> Linkage:
     first = four_bar.linkage
     bodies = {name: dict(points) for name, points in first.bodies.items()}
@@ -81,7 +82,7 @@ def _with_dyad(
     return Linkage(bodies, first.driver, (), first.origin, first.ground_angle_deg)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Shaper(AbstractLinkage):
     """A crank pin in the slot of a lever, whose tip moves a ram through a connecting rod; lengths in mm.
 

@@ -9,11 +9,11 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...errors import DesignError
-from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
 from ..linkage import AbstractLinkage, Linkage, Slider
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SliderCrank(AbstractLinkage):
     """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
 
@@ -22,12 +22,12 @@ class SliderCrank(AbstractLinkage):
     pin; where the slider drives, the crank pin lies left of the line from crank pivot to slider pin.
     """
 
-    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    coupler: float = quantity("length of the connecting rod", "mm", above=0, at_most=FARTHEST, example=90)
-    offset: float = quantity(
+    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: Sizes = quantity("length of the connecting rod", "mm", above=0, at_most=FARTHEST, example=90)
+    offset: Sizes = quantity(
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
-    coupler_point: Annotated[complex, PointXY(many=True)] = entry(
+    coupler_point: PointsXY = entry(
         "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
         default=0j,
     )
@@ -43,7 +43,7 @@ class SliderCrank(AbstractLinkage):
             raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or slider")
         if np.ndim(self.crank + self.coupler + self.offset):
             return
-        if abs(self.offset) >= self.crank + self.coupler:
+        if np.abs(self.offset) >= self.crank + self.coupler:
             raise DesignError(
                 "offset",
                 f"found {self.offset:g} mm, but crank and coupler together reach only "
@@ -68,7 +68,7 @@ class SliderCrank(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class InvertedSliderCrank(AbstractLinkage):
     """A crank whose pin slides along a rocker, or whose coupler slides through a rocking block; lengths in mm.
 
@@ -79,9 +79,9 @@ class InvertedSliderCrank(AbstractLinkage):
     of a sliding coupler, the coupler's from the crank pin to the block.
     """
 
-    ground: float = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80)
-    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    offset: float = quantity(
+    ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80)
+    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    offset: Sizes = quantity(
         "distance of the slide line from the pin at which its body turns, to the left",
         "mm",
         default=0.0,
@@ -89,7 +89,7 @@ class InvertedSliderCrank(AbstractLinkage):
         at_most=FARTHEST,
     )
     line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
-    point: Annotated[complex, PointXY(many=True)] = entry(
+    point: PointsXY = entry(
         "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",
         default=0j,
         example=130 + 0j,
@@ -109,7 +109,7 @@ class InvertedSliderCrank(AbstractLinkage):
             if value not in allowed:
                 raise DesignError(field, f"found {value!r}", f"give {' or '.join(allowed)}")
         reach = self.ground + self.crank
-        if np.ndim(reach + self.offset) == 0 and abs(self.offset) >= reach:
+        if np.ndim(reach + self.offset) == 0 and np.abs(self.offset) >= reach:
             raise DesignError(
                 "offset",
                 f"found {self.offset:g} mm, but the crank pin comes no farther than {reach:g} mm from the rocker pivot",

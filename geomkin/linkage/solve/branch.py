@@ -94,10 +94,11 @@ def _is_sign(value: object) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class FollowedBranch:
-    """The sign of a dyad whose branch is followed: `start` at the drive `first`, and the other one beyond each meeting of its branches.
+    """The sign of a dyad whose branch is followed: `start` at the drive `first`, the other beyond each meeting.
 
-    at: drives of the meetings, (n,); of: the linkage that each belongs to, in a flat count. gap: mm below which
-    rounding alone keeps a gap from zero. unit: of the drive, rad or mm. linkages: shape of the sizes.
+    A meeting is where the dyad's two branches are one, as at a change point. at: drives of the meetings, (n,); of: the
+    linkage that each belongs to, in a flat count. gap: mm below which rounding alone keeps a gap from zero. unit: of
+    the drive, rad or mm. linkages: shape of the sizes.
     """
 
     start: Whole | int

@@ -28,7 +28,7 @@ LONGEST, MOST_TURN = 0.1, 0.15
 CROSSED, STRAIGHT = 3e-5, 1e-3
 # Steps this short end the path: rounding of the points is as large. Only at the limit of a dyad before the loops.
 SHORTEST = 1e-13
-# Steps of an iteration: it needs three or four, or beside a singular point one for each bit.
+# Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
 MOST = 12_000
@@ -100,7 +100,7 @@ def polished(equations: Equations, points: Real) -> Real:
         value, slopes = equations(points[moving])
         step = solved(slopes[..., :-1], value)
         size = np.abs(step).max(axis=1)
-        # Steps that no longer shrink are made of rounding: they would go on to the last. Close to a limit they only halve.
+        # Steps that no longer shrink are rounding and would go on to the last. Close to a limit they only halve.
         on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
         moving, size = moving[on], size[on]
         points[moving, :-1] -= step[on]

@@ -23,7 +23,8 @@ MOST = 400_000
 # Turn of a body between two nodes, rad, above which more are put between them, and how often at most: a body that
 # whips round beside a toggle would carry later dyads past a change point. Coarser, and one may be missed.
 WHIP, HALVINGS = 0.2, 24
-# Nodes that a least value is looked for with, and how often. Each look narrows it to an eighth, to the last bit at last.
+# Nodes that a least value is looked for with, and how often. Each look narrows it to an eighth, the last to a bit:
+# fewer, and a zero is known to fewer digits.
 NODES, LOOKS = 17, 22
 # Units of drive: APART, from a flat zero to the two places beside it whose values tell where it is (farther, and the
 # next order of the curve shifts it; nearer, and rounding does), and AT, within which a first frame stands at a change
@@ -113,7 +114,7 @@ class DriveRange:
 
 
 def change_points(whole: DriveRange, k: int, start: Whole | int, drive: Real, gap: float) -> FollowedBranch:
-    """The branch of the dyad that is placed k-th, over all of the range: `start` at drive[0], then as the motion runs on.
+    """The branch of the k-th placement, a dyad, over all of the range: `start` at drive[0], then as the motion runs on.
 
     Two branches meet where a gap of the dyad vanishes: its least values are found to rounding, and whether one is
     zero is decided by `gap`, mm, alone. Where a gap comes near to zero and does not vanish the branches pass each

@@ -51,17 +51,15 @@ class Driven(Dyad):
 
 
 @dataclass(frozen=True, eq=False)
-class DrivenRRR(Driven):
-    """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
+class CrankDriven(Driven):
+    """Of a dyad between points of the ground and of a driver that turns: its second base from its first.
 
-    In the textbook's letters, seen along C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
-    b e3 = (p + i r / 2s) u, p = (s + b^2 - c^2) / 2s. The derivatives of the angles of e3 and e4 are
-    h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
+    That is C + K e^{iq}: still C and turning K, mm.
     """
 
     still: complex | Complex
     turning: complex | Complex
-    dyad: RRR
+    dyad: RRR | RRP
 
     @property
     def leader(self) -> str:
@@ -72,6 +70,18 @@ class DrivenRRR(Driven):
 
     def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
         return self.dyad.meeting(p0)
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenRRR(CrankDriven):
+    """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
+
+    In the textbook's letters, seen along C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
+    b e3 = (p + i r / 2s) u, p = (s + b^2 - c^2) / 2s. The derivatives of the angles of e3 and e4 are
+    h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
+    """
+
+    dyad: RRR
 
     @cached_property
     def _sizes(self) -> _Sizes:
@@ -165,26 +175,14 @@ class _Sizes:
 
 
 @dataclass(frozen=True, eq=False)
-class DrivenRRP(Driven):
+class DrivenRRP(CrankDriven):
     """A bar from a point of the driver to a slide on the ground: the slider-crank of that driver.
 
     Seen along the rail, L = x + C + K e^{iq} = r + i n with n = c + k sin t, t = q + arg K, and
     r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
     """
 
-    still: complex | Complex
-    turning: complex | Complex
     dyad: RRP
-
-    @property
-    def leader(self) -> str:
-        return self.dyad.leader
-
-    def gaps(self, p0: Poses) -> tuple[Real, ...]:
-        return self.dyad.gaps(p0)
-
-    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
-        return self.dyad.meeting(p0)
 
     @cached_property
     def _sizes(self) -> tuple[Gaps, Real, Complex, Real]:

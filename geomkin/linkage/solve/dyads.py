@@ -26,7 +26,7 @@ MEETING, WORST = 1e-14, 1e8
 
 @dataclass(frozen=True, eq=False)
 class Dyad(Placement):
-    """A step that can close on either of two branches. joint: the name of its inner joint; leader: a body it turns."""
+    """A placement that can close on either of two branches. joint: its inner joint's name; leader: a body it turns."""
 
     joint: str
 
@@ -48,7 +48,7 @@ class RRR(Dyad):
 
     base_1 + L1 = base_2 + L2, with L the bars as `arm` of their bodies. branch +1: the pin lies left of
     the line from base_1 to base_2. Factors instead of differences of squares keep the digits that the
-    bases' positions have (Kahan).
+    bases' positions have (Kahan, Miscalculating Area and Angles of a Needle-like Triangle).
     """
 
     bodies: tuple[str, str]

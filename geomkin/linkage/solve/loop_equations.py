@@ -182,8 +182,8 @@ class LoopEquations:
         Open one joint by a small e with the driver held: that moves the linkage by the inverse of the Jacobian. At
         a pin the ends then move by v1 e and v2 e, v1 - v2 = 1. Such pairs of ways and those that the pin lets pass,
         v1 = v2, are two planes, whose least angle is half the angle mu told here: cos mu = 1 - 1/s^2, s the largest
-        singular value of v1 over v2; pi/2, the most there is, stands where s is less than 1. At a slider both bodies move along one way
-        against each other, and mu is its angle from the line.
+        singular value of v1 over v2; pi/2, the most there is, stands where s is less than 1. At a slider both bodies
+        move along one way against each other, and mu is its angle from the line.
         """
         least = np.full(len(state[0]), np.nan)
         known = np.isfinite(state[0]).all(axis=-1) & np.isfinite(state[1]).all(axis=-1)
@@ -210,7 +210,7 @@ class LoopEquations:
                     if 0 <= pair < len(chain) - 1
                 )
                 moves = self.moving(np.asarray(lone))
-                ways = [self._way(state, moves, self.names.index(b), self.linkage.bodies[b][pin])
+                ways = [self._way(state, moves, self.names.index(b), complex(self.linkage.bodies[b][pin]))
                         for b in (chain[k], chain[k - 1 if k else 1])]  # fmt: skip
                 one = sum(np.abs(w[:, 0]) ** 2 for w in ways)
                 two = sum(np.abs(w[:, 1]) ** 2 for w in ways)

@@ -15,7 +15,7 @@ from .loop_equations import LoopEquations, State
 from .placement import Coefficients, Placement, Poses
 
 # How far drives may be from the first one, rad, or sizes of the linkage where the driver slides: a path is followed
-# in steps of about a twentieth of that unit, a millisecond each.
+# in steps of about a twentieth of that unit, a millisecond each. Farther, and a slip of units takes minutes.
 FARTHEST = 80 * np.pi
 
 
@@ -135,7 +135,7 @@ class Loops(Placement):
 
     def _points(self, body: str, state: State) -> dict[str, complex]:
         """A body's points in its frame, and where it is half of an actuator those of the other half."""
-        points, driven = dict(self.linkage.bodies[body]), self.equations.driven
+        points, driven = {p: complex(z) for p, z in self.linkage.bodies[body].items()}, self.equations.driven
         if driven and body in (driven.body, driven.along):
             other = driven.along if body == driven.body else driven.body
             drive = float(state[0][0, -1].real)

@@ -31,7 +31,8 @@ def move(
     starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Follow` at any of
     these, and keeps the smooth continuation, at any step: through a change point, where the branches meet, and past a
     place where they only come near. A frame that cannot be reached is nan with closed False. At a true dead centre
-    of the driver the rates are not finite.
+    of the driver the rates are not finite. Dyads are solved in closed form, whatever else by Newton's method on their
+    loop equations; rates come by the chain rule from kinematic coefficients.
     """
     general = linkage.linkage
     q = np.atleast_1d(np.asarray(drive, dtype=float))

@@ -133,7 +133,7 @@ class Placement(ABC):
         """Poses, on one branch of a dyad; nan where it cannot close."""
 
     def reached(self, p0: Poses) -> Complex | None:
-        """What is nan where this step cannot place its bodies; None where it always can."""
+        """What is nan where the bodies cannot be placed; None where they always can."""
         return None
 
     @abstractmethod

@@ -1,4 +1,4 @@
-"""In which order a linkage is solved: the driver, then dyads in closed form; what is left goes to iteration."""
+"""In which order bodies are placed: the driver, then dyads in closed form; what is left goes to iteration."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Planner:
         self.actuator = slider if slider and linkage.ground not in (slider.body, slider.along) else None
 
     def drive(self) -> None:
-        """The driver's own step, by how it is joined to the ground; an actuator waits for what holds its ends."""
+        """The driver's own placement, by how it is joined to the ground; an actuator waits for what holds its ends."""
         ground, slider = self.linkage.ground, self.linkage.driven_slider
         if slider is None:
             self.placements.append(Turned(self.linkage.driver))

@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...plane.vec import Complex, Mask, Real, Whole, direction_deg
+from ...brief import one_line
+from ...plane.vec import Array, Complex, Mask, Real, Whole, direction_deg
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
 from .drive_range import DriveRange, change_points
@@ -25,9 +26,14 @@ ROUNDING = 1e-14
 def reach_of(linkage: Linkage) -> float:
     """A length, mm, that no two points of the linkage can be apart while it is together."""
     bodies = sum(
-        max((float(np.abs(z).max()) for z in points.values()), default=0) for points in linkage.bodies.values()
+        max((float(np.abs(z).max()) for z in points.values()), default=0.0) for points in linkage.bodies.values()
     )
-    return 2 * (bodies + sum(abs(s.point) + abs(s.through) for s in linkage.sliders))
+    return 2 * (bodies + sum(_far(s.point) + _far(s.through) for s in linkage.sliders))
+
+
+def _far(place: complex | Array) -> float:
+    """Distance from the origin, mm, of many places the largest."""
+    return float(np.abs(place).max()) if isinstance(place, np.ndarray) else abs(place)
 
 
 def with_branches(
@@ -96,6 +102,8 @@ class LinkageSolution:
     placements: tuple[Placement, ...]
     drive: Real
     asked: Chosen
+
+    __repr__ = one_line
 
     @cached_property
     def shape(self) -> tuple[int, ...]:

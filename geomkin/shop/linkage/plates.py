@@ -182,10 +182,10 @@ def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
     # A body on a fixed shaft that only its slide moves is a hub: it must be a plate to turn that shaft.
     if joined == {linkage.ground} and not any(point in linkage.pins for point in linkage.bodies[other]):
         return False
-    first = next(iter(points.values()))
-    if not all(_equal(first, place) for place in points.values()):
+    first = complex(next(iter(points.values())))
+    if not all(_equal(first, complex(place)) for place in points.values()):
         return False
-    start = slider.point if body == slider.body else slider.through
+    start = complex(slider.point if body == slider.body else slider.through)
     return bool(abs(cross(_line(slider, body), first - start)) <= EQUAL * (abs(first) + abs(start)))
 
 
@@ -233,7 +233,7 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], sto
         stock.bar_width,
         _travel(path, ahead),
         ahead,
-        slider.point,
+        complex(slider.point),
         direction,
         plate.openings.values(),
         guide.openings.values(),
