@@ -24,7 +24,7 @@ MAY = {
     "walls": {"plane", "part", "check"},
     **dict.fromkeys(MECHANISMS, GEOMETRY),
     "export": {"plane", "part", "table", "check"},
-    "judge": MECHANISMS | {"check"},
+    "judge": MECHANISMS | GEOMETRY | {"check"},
     "shop": MECHANISMS | GEOMETRY | {"part"},
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"part", "check", "walls", "export"},

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .conjugate.conjugate import Conjugate as Conjugate
     from .conjugate.conjugate import Untouched as Untouched
+    from .conjugate.flank_gears import AbstractFlankGear as AbstractFlankGear
     from .conjugate.flank_gears import FlankGear as FlankGear
     from .conjugate.flank_gears import PointToothGear as PointToothGear
     from .conjugate.flank_gears import StraightSidedGear as StraightSidedGear

@@ -17,7 +17,7 @@ from .contract import check_alike
 from .interference import InternalMesh, tip_margin
 from .involute import inverse_involute, involute_function
 from .ring import RingGear
-from .spur import SpurGear
+from .spur import Settled, SpurGear
 
 # Overlap of tip and tooth, modules, that counts: below it is the rounding of the sampled paths.
 SEEN = 1e-5
@@ -27,9 +27,9 @@ SEEN = 1e-5
 class GearPair:
     """A spur gear, and a spur gear or a ring gear that it drives.
 
-    centre_distance: mm; left out, the one at which teeth that are not thinned have no backlash; `axis_distance` is
-    the one that holds. Lengths along the line of action are measured from the first gear's base circle. Distance,
-    contact ratio and specific sliding as in ISO 21771 and DIN 3960.
+    centre_distance: mm; left out, the one at which teeth that are not thinned have no backlash. Lengths along
+    the line of action are measured from the first gear's base circle. Distance, contact ratio and specific sliding as
+    in ISO 21771 and DIN 3960.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
@@ -38,7 +38,7 @@ class GearPair:
 
     first: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
     second: SpurGear | RingGear = entry("the driven gear", example=SpurGear(40, 2))
-    centre_distance: float | None = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
+    centre_distance: Settled = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
     __repr__ = one_line
 
@@ -53,7 +53,9 @@ class GearPair:
                 f"found a ring of {second.teeth} teeth around {first.teeth}",
                 f"give at least {first.teeth + 1}",
             )
-        if self.centre_distance is not None:
+        if self.centre_distance is None:
+            object.__setattr__(self, "centre_distance", self.tight_distance)
+        else:
             self._check_distance()
         start, end = self.contact_lengths
         if end <= start:
@@ -73,11 +75,6 @@ class GearPair:
     def module(self) -> float:
         """Pitch diameter per tooth of both, mm."""
         return self.first.module
-
-    @cached_property
-    def axis_distance(self) -> float:
-        """Distance of the axes, mm: the one given, or the tight one."""
-        return self.tight_distance if self.centre_distance is None else self.centre_distance
 
     @property
     def ratio(self) -> float:
@@ -129,18 +126,18 @@ class GearPair:
     @property
     def working_pressure_angle(self) -> float:
         """Angle of the line of action, rad."""
-        return float(np.arctan2(self._between(self.axis_distance), self._base_distance))
+        return float(np.arctan2(self._between(self.centre_distance), self._base_distance))
 
     @property
     def working_radii(self) -> tuple[float, float]:
         """Radii of the circles that roll on each other, mm."""
-        one = self.axis_distance / self._teeth
+        one = self.centre_distance / self._teeth
         return one * self.first.teeth, one * self.second.teeth
 
     @cached_property
     def contact_lengths(self) -> tuple[float, float]:
         """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
-        return self._contact_at(self.axis_distance)
+        return self._contact_at(self.centre_distance)
 
     @property
     def contact_ratio(self) -> float:
@@ -157,7 +154,7 @@ class GearPair:
         """
         s1 = np.asarray(along, dtype=float)
         # Speeds along the flanks over the first gear's speed.
-        between = self._between(self.axis_distance)
+        between = self._between(self.centre_distance)
         across = s1 + between if self.is_internal else between - s1
         v1, v2 = s1, across * self.first.teeth / self.second.teeth
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -172,7 +169,7 @@ class GearPair:
     @property
     def clearances(self) -> tuple[float, float]:
         """From the tips of the second to the root of the first, and of the first to the second's, mm."""
-        a, one, two = self.axis_distance, self.first, self.second
+        a, one, two = self.centre_distance, self.first, self.second
         if self.is_internal:
             return two.tip_radius - a - one.root_radius, two.root_radius - a - one.tip_radius
         return a - two.tip_radius - one.root_radius, a - one.tip_radius - two.root_radius
@@ -184,7 +181,7 @@ class GearPair:
         Along circles, over the whole way of a tip through the space; 0 where a tip touches a flank as it should,
         negative where it digs into a root or a tooth. Seen to a hundred-thousandth of a module.
         """
-        first, second, distance = self.first, self.second, self.axis_distance
+        first, second, distance = self.first, self.second, self.centre_distance
         return (
             tip_margin(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
             tip_margin(first, second, distance, self.poses),
@@ -197,7 +194,7 @@ class GearPair:
         Negative: involute interference, where the first's roots are not cut deep enough.
         """
         tip = self.second.flank_lengths[0 if self.is_internal else 1]
-        return self._along(tip, self._between(self.axis_distance))
+        return self._along(tip, self._between(self.centre_distance))
 
     @property
     def trochoid_margin(self) -> float:
@@ -238,7 +235,7 @@ class GearPair:
         where = -1j if self.is_internal else 1j
         second = np.exp(1j * (turned + half + (0 if self.is_internal else np.pi)))
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
-            np.full(t.shape, where * self.axis_distance), second
+            np.full(t.shape, where * self.centre_distance), second
         )
 
     @property
@@ -270,19 +267,19 @@ class GearPair:
     def _internal(self) -> InternalMesh:
         one, two = self.first, self.second
         return InternalMesh(
-            one.teeth, two.teeth, self.axis_distance, one.tip_radius, two.tip_radius, one.base_radius, two.base_radius
+            one.teeth, two.teeth, self.centre_distance, one.tip_radius, two.tip_radius, one.base_radius, two.base_radius
         )
 
     def _check_distance(self) -> None:
         """The teeth must not jam."""
         tight = self._distance_of_backlash()
-        jams = self.axis_distance > tight if self.is_internal else self.axis_distance < tight
-        if self.axis_distance < self._base_distance or (jams and abs(self.axis_distance - tight) > 1e-9 * tight):
+        jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
+        if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
             most = f"from {rounded_up(self._base_distance)} to {rounded_down(tight)} mm"
             least = f"at least {rounded_up(tight)} mm"
             raise DesignError(
                 "centre_distance",
-                f"found {self.axis_distance:g} mm, at which the teeth jam",
+                f"found {self.centre_distance:g} mm, at which the teeth jam",
                 f"give {most if self.is_internal else least}",
             )
 
@@ -296,8 +293,8 @@ class GearPair:
 
     def _too_far(self) -> tuple[str, str]:
         """What is wrong with a distance at which no flanks meet, and the nearest one with a contact ratio of 1."""
-        problem = f"found {self.axis_distance:.7g} mm, at which no flanks meet"
-        good, bad = self.tight_distance, self.axis_distance
+        problem = f"found {self.centre_distance:.7g} mm, at which no flanks meet"
+        good, bad = self.tight_distance, self.centre_distance
         if abs(good - bad) <= 1e-9 * good or self._ratio_at(good) <= 1:
             return problem, "give gears with taller teeth or other profile shifts"
         good = last_fit(lambda distance: self._ratio_at(distance) >= 1, good, bad)

@@ -35,7 +35,7 @@ class PlanetarySet:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        inner, outer = self.inner.axis_distance, self._outer_distance
+        inner, outer = self.inner.centre_distance, self._outer_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
@@ -54,7 +54,7 @@ class PlanetarySet:
     @cached_property
     def outer(self) -> GearPair:
         """Planet and ring in mesh, at the distance that the sun gives."""
-        return GearPair(self.planet, self.ring, self.inner.axis_distance)
+        return GearPair(self.planet, self.ring, self.inner.centre_distance)
 
     @property
     def planet_gap(self) -> float:
@@ -115,7 +115,7 @@ class PlanetarySet:
     def _room(self, planets: int) -> float:
         if planets == 1:
             return float("inf")
-        return 2 * self.inner.axis_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
+        return 2 * self.inner.centre_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
 
     def _can_hold(self, planets: int) -> bool:
         """Whether so many planets can be put in evenly, clear of each other."""
@@ -142,12 +142,12 @@ class PlanetarySet:
         for _ in range(60):
             middle = 0.5 * (low + high)
             try:
-                small = self._distance_with(middle) < self.inner.axis_distance
+                small = self._distance_with(middle) < self.inner.centre_distance
             except DesignError:
                 small = middle < self.ring.profile_shift
             low, high = (middle, high) if small else (low, middle)
         try:
-            if abs(self._distance_with(high) - self.inner.axis_distance) < 1e-6 * self.sun.module:
+            if abs(self._distance_with(high) - self.inner.centre_distance) < 1e-6 * self.sun.module:
                 return f"give {high:.9g}"
         except DesignError:
             pass

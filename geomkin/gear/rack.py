@@ -15,7 +15,7 @@ from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractGear, check_alike
 from .cutters import RackCutter
-from .spur import SpurGear
+from .spur import Settled, SpurGear
 
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
 CORNER = 0.5
@@ -146,8 +146,7 @@ class RackPair:
     """A spur gear and the rack it drives.
 
     distance: of the gear's axis from the rack's reference line, mm; left out, the one at which teeth that are not
-    thinned have no backlash; `axis_distance` is the one that holds. Lengths along the line of action are measured
-    from the gear's base circle. Derived here, as the limit of a pair of gears of which one grows.
+    thinned have no backlash. Lengths along the line of action are measured from the gear's base circle. Derived here, as the limit of a pair of gears of which one grows.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 
@@ -156,7 +155,7 @@ class RackPair:
 
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
     rack: GearRack = entry("the rack it drives", example=GearRack(12, 2))
-    distance: float | None = quantity(
+    distance: Settled = quantity(
         "distance of the gear's axis from the rack's reference line", "mm", default=None, above=0, at_most=1e9
     )
 
@@ -165,19 +164,21 @@ class RackPair:
     def __post_init__(self) -> None:
         check_sizes(self)
         pinion = self.pinion
+        if self.distance is None:
+            object.__setattr__(self, "distance", self._tight_distance)
         check_alike(pinion, self.rack.module, self.rack.pressure_angle, "rack", "rack")
         if self.backlash < -1e-9 * pinion.module:
-            least = self.axis_distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
+            least = self.distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
             raise DesignError(
                 "distance",
-                f"found {self.axis_distance:g} mm, at which the teeth jam",
+                f"found {self.distance:g} mm, at which the teeth jam",
                 f"give at least {rounded_up(least)} mm",
             )
         start, end = self.contact_lengths
         if end <= start:
             raise DesignError(
                 "distance",
-                f"found {self.axis_distance:g} mm, at which no flanks meet",
+                f"found {self.distance:g} mm, at which no flanks meet",
                 f"give at most {rounded_down(self._farthest())} mm, where the contact ratio is 1"
                 if self._farthest() >= self._tight_distance
                 else "give taller teeth",
@@ -187,11 +188,6 @@ class RackPair:
     def driver(self) -> SpurGear:
         """The gear that drives: the pinion."""
         return self.pinion
-
-    @property
-    def axis_distance(self) -> float:
-        """Distance of the gear's axis from the rack's reference line, mm: the one given, or the tight one."""
-        return self._tight_distance if self.distance is None else self.distance
 
     @property
     def _tight_distance(self) -> float:
@@ -233,7 +229,7 @@ class RackPair:
         """Play of the rack along its way, mm."""
         pinion, rack = self.pinion, self.rack
         # The pinion's pitch circle rolls on a line beside the reference line, where the rack's teeth are narrower.
-        apart = self.axis_distance - pinion.pitch_radius
+        apart = self.distance - pinion.pitch_radius
         narrower = rack.thickness - 2 * apart * np.tan(pinion.pressure_angle)
         return float(rack.pitch - pinion.thickness(pinion.pitch_radius) - narrower)
 
@@ -241,8 +237,8 @@ class RackPair:
     def clearances(self) -> tuple[float, float]:
         """From the rack's tips to the pinion's root, and from the pinion's tips to the rack's, mm."""
         return (
-            self.axis_distance - self.rack.tip_height - self.pinion.root_radius,
-            self.axis_distance + self.rack.root_depth - self.pinion.tip_radius,
+            self.distance - self.rack.tip_height - self.pinion.root_radius,
+            self.distance + self.rack.root_depth - self.pinion.tip_radius,
         )
 
     @property
@@ -268,12 +264,12 @@ class RackPair:
         # A tooth on +y has one opposite where the teeth are even, and there the rack needs a space.
         along = self.pinion.pitch_radius * t + (0.0 if self.pinion.teeth % 2 else self.rack.pitch / 2)
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
-            along - 1j * self.axis_distance, np.ones(t.shape, complex)
+            along - 1j * self.distance, np.ones(t.shape, complex)
         )
 
     def _along(self, depth: float) -> float:
         """Length on the line of action where it crosses a line of the rack, `depth` below its reference line, mm."""
-        below = depth + self.axis_distance - self.pinion.pitch_radius
+        below = depth + self.distance - self.pinion.pitch_radius
         a = self.pinion.pressure_angle
         return float(self.pinion.pitch_radius * np.sin(a) + below / np.sin(a))
 

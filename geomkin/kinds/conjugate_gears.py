@@ -12,7 +12,7 @@ from typing import Literal
 from ..check import Check
 from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
-from ..gear.conjugate.flank_gears import PointToothGear, StraightSidedGear
+from ..gear.conjugate.flank_gears import AbstractFlankGear, PointToothGear, StraightSidedGear
 from ..gear.conjugate.lantern import LanternPinion
 from ..gear.contract import AbstractShaper
 from ..gear.tables import flank_table, pin_table
@@ -123,7 +123,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     """A gear with flanks of some form and the mate that they shape."""
 
     kind: str
-    gear: StraightSidedGear | PointToothGear
+    gear: AbstractFlankGear
     mate: Mate
     stock: PairStock = entry("what the gears are cut from", default=PairStock())
     files: Files = entry("what is written", default=Files())

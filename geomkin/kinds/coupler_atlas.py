@@ -76,14 +76,20 @@ class Grid:
         drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
 
 
+@dataclass(frozen=True, kw_only=True)
 class AbstractAtlasRecipe(AbstractRecipe):
     """What recipes of an atlas have in common."""
 
+    kind: str
     linkage: FourBar | SliderCrank
     grid: Grid
-    branch: Side
-    drive: Turn
-    stock: PlateStock
+    branch: Side = 1
+    drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        self.grid.check_work(self.drive)
 
     @property
     def design(self) -> FourBar | SliderCrank:
@@ -142,14 +148,7 @@ class FourBarAtlasRecipe(AbstractAtlasRecipe):
 
     kind: Literal["four-bar-atlas"] = "four-bar-atlas"
     linkage: FourBar
-    grid: Grid
     branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
-    drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
-    stock: PlateStock = entry("the plate", default=PlateStock())
-    files: Files = entry("what is written", default=Files())
-
-    def __post_init__(self) -> None:
-        self.grid.check_work(self.drive)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,13 +157,9 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
 
     kind: Literal["slider-crank-atlas"] = "slider-crank-atlas"
     linkage: SliderCrank
-    grid: Grid
     branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
-    drive: Turn = entry("how the driver turns", default=Turn(step_deg=5.0))
-    stock: PlateStock = entry("the plate", default=PlateStock())
-    files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         if self.linkage.driver == "slider":
             raise DesignError("linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle")
-        self.grid.check_work(self.drive)
+        super().__post_init__()

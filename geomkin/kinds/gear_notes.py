@@ -50,7 +50,7 @@ def mesh_notes(pair: GearPair) -> Mapping[str, object]:
     """What two gears do together."""
     start, end = pair.contact_lengths
     return {
-        "centre_distance_mm": shown(pair.axis_distance),
+        "centre_distance_mm": shown(pair.centre_distance),
         "working_pressure_angle_deg": shown(np.degrees(pair.working_pressure_angle)),
         "contact_ratio": shown(pair.contact_ratio),
         "backlash_mm": round(pair.backlash, 9) + 0.0,

@@ -57,7 +57,7 @@ class GearPairRecipe(AbstractRecipe):
         else:
             shifts = one.profile_shift, two.profile_shift
         one, two = (replace(g, profile_shift=x) for g, x in zip((one, two), shifts))
-        return GearPair(one, two, self.centre_distance)
+        return GearPair(one, two) if self.centre_distance is None else GearPair(one, two, self.centre_distance)
 
     @property
     def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock], ...]:
@@ -81,7 +81,7 @@ class GearPairRecipe(AbstractRecipe):
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # As much plate around a hole as the hole is wide.
-            axes = [0j, complex(self.design.axis_distance)]
+            axes = [0j, complex(self.design.centre_distance)]
             parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
         return tuple(parts)
 

@@ -46,7 +46,8 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def design(self) -> RackPair:
         """Both in mesh."""
-        return RackPair(self.pinion, self.rack, self.distance)
+        given = (self.pinion, self.rack)
+        return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
 
     @cached_property
     def table(self) -> Table:
@@ -66,7 +67,7 @@ class RackAndPinionRecipe(AbstractRecipe):
     def notes(self) -> Mapping[str, object]:
         pair = self.design
         mesh = {
-            "distance_mm": shown(pair.axis_distance),
+            "distance_mm": shown(pair.distance),
             "travel_per_turn_mm": shown(pair.travel),
             "contact_ratio": shown(pair.contact_ratio),
             "backlash_mm": round(pair.backlash, 9) + 0.0,

@@ -76,7 +76,7 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
     pair = PAIRS[name]
     measured = (play(pair, 1) + play(pair, -1)) * pair.working_radii[1]
     assert measured == pytest.approx(pair.backlash, abs=1e-3 * pair.first.module)
-    if pair.axis_distance == pair.tight_distance:
+    if pair.centre_distance == pair.tight_distance:
         assert measured == pytest.approx(pair.first.thinning + pair.second.thinning, abs=1e-3 * pair.first.module)
 
 
@@ -122,7 +122,7 @@ def test_the_published_shifted_pair():
     ]
     pair = gk.GearPair(*gears)
     assert np.degrees(pair.working_pressure_angle) == pytest.approx(t["working_pressure_angle_deg"], abs=5.1e-5)
-    assert pair.axis_distance == pytest.approx(t["centre_distance"], abs=5.1e-5)
+    assert pair.centre_distance == pytest.approx(t["centre_distance"], abs=5.1e-5)
     assert pair.contact_ratio == pytest.approx(t["contact_ratio"], abs=1e-3)
     assert [2 * g.root_radius for g in gears] == pytest.approx(t["root_diameter"], abs=1e-9)
     assert [2 * g.base_radius for g in gears] == pytest.approx(t["base_diameter"], abs=5.1e-5)
@@ -132,7 +132,7 @@ def test_the_published_shifted_pair():
 def test_published_internal_pairs(z1, x2, angle, distance):
     pair = gk.GearPair(gk.SpurGear(z1, 3), gk.RingGear(50, 3, x2))
     assert np.degrees(pair.working_pressure_angle) == pytest.approx(angle, abs=1e-4)
-    assert pair.axis_distance / 3 == pytest.approx(distance, abs=6e-4)
+    assert pair.centre_distance / 3 == pytest.approx(distance, abs=6e-4)
 
 
 @pytest.mark.parametrize("pair", PAIRS, indirect=True)

@@ -57,7 +57,7 @@ def test_all_teeth_mesh_without_overlap_while_the_sun_turns_and_the_ring_stands(
             assert area - region.overlap([around.place(ring)], [z]) < 2e-3
         one, two = planets[0].place(planet), planets[1].place(planet)
         assert region.overlap([one], [two]) == 0
-        assert abs(planets[0].origin) == pytest.approx(gears.inner.axis_distance)
+        assert abs(planets[0].origin) == pytest.approx(gears.inner.centre_distance)
 
 
 @pytest.mark.parametrize("gears", ["four"], indirect=True)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear import AbstractGear
+from geomkin.gear import AbstractFlankGear, AbstractGear
 from geomkin.kinds import KINDS
+from geomkin.kinds.conjugate_gears import ToothedRecipe
 from geomkin.recipe import AbstractRecipe, Files
 from geomkin.sizes import check_sizes, entry, quantity
 
@@ -176,3 +177,41 @@ def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
     rim = gk.judge.gear_checks(rack, stock.rim_under(rack))[-1]
     assert bar.holes == () and rim.value == pytest.approx(0.75) and rim.advice == "give a higher bar"
     assert rim == gk.judge.gear_checks(rack)[-1]
+
+
+@dataclass(frozen=True)
+class BluntGear(AbstractFlankGear):
+    """A gear with radial flanks, told by one of them alone."""
+
+    teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=200, example=40)
+    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=100, example=2)
+
+    @property
+    def pitch_radius(self):
+        return self.module * self.teeth / 2
+
+    @cached_property
+    def flank(self):
+        ray = 1j * np.exp(-0.5j * np.pi / self.teeth)
+        return gk.plane.Segment(
+            ray * (self.pitch_radius - 1.2 * self.module), ray * (self.pitch_radius + 0.05 * self.module)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BluntGearsRecipe(ToothedRecipe):
+    """A gear with radial flanks and its mate."""
+
+    kind: Literal["blunt-gears"] = "blunt-gears"
+    gear: BluntGear
+
+
+def test_a_tooth_form_from_outside_shapes_its_mate(monkeypatch):
+    """Where radial flanks touch, the normal passes the pitch point: the flank's foot on a circle of half the size."""
+    monkeypatch.setitem(KINDS, "blunt-gears", BluntGearsRecipe)
+    text = 'kind = "blunt-gears"\n[gear]\nteeth = 40\nmodule = 2\n[mate]\nteeth = 60\naddendum = 2\nclearance = 0.4\n'
+    recipe = gk.load(text)
+    assert [part.name for part in recipe.parts] == ["gear", "mate"] and all(np.isfinite(c.value) for c in recipe.checks)
+    contact = recipe.design.contact(np.linspace(0, 1, 41))
+    place = contact.place[np.isfinite(contact.angle)]
+    assert len(place) > 5 and np.abs(place - 20j) == pytest.approx(20, rel=1e-9)

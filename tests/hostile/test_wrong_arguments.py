@@ -171,7 +171,7 @@ MADE = {
     "load", "make", "write",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractFace", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractMesh", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip

@@ -192,8 +192,8 @@ def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, 
     diameters: of the holes for the shafts of sun and planets, mm.
     """
     sun, planet = diameters
-    around = 1j * gears.inner.axis_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
+    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
     outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
-    holes = [*bore(sun, 0.0, 2 * gears.inner.axis_distance - planet, "sun_stock.bore")]
+    holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]
     return Part("carrier", outline, tuple(holes), thickness, body="carrier")
