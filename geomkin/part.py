@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .arguments import check_fields
+from .brief import one_line
 from .names import check_names
 from .plane.curve import AbstractCurve
 
@@ -27,6 +28,8 @@ class Part:
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
     body: str = ""
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)

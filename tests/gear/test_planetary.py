@@ -116,3 +116,13 @@ def test_the_number_of_planets_named_in_a_refusal_can_be_put_in_at_first_go():
                     assert named == 1 or apart > 2 * gears.planet.tip_radius
                     assert replace(gears, planets=named).planets == named
     assert refused > 300
+
+
+@pytest.mark.parametrize(
+    "held",
+    [{}, {"sun": 1.0}, {"sun": 1.0, "ring": 0.0, "carrier": 2.0}, {"sun": 1.0, "planet": 0.0}, {"sun": 1, "x": 2}],
+)
+def test_speeds_follow_from_two_of_the_three_and_nothing_else(held):
+    gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+    with pytest.raises(gk.DesignError, match="two of sun, ring and carrier"):
+        gears.speeds(**held)

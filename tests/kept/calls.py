@@ -53,12 +53,14 @@ class Things(dict):
         return self[name]
 
 
+THINGS = Things({"gk": gk, "np": np})
+
+
 def outcome(call):
     """{label: list of texts and numbers} of what a call gives."""
-    things = Things({"gk": gk, "np": np})
     try:
         with np.errstate(all="ignore"):
-            value = eval(call, things)
+            value = eval(call, THINGS)
     except gk.GeomkinError as error:
         return {"refused": [type(error).__name__, str(error)]}
     with np.errstate(all="ignore"):

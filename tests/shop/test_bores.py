@@ -104,3 +104,24 @@ def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
     assert np.abs(hole.vertices).max() == pytest.approx(13 * size)
     with pytest.raises(gk.DesignError, match="keyway"):
         keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 - 1e-9), "stock")
+
+
+@pytest.mark.parametrize("pins", [6, 12, 40])
+def test_the_clearance_at_which_pins_holes_meet_is_named(tmp_path, pins):
+    """Neighbouring holes of a lantern's discs: less than named works, more is refused."""
+
+    def made(clearance):
+        (tmp_path / "r.toml").write_text(
+            f'kind = "lantern-gears"\npinion = {{pins = {pins}, module = 4, pin_diameter = 5}}\n'
+            f'mate = {{teeth = 60, addendum = 1.0}}\nstock = {{bore = 0, clearance = {clearance!r}}}\nfiles = {{write = ["csv"]}}\n'
+        )
+        return gk.make(tmp_path / "r.toml", tmp_path / "out")
+
+    with pytest.raises(gk.RecipeError, match=r"stock\.clearance") as caught:
+        made(12.0)
+    named = float(str(caught.value).split("give less than ")[1].split(" ")[0])
+    # The chord between two pins on a circle of 4 mm a pin's diameter, less a pin.
+    assert named == pytest.approx(4 * pins * np.sin(np.pi / pins) - 5, rel=1e-3)
+    assert made(named * (1 - 1e-3))
+    with pytest.raises(gk.RecipeError, match=r"stock\.clearance"):
+        made(named * (1 + 1e-3))
