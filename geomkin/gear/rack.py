@@ -146,8 +146,8 @@ class RackPair:
     """A spur gear and the rack it drives.
 
     distance: of the gear's axis from the rack's reference line, mm; left out, the one at which teeth that are not
-    thinned have no backlash. Lengths along the line of action are measured from the gear's base circle. Derived here, as
-    the limit of a pair of gears of which one grows.
+    thinned have no backlash. Lengths along the line of action are measured from the gear's base circle. Derived here,
+    as the limit of a pair of gears of which one grows.
     Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
     """
 

@@ -34,6 +34,8 @@ HERE = Path(__file__).parent
 ROOMS = ["linkages", "drawings", "cams", "gears", "refused"]
 # Of the scale of what a number was made from: the last digit kept, and some of the rounding of another processor.
 NEAR = 1e-8
+# What a check finds where it should find nothing is rounding, which another order of the same sums makes anew.
+NOTHING = 1e-11
 
 
 def recipes():
@@ -189,10 +191,11 @@ def _alike(before, after, heading):
     numbers = [abs(v) for v in before if isinstance(v, float)]
     # What is written in single precision is kept so; numbers of unlike sizes stand side by side in parts and notes.
     near = 2e-5 if heading.endswith(".stl") else NEAR
+    nothing = NOTHING if heading == "checks" else 0.0
     shared = max(numbers, default=0.0) if heading[:1] == "." else 0.0
     for old, new in zip(before, after, strict=True):
         if isinstance(old, float) and isinstance(new, float):
-            if abs(old - new) > near * max(abs(old), shared):
+            if abs(old - new) > max(near * max(abs(old), shared), nothing):
                 return False
         elif old != new:
             return False
