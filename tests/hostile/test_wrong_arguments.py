@@ -245,3 +245,26 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
 def test_how_long_a_row_must_be_is_told_where_it_must_be_so_long():
     assert sort_of(tuple[float, float]).allowed.startswith("a row of 2,")
     assert sort_of(tuple[float, ...]).allowed.startswith("a tuple,")
+
+
+@pytest.mark.parametrize(
+    ("places", "fits"),
+    [
+        ([[0, 0], [4, 0], [4, 3]], False),
+        (((0, 0), (4, 0)), False),
+        (np.array([[0.0, 0], [4, 0]]), False),
+        ((3.0, 4.0), False),
+        ([3.0, 4.0], True),
+        (np.array([3.0, 4.0]), True),
+        ([[1j, 2], [3, 4]], True),
+        (np.array([[0.0, 1, 2], [3, 4, 5]]), True),
+    ],
+)
+def test_pairs_of_numbers_are_not_taken_for_points_on_the_x_axis(places, fits):
+    """Only a row of two numbers may be two places there; a table of pairs is x and y, which points are not given by."""
+    circle = gk.Circle(0j, 1.0)
+    if fits:
+        assert gk.nearest(circle, places)[0].shape == np.shape(places)
+    else:
+        with pytest.raises(gk.DesignError, match="complex numbers"):
+            gk.nearest(circle, places)
