@@ -13,7 +13,7 @@ from .linkage import Linkage
 from .loop_equations import LoopEquations, State
 from .newton import solved
 from .steps import Pass, Step
-from .trace import Equations, Trace, polished
+from .trace import Equations, Trace, approached, polished
 
 # How far drives may be from the first one, rad, or sizes of the linkage where the driver slides: a path is followed
 # in steps of about a twentieth of that unit, a millisecond each.
@@ -102,7 +102,11 @@ class Loops(Step):
         if self.__dict__.get("_traced", (None,))[0] == key:
             return self.__dict__["_traced"][1]
         equations, drive = self._between(p0), p0.drive[:1] / self._unit
-        start = polished(equations, np.append(self._start(here), drive)[None])
+        told = np.append(self._start(here), drive)[None]
+        start = polished(equations, approached(equations, told))
+        if not np.isfinite(start).all():
+            # A hollow on the way to no pose, which whole steps may leap.
+            start = polished(equations, told)
         # Angles may have gone round and round on the way.
         turning = [axis == "angle" for _, axis in self.equations.columns]
         start[:, turning] = np.angle(np.exp(1j * start[:, turning]))
