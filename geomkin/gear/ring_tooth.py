@@ -188,6 +188,8 @@ class RingTrochoid(AbstractCurve):
     start: float
     end: float
 
+    __repr__ = one_line
+
     def _away(self, t: Real) -> tuple[Real, Real]:
         """d, and q = d + w cos(psi), in the form that keeps the digits of a small reach."""
         w, c = self.wheel, self.wheel + self.reach

@@ -228,3 +228,24 @@ def test_what_is_no_size_of_a_cam_is_refused_by_name(make, field, wrong):
     with pytest.raises(gk.DesignError) as refused:
         make(wrong)
     assert refused.value.field in (field, "program[0]")
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 6, 8])
+def test_a_band_smooths_tables_of_five_rows_and_more(count):
+    """Of fewer there is nothing to choose: the curve goes through them."""
+    angle = np.linspace(60, 200, count)
+    lifts = np.round(6 - 6 * np.cos(np.pi * (angle - 60) / 140) + 0.2 * np.sin(5 * np.arange(count) ** 2), 3)
+    lifts[[0, -1]] = 0, 12
+    inside = np.radians(np.linspace(60, 200, 4001)[1:-1])
+
+    def program(within):
+        table = gk.cam.LiftTable(3, tuple(zip(angle.tolist(), lifts.tolist())), within=within)
+        return gk.Program((gk.Dwell(end_deg=60), table, gk.Return("3-4-5", end_deg=360)))
+
+    through, smooth = program(None), program(0.3)
+    roughness = [np.mean(made.motion(inside).jerk ** 2) for made in (through, smooth)]
+    off = np.abs(smooth.motion(np.radians(angle[1:-1])).lift - lifts[1:-1]).max()
+    if count < 5:
+        assert roughness[1] == pytest.approx(roughness[0], rel=1e-9) and off < 1e-3
+    else:
+        assert roughness[1] < 0.75 * roughness[0] and off <= 0.3 + 1e-3

@@ -271,3 +271,26 @@ def test_an_array_is_held_to_the_kind_of_number_that_it_is_declared_to_hold():
         "Mask": {"true"},
     }
     assert not any(sort_of(hint).fits(row["real"].tolist()) for hint in taken.values())
+
+
+@pytest.mark.parametrize(
+    ("places", "fits"),
+    [
+        ([[0, 0], [4, 0], [4, 3]], False),
+        (((0, 0), (4, 0)), False),
+        (np.array([[0.0, 0], [4, 0]]), False),
+        ((3.0, 4.0), False),
+        ([3.0, 4.0], True),
+        (np.array([3.0, 4.0]), True),
+        ([[1j, 2], [3, 4]], True),
+        (np.array([[0.0, 1, 2], [3, 4, 5]]), True),
+    ],
+)
+def test_pairs_of_numbers_are_not_taken_for_points_on_the_x_axis(places, fits):
+    """Only a row of two numbers may be two places there; a table of pairs is x and y, which points are not given by."""
+    circle = gk.plane.Circle(0j, 1.0)
+    if fits:
+        assert gk.nearest(circle, places)[0].shape == np.shape(places)
+    else:
+        with pytest.raises(gk.DesignError, match="complex numbers"):
+            gk.nearest(circle, places)

@@ -4,7 +4,7 @@ The calls stand in `calls.toml`, things by name first; what each gave stands in 
 curve its points, velocities and curvatures, of whatever else is public its fields and properties, of a refused call the
 whole message. What such a net is for, `net.py` says. A change that is meant is written down with
 
-    python tests/kept/calls.py
+    python -m tests.kept.calls
 """
 
 import dataclasses

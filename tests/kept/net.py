@@ -8,8 +8,8 @@ Such a net tells that something has changed, not what is right: that the numbers
 prove, each by a second road. The net holds while files move and code is put in another shape, and catches the slip
 of a hand where no direct test looks. A change that is meant is written down with
 
-    python tests/kept/net.py                 # all recipes, or
-    python tests/kept/net.py crank rocker-3  # those whose names begin so
+    python -m tests.kept.net                 # all recipes, or
+    python -m tests.kept.net crank rocker-3  # those whose names begin so
 
 and the difference of the files is looked over before it is committed.
 

@@ -2,7 +2,7 @@
 
 What such a net is for, `net.py` says. A change that is meant is written down with
 
-    python tests/kept/texts.py
+    python -m tests.kept.texts
 """
 
 import contextlib

@@ -358,3 +358,26 @@ def test_between_two_points_of_a_path_a_pose_is_guessed_to_the_fourth_order():
     errors = [worst(count) for count in (10, 19, 37)]
     assert errors[0] < 1e-4
     assert all(12 < coarse / fine < 20 for coarse, fine in zip(errors, errors[1:]))
+
+
+def test_an_estimate_within_a_fifth_of_the_size_leads_to_one_pose_whatever_its_last_bits():
+    """A six-bar by its last link, its pins told wrong by some 20 mm: it closes, and 1e-12 mm decide nothing."""
+    bodies = {
+        "ground": {"O": 0, "C": 100, "E": 100 + 100j},
+        "crank": {"O": 0, "A": 30},
+        "coupler": {"A": 0, "B": 90, "P": 50 + 50j},
+        "rocker": {"C": 0, "B": 70},
+        "rod": {"P": 0, "F": 120},
+        "out": {"E": 0, "F": 90},
+    }
+    by_crank = gk.move(gk.Linkage(bodies, "crank"), [0.8])
+    angle = np.angle(by_crank.bodies["out"].direction)
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        told = {pin: complex(by_crank.point(pin).position[0]) + 20 * complex(*rng.normal(size=2)) for pin in "ABP"}
+        one, two = (
+            gk.move(gk.Linkage(bodies, "out", estimate={pin: z + more for pin, z in told.items()}), angle)
+            for more in (0, 1e-12)
+        )
+        assert one.closed.all() and two.closed.all()
+        assert one.point("A").position == pytest.approx(two.point("A").position, abs=1e-6)

@@ -69,6 +69,8 @@ class ToothCorner:
     tangent: complex
     sweep: float
 
+    __repr__ = one_line
+
     @property
     def breaks(self) -> Real:
         """The turn of the tangent, from none to all."""

@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ...brief import one_line
 from ...plane.vec import Mask, Real, Whole
 from .placement import plus, times
 
@@ -52,6 +53,8 @@ class Roots:
     x: Real
     y: Real
     branch: Whole | int
+
+    __repr__ = one_line
 
     @cached_property
     def f1(self) -> Real:

@@ -32,6 +32,11 @@ SHORTEST = 1e-13
 STEPS = 60
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
 MOST = 12_000
+# Where Newton's whole steps begin, as a share of the linkage's size: nearer, each squares what is missed. Larger, and
+# they may go astray.
+NEAR = 1e-2
+# The shortest of the steps that are tried before it is given up: shorter ones hardly move.
+SHORTEST_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +115,29 @@ def polished(equations: Equations, points: Real) -> Real:
             break
     closes = np.abs(equations(points)[0]).max(axis=1, initial=0.0) <= 1e-10
     return np.where(closes[:, None], points[:, :-1], np.nan)
+
+
+def approached(equations: Equations, point: Real) -> Real:
+    """A point, (1, n + 1), brought so near to a path, its drive kept, that whole steps of Newton's lead on.
+
+    From far off they are halved until the conditions are missed by less: whole ones go astray and come back, and then
+    the last bit of a processor's arithmetic decides between two poses.
+    """
+    missed = np.linalg.norm(equations(point)[0])
+    for _ in range(STEPS):
+        value, slopes = equations(point)
+        step, share = solved(slopes[..., :-1], value), 1.0
+        if not np.isfinite(step).all() or missed < NEAR:
+            break
+        while share > SHORTEST_SHARE:
+            there = np.append(point[:, :-1] - share * step, point[:, -1:], axis=1)
+            if (left := np.linalg.norm(equations(there)[0])) < missed:
+                break
+            share *= 0.5
+        else:
+            break
+        point, missed = there, left
+    return point
 
 
 class Trace:

@@ -15,6 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...brief import one_line
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
@@ -82,6 +83,8 @@ class DrivenRRR(CrankDriven):
     """
 
     dyad: RRR
+
+    __repr__ = one_line
 
     @cached_property
     def _sizes(self) -> _Sizes:

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import DesignError
 from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage
-from .continuation import Equations, Trace, polished, solved
+from .continuation import Equations, Trace, approached, polished, solved
 from .loop_equations import LoopEquations, State
 from .placement import Coefficients, Placement, Poses
 
@@ -104,7 +104,11 @@ class Loops(Placement):
         if key in self._last_trace:
             return self._last_trace[key]
         equations, drive = self._between(p0), p0.drive[:1] / self._unit
-        start = polished(equations, np.append(self._start(here), drive)[None])
+        told = np.append(self._start(here), drive)[None]
+        start = polished(equations, approached(equations, told))
+        if not np.isfinite(start).all():
+            # A hollow on the way to no pose, which whole steps may leap.
+            start = polished(equations, told)
         # Angles may have gone round and round on the way.
         turning = [axis == "angle" for _, axis in self.equations.columns]
         start[:, turning] = np.angle(np.exp(1j * start[:, turning]))

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ...brief import one_line
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
 
 Numbers = TypeVar("Numbers", Real, Complex)
@@ -44,6 +45,8 @@ class Poses:
     drive: Real = field(default_factory=lambda: np.zeros(()))
     kept: dict[Placement, Any] = field(default_factory=dict)
     elsewhere: Callable[[Real], tuple[Poses, Coefficients]] | None = None
+
+    __repr__ = one_line
 
     @cached_property
     def half(self) -> tuple[Real, Real]:
