@@ -18,6 +18,7 @@ from ..linkage.polygons import Polygon, acceleration_polygon, velocity_polygon
 from ..linkage.solve import move
 from ..part import Part
 from ..plane.primitives import Circle
+from ..plane.vec import rounded
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
 from ..sizes import FARTHEST, NotBoolean, check_sizes, entry, quantity
 from ..table import Column, Table
@@ -145,8 +146,14 @@ def _notes(recipe: PolygonsRecipe) -> dict[str, Any]:
     for pair, centre in instant_centres(recipe.motion).items():
         z = complex(centre.position[0])
         far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
-        centres[" and ".join(pair)] = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")] if np.isfinite(z) else far
+        centres[" and ".join(pair)] = _told(z, recipe.motion.linkage.size) if np.isfinite(z) else far
     return {"scale": scale, "instant_centres_mm": centres}
+
+
+def _told(z: complex, size: float) -> list[float]:
+    """A place in mm with nine digits, counted from its distance or the linkage's size: the rest is rounding."""
+    digits = 8 - int(np.floor(np.log10(max(abs(z), size))))
+    return rounded(np.array([z.real, z.imag]), digits).tolist()
 
 
 def _fit(asked: Mapping[str, str]) -> dict[str, Any]:
