@@ -20,7 +20,7 @@ from ..linkage.openings import opening
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.primitives import Circle
-from ..plane.vec import Complex
+from ..plane.vec import Complex, rounded
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
@@ -147,7 +147,7 @@ class PolygonsRecipe(AbstractRecipe):
         for pair, centre in instant_centres(self.motion).items():
             z = complex(centre.position[0])
             far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
-            centres[" and ".join(pair)] = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")] if np.isfinite(z) else far
+            centres[" and ".join(pair)] = _told(z, float(self.motion.linkage.size)) if np.isfinite(z) else far
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
@@ -157,3 +157,10 @@ class PolygonsRecipe(AbstractRecipe):
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
     return [complex(body.point(z).position[0]) for z in points.values()]
+
+
+def _told(z: complex, size: float) -> list[float]:
+    """A place in mm with nine digits, counted from its distance or the linkage's size: the rest is rounding."""
+    digits = 8 - int(np.floor(np.log10(max(abs(z), size))))
+    told = rounded(np.array([z.real, z.imag]), digits)
+    return [float(told[0]), float(told[1])]
