@@ -59,6 +59,12 @@ AT_MOST = {
         True,
         "points",
     ),
+    "flank reach": (
+        lambda m, x: gk.gear.FlankGear(gk.plane.Segment(m * (1 + 11j), m * 0.01 + 1j * x), 24, 12 * m),
+        60,
+        True,
+        "flank",
+    ),
 }
 AT_LEAST = {
     "spur shift": (lambda m, x: gk.SpurGear(6, m, x), -1.0, False, "profile_shift"),

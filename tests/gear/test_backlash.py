@@ -129,3 +129,17 @@ def test_a_cutter_whose_teeth_meet_is_refused_and_the_number_named_works(gear):
     assert caught.value.field == "backlash"
     most = float(caught.value.remedy.split("at most ")[1])
     assert gear.cutter(0.2, most).closed == isinstance(gear, gk.gear.LanternPinion) and gear.cutter(0.0, most)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("thinning", [0.0, 0.25, 1.0, 1.3, 2.0])
+def test_the_distance_named_where_teeth_jam_leaves_them_no_play(internal, thinning):
+    """At round amounts of thinning as at others."""
+    first = gk.SpurGear(20, 4, thinning=thinning / 2)
+    ring = {"addendum": 0.7, "thinning": thinning / 2}
+    second = gk.RingGear(60, 4, **ring) if internal else gk.SpurGear(31, 4, thinning=thinning / 2)
+    with pytest.raises(gk.DesignError, match="jam") as caught:
+        gk.GearPair(first, second, 84.0 if internal else 98.0)
+    named = float(caught.value.remedy.split("to " if internal else "at least ")[1].split(" ")[0])
+    assert gk.GearPair(first, second, named).backlash == pytest.approx(0, abs=1e-4)
+    assert gk.GearPair(first, second).backlash == pytest.approx(thinning, abs=1e-9)

@@ -98,12 +98,11 @@ def _made(text, folder):
 
 def every_case(kinds):
     """(kind, --with, key, value, text) of every template of the kinds; what several of one kind's share comes once."""
-    from geomkin.recipe.template import template
 
     for name in kinds:
         seen = set()
         for wish in wishes(name):
-            for key, value, text in cases(template(name, wish)):
+            for key, value, text in cases(template_of(name, wish)):
                 tables = " ".join(wish) if "program" in key or "follower" in key else ""
                 if (tables, key, value) not in seen:
                     seen.add((tables, key, value))
@@ -128,12 +127,11 @@ def numbers_at_their_ends(count, seed):
 
 def main(arguments):
     from geomkin.kinds import KINDS
-    from geomkin.recipe.template import template
 
     failures = tried = 0
     with tempfile.TemporaryDirectory() as folder:
         for kind in arguments or KINDS:
-            _made(template(kind), folder)  # loads what every child needs
+            _made(template_of(kind), folder)  # loads what every child needs
         for kind, wish, key, value, text in every_case(arguments or KINDS):
             told, seconds = attempt(text, folder)
             tried += 1

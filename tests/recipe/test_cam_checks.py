@@ -34,8 +34,9 @@ write = ["csv"]
 """
 
 
-@pytest.mark.parametrize("direction", ["counterclockwise", "clockwise"])
-@pytest.mark.parametrize("law", ["uniform", "harmonic", "3-4-5", "4-5-6-7"])
+@pytest.mark.parametrize(
+    ("law", "direction"), [("uniform", "clockwise"), ("harmonic", "counterclockwise"), ("4-5-6-7", "clockwise")]
+)
 @pytest.mark.parametrize("follower", FOLLOWERS)
 def test_pressure_angles_are_the_peaks_of_rise_and_return(tmp_path, follower, law, direction):
     (tmp_path / "r.toml").write_text(text(follower, law, direction))
