@@ -17,6 +17,8 @@ import tempfile
 import warnings
 from pathlib import Path
 
+from tests.texts import template_of
+
 from .mutations import wishes
 
 # Seconds are of the processor, whatever else the machine does.
