@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -232,19 +232,16 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
             loops.append((start, end))
         else:
             # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.
-            away = max(2 * start - end, piece), min(2 * end - start, piece + 1)
-            before, after = (_gone(raw, cusp, far, back / 2) for cusp, far in zip((start, end), away))
+            cusps = np.array([start, end])
+            away = np.array([max(2 * start - end, piece), min(2 * end - start, piece + 1)])
+            before, after = _turning(partial(_farther, raw, raw.curve.point(cusps), back / 2), away, cusps).tolist()
             points.append((before, after))
     return loops, points
 
 
-def _gone(raw: UntrimmedOutline, cusp: float, far: float, way: float) -> float:
-    """Where the curve, from a cusp towards a place as far as its loop is wide, has gone a way, mm; there at most."""
-    low, high, tip = cusp, far, raw.curve.point(cusp)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if abs(raw.curve.point(middle) - tip) < way else (low, middle)
-    return 0.5 * (low + high)
+def _farther(raw: UntrimmedOutline, tips: Complex, way: float, t: Real) -> Real:
+    """By how much the curve at parameters is farther than a way, mm, from its places at the cusps."""
+    return np.abs(raw.curve.point(t) - tips) - way
 
 
 def _small_jumps(raw: UntrimmedOutline) -> list[Interval]:

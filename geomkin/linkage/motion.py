@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arguments import checked
-from ..brief import LONGEST, short
+from ..brief import clipped, short
 from ..errors import DesignError
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from ..table import Column, Table, finite, xy_columns
@@ -40,7 +40,7 @@ class Motion:
 
     def __repr__(self) -> str:
         driver, bodies = short(self.linkage.driver), short(self.linkage.bodies)
-        return f"Motion(drive={short(self.drive)}, driver={driver}, bodies={bodies}"[: LONGEST - 1] + ")"
+        return clipped(f"Motion(drive={short(self.drive)}, driver={driver}, bodies={bodies})")
 
     def __dir__(self) -> list[str]:
         """Its own names, and those of the bodies."""

@@ -191,7 +191,7 @@ def _alike(before, after, heading):
     numbers = [abs(v) for v in before if isinstance(v, float)]
     # What is written in single precision is kept so; numbers of unlike sizes stand side by side in parts and notes.
     near = 2e-5 if heading.endswith(".stl") else NEAR
-    nothing = NOTHING if heading == "checks" else 0.0
+    nothing = NOTHING if heading in ("checks", "notes") else 0.0
     shared = max(numbers, default=0.0) if heading[:1] == "." else 0.0
     for old, new in zip(before, after, strict=True):
         if isinstance(old, float) and isinstance(new, float):

@@ -123,20 +123,20 @@ def approached(equations: Equations, point: Real) -> Real:
     From far off they are halved until the conditions are missed by less: whole ones go astray and come back, and then
     the last bit of a processor's arithmetic decides between two poses.
     """
-    missed = np.linalg.norm(equations(point)[0])
+    value, slopes = equations(point)
     for _ in range(STEPS):
-        value, slopes = equations(point)
-        step, share = solved(slopes[..., :-1], value), 1.0
-        if not np.isfinite(step).all() or missed < NEAR:
+        missed, share = np.linalg.norm(value), 1.0
+        if missed < NEAR or not np.isfinite(step := solved(slopes[..., :-1], value)).all():
             break
         while share > SHORTEST_SHARE:
             there = np.append(point[:, :-1] - share * step, point[:, -1:], axis=1)
-            if (left := np.linalg.norm(equations(there)[0])) < missed:
+            value, slopes = equations(there)
+            if np.linalg.norm(value) < missed:
                 break
             share *= 0.5
         else:
             break
-        point, missed = there, left
+        point = there
     return point
 
 
