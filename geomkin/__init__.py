@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from . import plane as plane
     from . import recipe as recipe
     from . import shop as shop
+    from . import synthesis as synthesis
     from .build import load as load
     from .build import make as make
     from .build import write as write

@@ -14,12 +14,13 @@ from .check import Check
 from .errors import DesignError, Problem, RecipeError, printable
 from .export.files import remove, write_whole
 from .export.job import Job, Loose, Source
-from .export.summary import NAME, files_told, summary
+from .export.summary import FOUND, NAME, files_told, summary
 from .export.writers import WRITERS
 from .kinds import KINDS
 from .names import file_name_flaw
 from .part import Part
 from .recipe import load as reading
+from .recipe.dump import to_toml
 from .recipe.recipe import AbstractRecipe
 from .recipe.settings import Files, Format
 from .table import Table
@@ -77,8 +78,10 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         written = {ending: WRITERS[ending].write(job) for ending in WRITERS if ending in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
-        contents = {name: content for files in written.values() for name, content in files.items()}
-        contents[NAME] = summary(job, told, checks, recipe.notes, written)
+        contents = {file: content for files in written.values() for file, content in files.items()}
+        goal_met = recipe.found_recipe
+        besides = {} if goal_met is None else {f"{name}{FOUND}": to_toml(goal_met).encode()}
+        contents |= {**besides, NAME: summary(job, told, checks, recipe.notes, written, list(besides))}
     folder = Path(out) / name
     before = files_told(folder) if only is None else set()
     write_whole(folder, contents)

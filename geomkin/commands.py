@@ -147,10 +147,22 @@ def _refuse_twins(files: list[Path]) -> None:
 def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made], int]:
     """Results of those that worked, and how many did not; each failure is told when all is done."""
     from .errors import GeomkinError, printable
+    from .progress import shown
 
     results: list[Made] = []
     failures: list[str] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
+
+    def tell(share: float, what: str) -> None:
+        """Within one recipe: a line of its own where there is one recipe only, in the bar otherwise."""
+        if not _is_terminal(sys.stderr):
+            return
+        if hidden:
+            click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
+        else:
+            bar.label = f"Recipes, {what}: {share:.0%}" if share < 1 else "Recipes"
+            bar.render_progress()
+
     if not hidden:
         # The bar hides the cursor, and only code of ours brings it back.
         signal.signal(signal.SIGINT, _leave)
@@ -163,7 +175,8 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
     ) as bar:
         for file in bar:
             try:
-                results.append(action(file))
+                with shown(tell):
+                    results.append(action(file))
             except GeomkinError as error:
                 failures.append(str(error))
             except MemoryError:

@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version"}
+WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress"}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.
@@ -24,15 +24,18 @@ MAY = {
     "walls": {"plane", "part", "check"},
     **dict.fromkeys(MECHANISMS, GEOMETRY),
     "export": {"plane", "part", "table", "check"},
-    "judge": MECHANISMS | GEOMETRY | {"check"},
-    "shop": MECHANISMS | GEOMETRY | {"part"},
+    "synthesis": MECHANISMS | GEOMETRY,
+    "judge": MECHANISMS | GEOMETRY | {"synthesis", "check"},
+    "shop": MECHANISMS | GEOMETRY | {"synthesis", "part"},
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"part", "check", "walls", "export"},
-    "kinds": MECHANISMS | GEOMETRY | {"part", "check", "judge", "shop", "recipe"},
+    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "part", "check", "judge", "shop", "recipe"},
     "build": {"part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe"} | MECHANISMS | GEOMETRY,
+    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "synthesis"}
+    | MECHANISMS
+    | GEOMETRY,
     "__main__": {"cli"},
 }
 # The only files that may load each heavy library.

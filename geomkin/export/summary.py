@@ -17,6 +17,8 @@ from .job import Job
 from .writers import WRITERS
 
 NAME = "summary.json"
+# What follows a goal's name in that of the file of the recipe it found.
+FOUND = ".found.toml"
 # Bytes of a summary that is read back: those of ours stay far below it.
 LARGEST = 10_000_000
 
@@ -27,9 +29,13 @@ def summary(
     checks: Collection[Check],
     notes: Mapping[str, object],
     written: Mapping[str, Collection[str]],
+    besides: Collection[str] = (),
 ) -> bytes:
-    """The summary. recipe: as a recipe file gives it; notes: further entries; written: names of files by format."""
-    files = sorted(name for names in written.values() for name in names)
+    """The summary.
+
+    recipe: as a recipe file gives it; notes: further entries; written: names of files by format; besides: of others.
+    """
+    files = sorted([*(name for names in written.values() for name in names), *besides])
     sizes = _as_written(job, written)
     told = {
         "name": job.name,
@@ -103,6 +109,7 @@ def files_told(folder: Path) -> set[str]:
         if len(content) > LARGEST:
             return set()
         names = json.loads(content)["files"]
-        return {name for name in names if not file_name_flaw(name) and Path(name).suffix[1:] in WRITERS}
+        ours = [name for name in names if Path(name).suffix[1:] in WRITERS or name.endswith(FOUND)]
+        return {name for name in ours if not file_name_flaw(name)}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return set()

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .dump import to_toml as to_toml
     from .recipe import AbstractGoal as AbstractGoal
     from .recipe import AbstractRecipe as AbstractRecipe
     from .settings import Drive as Drive

@@ -78,6 +78,11 @@ class AbstractRecipe(ABC):
         """Further entries of summary.json."""
         return {}
 
+    @property
+    def found_recipe(self) -> AbstractRecipe | None:
+        """The recipe that a goal found, which is written beside its files; None for a kind that is no goal."""
+        return None
+
     @classmethod
     def about(cls) -> str:
         """One line that introduces the kind."""
@@ -109,6 +114,10 @@ class AbstractGoal(AbstractRecipe):
     @abstractmethod
     def design(self) -> AbstractRecipe:
         """The recipe that was found."""
+
+    @property
+    def found_recipe(self) -> AbstractRecipe:
+        return self.design
 
     @property
     def table(self) -> Table:

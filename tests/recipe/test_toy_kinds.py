@@ -208,3 +208,22 @@ def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
     assert {"rocker-swing.csv", "crank.stl"} <= {p.name for p in made.files}
     assert parse(template_of("rocker-swing")) == goal
     assert repr(goal).startswith("RockerSwingRecipe(") and "swing_deg=40" in repr(goal)
+
+
+def test_the_recipe_that_a_goal_found_is_written_and_runs_by_itself(tmp_path):
+    goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n').called("swing")
+    made = gk.make(goal, tmp_path)
+    found = tmp_path / "swing" / "swing.found.toml"
+    assert (
+        found in made.files
+        and "swing.found.toml" in json.loads((tmp_path / "swing" / "summary.json").read_text())["files"]
+    )
+    # Every digit: the recipe that is read is the one that was found.
+    assert gk.load(found) == goal.design
+    again = gk.make(found, tmp_path)
+    assert {c.name for c in again.checks} < {c.name for c in made.checks}
+    for file in (tmp_path / "swing").glob("*.stl"):
+        assert file.read_bytes() == (tmp_path / "swing.found" / file.name).read_bytes()
+    # Made again as no goal, it is gone.
+    gk.make(goal.design.called("swing"), tmp_path)
+    assert not found.exists()

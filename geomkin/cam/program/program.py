@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,8 @@ class Program:
     """
 
     segments: Sequence[Segment]
-    folder: str | Path | None = None
+    # Where a text lay is no part of what it says: the same recipe read from two folders is equal.
+    folder: str | Path | None = field(default=None, compare=False)
 
     __repr__ = one_line
 

@@ -1,0 +1,114 @@
+"""What recipes have in common that find a linkage: how it is chosen, and the recipe that is made of it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..linkage.linkage import AbstractLinkage
+from ..linkage.named.double_sliders import EllipticTrammel
+from ..linkage.named.four_bar import FourBar
+from ..linkage.named.slider_crank import SliderCrank
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.settings import Drive, Files, Stroke, Turn
+from ..shop.linkage.plates import LinkStock
+from ..sizes import check_sizes, quantity
+from ..synthesis.found import Found
+from .linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+
+# Linkages that summary.json lists: more are a table that nobody reads.
+LISTED = 20
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to look, and from where."""
+
+    seed: int = quantity("of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
+    seconds: float = quantity("after which the best so far is taken", "s", default=10.0, above=0, at_most=3600)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+def choose_entry() -> Any:
+    """Which of the ranked linkages is made."""
+    return quantity(
+        "which of the linkages found is made, 1 the best; summary.json lists them",
+        default=1,
+        at_least=1,
+        at_most=1000,
+        whole=True,
+    )
+
+
+class AbstractLinkageGoal(AbstractGoal):
+    """A goal whose search ranks linkages: one is chosen, and becomes a recipe of its own.
+
+    A subclass is a dataclass with `choose`, `drive`, `stock` and `files`, and says what was found.
+    """
+
+    choose: int
+    drive: Drive
+    stock: LinkStock
+
+    @property
+    @abstractmethod
+    def ranked(self) -> Sequence[Found]:
+        """What was found, the best first."""
+
+    @cached_property
+    def found(self) -> Found:
+        """The one that is made."""
+        if self.choose > len(self.ranked):
+            raise DesignError("choose", f"found {self.choose}", f"give at most {len(self.ranked)}: so many were found")
+        return self.ranked[self.choose - 1]
+
+    @property
+    def way(self) -> tuple[float, float]:
+        """The driver's first and last place in the recipe that is made: deg, or mm where a slide drives."""
+        low, high = float(np.min(self.found.drive)), float(np.max(self.found.drive))
+        slides = self.found.linkage.linkage.driven_slider is not None
+        return (low, high) if slides else (float(np.degrees(low)), float(np.degrees(high)))
+
+    @cached_property
+    def design(self) -> AbstractRecipe:
+        return recipe_of(self.found.linkage, self.found.branch, self.way, self.drive, self.stock, self.files)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        advice = f"it has a defect of {', '.join(self.found.defects)}" if self.found.defects else ""
+        return (Check("defects", len(self.found.defects), "at most", 0, "", advice), *super().judged)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        listed = [found.summary() for found in self.ranked[:LISTED]]
+        return {"found": self.found.summary(), "number_found": len(self.ranked), "ranked": listed, **super().notes}
+
+
+def recipe_of(
+    linkage: AbstractLinkage, branch: int, way: tuple[float, float], drive: Drive, stock: LinkStock, files: Files
+) -> AbstractLinkageRecipe:
+    """The recipe of a linkage that goes `way`, deg, or mm where a slide drives.
+
+    A slide goes there in the time of half a turn of the speed that `drive` gives, in as many steps.
+    """
+    given: dict[str, Any] = {"linkage": linkage, "branch": branch, "stock": stock, "files": files}
+    if linkage.linkage.driven_slider is None:
+        given["drive"] = Turn(drive.speed_rpm, drive.step_deg, *way)
+    else:
+        length = way[1] - way[0]
+        given["stroke"] = Stroke(*way, length * drive.speed_rpm / 30, length * drive.step_deg / 180)
+    kinds: dict[type, type[AbstractLinkageRecipe]] = {
+        FourBar: FourBarRecipe,
+        SliderCrank: SliderCrankRecipe,
+        EllipticTrammel: EllipticTrammelRecipe,
+    }
+    return kinds[type(linkage)](**given)

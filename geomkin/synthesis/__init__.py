@@ -1,0 +1,10 @@
+"""From the wanted motion to the linkage. Knows nothing of plates, files or recipes."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .found import Found as Found
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)

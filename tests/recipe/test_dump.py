@@ -1,0 +1,27 @@
+"""A recipe written as TOML and read again."""
+
+from pathlib import Path
+
+import pytest
+
+import geomkin as gk
+
+GALLERY = sorted((Path(__file__).parent.parent.parent / "recipes").glob("*.toml"))
+
+
+@pytest.mark.parametrize("file", GALLERY, ids=lambda file: file.stem)
+def test_a_recipe_written_is_the_recipe_read(file, monkeypatch):
+    monkeypatch.chdir(file.parent)
+    recipe = gk.load(file)
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
+
+
+def test_every_digit_and_every_letter_is_kept():
+    crank = 30 + 2**-40
+    linkage = gk.FourBar(100, crank, 90, 70, coupler_point=1e-7 / 3 + 1e5j / 3)
+    text = gk.recipe.to_toml(gk.kinds.FourBarRecipe(linkage=linkage))
+    assert gk.load(text).design == linkage
+    bodies = {"ground": {"crank pivot": [0, 0], "C": [60, 0]}, "a-b_c": {"crank pivot": [0, 0], "A": [20, 0]},
+              "rod": {"A": [0, 0], "B": [50, 0]}, "arm": {"C": [0, 0], "B": [40, 0]}}  # fmt: skip
+    recipe = gk.load({"kind": "linkage", "linkage": {"bodies": bodies, "driver": "a-b_c"}})
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
