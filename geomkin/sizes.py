@@ -80,6 +80,7 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 
 def check_quantities(thing: Any, many: bool = False) -> None:
     """The same of the quantities alone: finite numbers in their ranges."""
+    rows: dict[str, int] = {}
     for field in dataclasses.fields(thing):
         about, value = field.metadata, getattr(thing, field.name)
         if "unit" not in about or (value is None and field.default is None):
@@ -89,6 +90,13 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if _is_tiny(value, about):
             least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
             raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+        if many and np.ndim(value):
+            rows[field.name] = len(value)
+    if len(set(rows.values()) - {1}) > 1:
+        first, *others = (name for name, row in rows.items() if row != 1)
+        other = next(name for name in others if rows[name] != rows[first])
+        found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
+        raise DesignError(other, found, "give one number, or as many of each")
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:

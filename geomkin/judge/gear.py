@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..arguments import checked
+from ..arguments import Positive, checked
 from ..check import Check
 from ..gear.conjugate.conjugate import BEYOND, Conjugate
 from ..gear.contract import AbstractGear
@@ -79,7 +79,7 @@ def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
 
 
 @checked
-def conjugate_checks(mate: Conjugate, module: float, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
+def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
     """Contact ratio and tips of a mate.
 
     module: of its gear, mm. pieces: how many of its cutter's, from the first on, are the driving side of the gear's
@@ -95,7 +95,7 @@ def conjugate_checks(mate: Conjugate, module: float, pieces: int = 1, longer: st
 
 
 @checked
-def touch_check(mate: Conjugate, module: float) -> Check:
+def touch_check(mate: Conjugate, module: Positive) -> Check:
     """Whether all of the gear's flank touches the mate."""
     lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
     advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"

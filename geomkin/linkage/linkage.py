@@ -134,6 +134,10 @@ class Linkage(AbstractLinkage):
             for point, place in points.items():
                 if not np.isfinite(place).all():
                     raise DesignError("bodies", f"point {point} of {body} is {place}", "give finite coordinates")
+        rows = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
+        if len(rows) > 1 or (0,) in rows:
+            found = f"found points of {' and '.join(str(row[0]) for row in sorted(rows))} linkages"
+            raise DesignError("bodies", found, "give one place, or as many of each")
         for slider in self.sliders:
             for body in (slider.body, slider.along):
                 if body not in names:

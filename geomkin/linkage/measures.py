@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arguments import checked
+from ..errors import DesignError
 from ..plane.vec import Real, Whole, dot
 from .motion import Motion
 from .named.four_bar import FourBar
@@ -48,6 +49,8 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
     slider stands, and where the connecting rod turns fully the side on which the crank does (Chase and Mirth, Circuits
     and branches of single-degree-of-freedom planar linkages, Journal of Mechanical Design 115, 1993).
     """
+    if not _is_of(motion, linkage):
+        raise DesignError("motion", "it is of another linkage", "give the motion of this one")
     if isinstance(linkage, FourBar):
         _, shortest, spare = _by_length(linkage)
         # Each joint by the two links that meet there, the first one's x axis and the second's.
@@ -67,6 +70,14 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
     else:
         sign = np.ones(motion.closed.shape)
     return np.where(motion.closed, sign, 0).astype(int)
+
+
+def _is_of(motion: Motion, linkage: FourBar | SliderCrank) -> bool:
+    """Whether a motion is of a linkage with these sizes, wherever it stands and whatever drives it."""
+    one, two, pins = motion.linkage.bodies, linkage.linkage.bodies, linkage.linkage.pins
+    return motion.linkage.pins == pins and all(
+        np.array_equal(one[body][pin], two[body][pin]) for pin, bodies in pins.items() for body in bodies
+    )
 
 
 @checked

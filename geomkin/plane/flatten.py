@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import checked
 from ..errors import DesignError
+from ..sizes import rounded_up
 from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
@@ -19,6 +20,9 @@ from .vec import Complex, Real
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
 # curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
 SHARES = np.linspace(0, 1, 11)
+# Chords of arcs at most, half a second and half a GB: they follow a circle a metre wide to 1e-10 mm. More is a slip of
+# the tolerance; with a thousandth of them a fine drawing would be refused.
+MOST_CHORDS = 5_000_000
 
 
 @checked
@@ -109,6 +113,10 @@ def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Rea
     half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
     # A circle asked for with a tolerance that just gives a whole number gets that.
     count: Real = np.asarray(sweep) / (2 * half)
+    if (total := float(np.sum(count))) > MOST_CHORDS:
+        # The count goes with one over the root of the tolerance.
+        remedy = f"give at least {rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)} mm"
+        raise DesignError("tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy)
     return count - 1e-9
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +34,7 @@ class PlateStock:
 
 
 @checked
-def engraved(name: str, marks: Iterable[AbstractCurve], stock: PlateStock = PlateStock()) -> Part:
+def engraved(name: str, marks: Sequence[AbstractCurve], stock: PlateStock = PlateStock()) -> Part:
     """A plate as large as the marks and a margin, with them engraved; the drawing's own coordinates, mm, are kept.
 
     DesignError, under the plate's name, where there are no marks. Derived here.

@@ -34,12 +34,15 @@ GEAR, RING = gk.SpurGear(24, 2), gk.RingGear(60, 2)
 POINTS = 3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j
 FLANK = gk.gear.StraightSidedGear(20, 2)
 ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 361, 30))
+CONJUGATE = gk.conjugate(GEAR.outline.piece, 24, 24.0, 40, 2.0)
+LANTERN = gk.gear.LanternPinion(10, 2.0, 3.0)
+PLANETARY = gk.gear.PlanetarySet(gk.SpurGear(12, 2), gk.SpurGear(24, 2), RING, 3)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
-# Every public name of the geometry and the mechanisms, with what it names.
+# Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.judge, gk.shop, gk)
     for name in dir(room)
     if not name.startswith("_") and not inspect.ismodule(getattr(room, name))
 }
@@ -164,11 +167,37 @@ GOOD = {
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
     "opening": {"motion": MOTION},
+    "CamStock": {"thickness": 5.0, "bore": 8.0, "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},
+    "GearStock": {"thickness": 6.0, "bore": 8.0, "keyway_width": 2.0, "keyway_depth": 1.0, "clearance": 0.1, "web": gk.shop.Web(16, 5)},
+    "LanternStock": {"thickness": 6.0, "bore": 8.0, "mate_bore": 8.0, "clearance": 0.1, "edge": 4.0, "rim": 8.0},
+    "LinkStock": {"thickness": 3.0, "bar_width": 14.0, "pin_diameter": 4.0, "clearance": 0.2},
+    "PairStock": {"thickness": 6.0, "bore": 8.0, "mate_bore": 8.0, "clearance": 0.0, "rim": 8.0},
+    "PlateStock": {"thickness": 3.0, "margin": 8.0, "pin_diameter": 4.0},
+    "RingStock": {"thickness": 6.0, "rim": 8.0},
+    "Web": {"hub": 16.0, "rim": 5.0, "form": "holes", "count": 5, "spoke_width": 4.0},
+    "base_plate": {"name": "a", "axes": [0j, 40 + 0j], "holes": [5.0, 6.0], "margin": 5.0, "thickness": 3.0},
+    "cam_checks": {"cam": CAM, "cut": None},
+    "cam_parts": {"cam": CAM, "stock": gk.shop.CamStock(), "cut": None},
+    "carrier": {"gears": PLANETARY, "diameters": (6.0, 5.0), "margin": 5.0, "thickness": 3.0},
+    "collision_check": {"collisions": 2, "advice": "a"},
+    "conjugate_checks": {"mate": CONJUGATE, "module": 2.0, "pieces": 1, "longer": "a"},
+    "engraved": {"name": "a", "marks": [CIRCLE], "stock": gk.shop.PlateStock()},
+    "gear_checks": {"gear": GEAR, "rim": 8.0, "name": "a"},
+    "gear_parts": {"gear": GEAR, "stock": gk.shop.GearStock(), "name": "a", "key": "b", "count": 2},
+    "hole_check": {"hole_diameter": 4.0, "thickness": 3.0},
+    "lantern_parts": {"pinion": LANTERN, "mate": CONJUGATE, "stock": gk.shop.LanternStock()},
+    "link_parts": {"motion": MOTION, "stock": gk.shop.LinkStock(), "stack": None},
+    "linkage_checks": {"motion": MOTION},
+    "mesh_checks": {"pair": gk.GearPair(GEAR, GEAR), "name": "a"},
+    "pair_parts": {"gear": GEAR, "mate": CONJUGATE, "stock": gk.shop.PairStock()},
+    "planetary_checks": {"gears": PLANETARY},
+    "stack_links": {"motion": MOTION, "stock": gk.shop.LinkStock()},
+    "touch_check": {"mate": CONJUGATE, "module": 2.0},
     "xy": {"z": np.array([1j, 2.0])},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "load", "make", "write",
+    "load", "make", "write", "Stack",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",

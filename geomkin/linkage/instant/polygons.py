@@ -89,6 +89,9 @@ def _polygon(motion: Motion, frame: int, order: int, size: float, scale: float |
     for field, given in (("size", size), ("scale", scale)):
         if given is not None and not 0 < given < np.inf:
             raise DesignError(field, f"found {given}", "give a number above 0")
+    frames = len(motion.drive)
+    if not -frames <= frame < frames:
+        raise DesignError("frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has so many frames")
     linkage, ground = motion.linkage, motion.linkage.ground
     members = {body: dict(points) for body, points in linkage.bodies.items()}
     sliding: list[tuple[Slider, str, str]] = []

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments import Count, checked
+from ...arguments import Count, Positive, checked
 from ...brief import one_line
 from ...errors import DesignError
 from ...gear.conjugate.conjugate import Conjugate
@@ -172,8 +173,14 @@ def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     return _plate(mate, "mate", hole, stock.thickness, stock.rim)
 
 
-def base_plate(name: str, axes: list[complex], holes: list[float], margin: float, thickness: float) -> Part:
-    """A plate with a hole of a diameter for each axis, mm; it reaches `margin` beyond the widest hole."""
+@checked
+def base_plate(
+    name: str, axes: Sequence[complex], holes: Sequence[float], margin: Positive, thickness: Positive
+) -> Part:
+    """A plate with a hole of a diameter for each of two axes, mm; it reaches `margin` beyond the widest hole."""
+    for field, given in (("axes", axes), ("holes", holes)):
+        if len(given) != 2:
+            raise DesignError(field, f"found {len(given)}", "give two")
     apart = abs(axes[0] - axes[1])
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
@@ -186,7 +193,8 @@ def base_plate(name: str, axes: list[complex], holes: list[float], margin: float
     return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
 
 
-def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: float, thickness: float) -> Part:
+@checked
+def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
     """The plate that holds the planets at their distance, the sun's shaft passing its middle.
 
     diameters: of the holes for the shafts of sun and planets, mm.

@@ -1,0 +1,40 @@
+"""Calls whose arguments are sound one by one and cannot be together."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+MOTION = gk.move(gk.FourBar(100, 30, 90, 70), [0.1, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("call", "field", "found"),
+    [
+        (lambda: gk.FourBar(100, np.full(3, 30.0), np.full(4, 90.0), 70), "coupler", "4 sizes, but 3 of crank"),
+        (lambda: gk.FourBar(np.full(1, 100.0), np.full(3, 30.0), 90, np.full(2, 70.0)), "rocker", "2 sizes, but 3 of"),
+        (
+            lambda: gk.move(gk.FourBar(100, np.full(3, 30.0), 90, 70, coupler_point=np.full(4, 1j)), [0.1]),
+            "bodies",
+            "points of 3 and 4 linkages",
+        ),
+        (lambda: gk.move(gk.FourBar(100, np.ones(0), 90, 70), [0.1]), "bodies", "points of 0 linkages"),
+        (lambda: gk.linkage.circuits(gk.FourBar(100, 31, 90, 70), MOTION), "motion", "another linkage"),
+        (lambda: gk.linkage.circuits(gk.SliderCrank(30, 90), MOTION), "motion", "another linkage"),
+        (lambda: gk.linkage.velocity_polygon(MOTION, 2), "frame", "found 2"),
+        (lambda: gk.linkage.acceleration_polygon(MOTION, -3), "frame", "found -3"),
+        (lambda: gk.shop.base_plate("base", [0j], [5.0, 6.0], 5.0, 3.0), "axes", "found 1"),
+        (lambda: gk.flatten(gk.plane.Circle(0, 10), 1e-14), "tolerance", "70,248,147 chords"),
+    ],
+)
+def test_what_cannot_be_together_is_refused(call, field, found):
+    with pytest.raises(gk.DesignError, match=found) as refused:
+        call()
+    assert refused.value.field == field
+
+
+def test_what_is_named_as_a_remedy_works():
+    assert len(gk.FourBar(np.full(1, 100.0), np.full(3, 30.0), 90, 70).crank) == 3
+    assert gk.linkage.circuits(gk.FourBar(100, 30, 90, 70, coupler_point=5j), MOTION).tolist() == [1, 1]
+    assert gk.linkage.velocity_polygon(MOTION, 1).points and gk.linkage.velocity_polygon(MOTION, -1).points
+    assert len(gk.flatten(gk.plane.Circle(0, 10), 1.974e-12)) == pytest.approx(5_000_000, rel=1e-3)
