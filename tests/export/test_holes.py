@@ -1,5 +1,7 @@
 """Holes within their plate and apart from each other, against every edge held against every other in NumPy."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -123,3 +125,15 @@ def test_of_a_thousand_holes_only_neighbours_are_held_against_each_other(monkeyp
     pinion = gk.gear.LanternPinion(1000, 4, 5)
     disc = gk.Part("disc", gk.plane.Circle(0j, pinion.pitch_radius + 10), pinion.circles, 3.0)
     assert len(cut(disc, 0.05).loops) == 1001 and sum(held) <= 2000
+
+
+def test_a_solid_whose_walls_are_turned_inside_out_is_never_written():
+    """Such walls pass for watertight: it is the volume that tells, and either alone is enough to refuse."""
+    from geomkin.export.stl import stl
+
+    sound = cut(gk.Part("plate", gk.plane.Circle(0, 20), (gk.plane.Circle(5, 4),), 3.0), 0.01)
+    assert stl(sound)
+    outline, hole = sound.loops
+    turned = dataclasses.replace(sound, loops=(outline, dataclasses.replace(hole, points=hole.points[::-1])))
+    with pytest.raises(gk.GeomkinError, match="its solid has volume"):
+        stl(turned)

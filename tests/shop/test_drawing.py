@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.shop.drawing import HEAD, PlateStock, arrow, skeleton
+from geomkin.shop.drawing import HEAD, PlateStock, arrow, skeleton, strokes
 from tests.texts import parse, template_of
 
 
@@ -56,3 +56,7 @@ def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):
     back = (barbs.vertices[[0, 2]] - barbs.vertices[1]) / -ahead
     assert np.abs(back) == pytest.approx([min(HEAD, head), min(HEAD, head)])
     assert sorted(np.degrees(np.angle(back))) == pytest.approx([-20, 20])
+
+
+def test_a_run_of_one_point_draws_nothing():
+    assert len(strokes([np.array([1j]), np.array([1j, 2])])) == 1
