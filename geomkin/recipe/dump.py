@@ -9,28 +9,38 @@ from ..arguments import checked
 from .load import adapter
 from .recipe import AbstractRecipe
 
+# Tables so deep stand in lines of their own, as `[linkage.bodies]`; deeper ones in one line each. More lines would
+# tear apart what belongs together, fewer make lines that nobody reads.
+DEEPEST = 2
+
 
 @checked
 def to_toml(recipe: AbstractRecipe) -> str:
     """The TOML text of a recipe, of which `gk.load` makes an equal one. Files that it reads are named in it."""
     told = adapter(type(recipe)).dump_python(recipe, mode="json")
+    return "\n".join(_table("", told)).lstrip("\n") + "\n"
+
+
+def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
+    """Lines of a table: what is plain first, then its own tables."""
     plain: list[str] = []
     tables: list[str] = []
-    for key, value in _kept(told).items():
-        if isinstance(value, dict):
-            tables += ["", f"[{key}]", *(f"{_key(name)} = {_toml(held)}" for name, held in value.items())]
-        elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
+    # What is empty so far up was left out; deeper it may be a body without points.
+    for key, value in _kept(table, empty=depth >= DEEPEST).items():
+        name = f"{path}.{_key(key)}" if path else _key(key)
+        if isinstance(value, dict) and depth < DEEPEST:
+            tables += ["", f"[{name}]", *_table(name, value, depth + 1)]
+        elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value) and depth < DEEPEST:
             for row in value:
-                tables += ["", f"[[{key}]]", *(f"{_key(name)} = {_toml(held)}" for name, held in row.items())]
+                tables += ["", f"[[{name}]]", *_table(name, row, DEEPEST)]
         else:
-            plain.append(f"{key} = {_toml(value)}")
-    return "\n".join([*plain, *tables]) + "\n"
+            plain.append(f"{_key(key)} = {_toml(value)}")
+    return [*plain, *tables]
 
 
-def _kept(table: dict[str, Any]) -> dict[str, Any]:
-    """Without what is left out, which TOML has no word for, and without empty tables."""
-    kept = {key: _kept(value) if isinstance(value, dict) else value for key, value in table.items()}
-    return {key: value for key, value in kept.items() if value is not None and value != {}}
+def _kept(table: dict[str, Any], empty: bool = True) -> dict[str, Any]:
+    """Without what is left out, which TOML has no word for. empty: whether empty tables and rows are kept."""
+    return {key: value for key, value in table.items() if value is not None and (empty or value not in ({}, []))}
 
 
 def _toml(value: Any) -> str:
@@ -42,7 +52,10 @@ def _toml(value: Any) -> str:
     if isinstance(value, str):
         # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return json.dumps(value) if isinstance(value, bool) else repr(value)
+    if isinstance(value, bool):
+        return json.dumps(value)
+    # A size of 100 is written so by people, too; beyond 2**53 a whole number would not be the one that it was.
+    return str(int(value)) if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else repr(value)
 
 
 def _key(name: str) -> str:
