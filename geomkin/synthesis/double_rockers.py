@@ -15,7 +15,7 @@ from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move
 from ..plane.vec import Real
 from ..sizes import Size, rounded_down, rounded_up
-from .families import RATIO, Family, four_bars, highest, members, scale_of, within_sizes
+from .families import RATIO, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .found import Found
 from .two_places import TwoPlaces, between_places
 
@@ -68,6 +68,7 @@ def double_rocker(
     *,
     crank: Size | None = None,
     rocker: Size | None = None,
+    free_angle_deg: float | None = None,
     largest_ratio: Ratio | None = None,
 ) -> DoubleRocker:
     """The four-bar that swings two rockers together, from where they begin, with the best transmission on the way.
@@ -75,8 +76,9 @@ def double_rocker(
     The crank drives. Angles are deg from the ground line, which goes from the crank's pivot to the rocker's, each of
     the direction from a ground pivot to its pin; swings counterclockwise positive. ground: mm. One length stays free:
     the best has the largest least transmission angle of those without a defect, and rather of those whose rocker goes
-    beyond neither of its places. crank or rocker, mm, takes the linkage with that length instead, whatever its defects.
-    largest_ratio: longest link over the shortest of the best, 100 where it is left out.
+    beyond neither of its places. crank or rocker, mm, takes the linkage with that length instead, whatever its defects,
+    and free_angle_deg, 0 to 90, the one at that place in `family`. largest_ratio: longest link over the shortest of
+    the best, 100 where it is left out.
 
     A linkage with a defect is told as such at once, by the exact rule, and returned where the family has none without.
     DesignError where no lengths above 0 fit; where the two places mirror each other in the ground line, which all
@@ -91,14 +93,12 @@ def double_rocker(
     wanted = TwoPlaces(*np.radians([crank_start_deg, crank_swing_deg, rocker_start_deg, rocker_swing_deg]).tolist())
     ends = _ends(wanted)
     family = _family(wanted, ends, ground)
-    at_largest = False
-    if crank is not None and rocker is not None:
-        raise DesignError("rocker", "is given besides crank", "give one of them: the others follow")
-    if crank is not None or rocker is not None:
-        name, length = ("crank", crank) if crank is not None else ("rocker", rocker)
-        free = _free_of(name, float(length or 0) / ground, ends)
-    else:
+    given = {"crank": crank, "rocker": rocker, "free_angle_deg": free_angle_deg}
+    choice = the_choice(given)
+    if choice is None:
         free, at_largest = _best(wanted, ends, RATIO if largest_ratio is None else largest_ratio)
+    else:
+        free, at_largest = _free_of(*choice, ground, ends), False
     sizes = {k: float(size[0]) for k, size in _sizes(wanted, ends, np.array([free])).items()}
     scale = scale_of(sizes, "ground", ground)
     told = between_places(wanted, {k: np.array([size]) for k, size in sizes.items()})
@@ -173,9 +173,13 @@ def _sizes(wanted: TwoPlaces, ends: tuple[Real, Real], free: Real) -> dict[str, 
         }
 
 
-def _free_of(name: str, length: float, ends: tuple[Real, Real]) -> float:
-    """The free angle at which crank or rocker has a length, the ground 1; DesignError where there is none."""
-    k = 1 if name == "crank" else 2
+def _free_of(name: str, value: float, ground: float, ends: tuple[Real, Real]) -> float:
+    """The free angle, rad, of the linkage that is asked for; DesignError where there is none."""
+    if name == "free_angle_deg":
+        if not 0 < value < 90:
+            raise DesignError(name, f"found {value:g}", "give more than 0 and less than 90 deg")
+        return float(np.radians(value))
+    k, length = 1 if name == "crank" else 2, value / ground
     weights = [end[k] * length - end[0] for end in ends]
     if weights[0] * weights[1] < 0:
         return float(np.arctan2(abs(weights[0]), abs(weights[1])))

@@ -22,6 +22,10 @@ LOOKS = 4097
 # Longest link over the shortest where no limit is given. Some families get better without end as it grows, by less
 # and less: larger limits give linkages that nobody can build, smaller ones hide good ones of small swings.
 RATIO = 100.0
+# Of a family's range, the step over which a slope is taken, and what f may lose by rounding the place of its top, rad.
+# A smaller step leaves fewer digits of the place, a larger one bends it; a larger loss takes a corner for a round top.
+STEP = 1e-3
+ROUNDING = 1e-13
 LINKS = ("ground", "crank", "coupler", "rocker")
 
 
@@ -48,24 +52,41 @@ def members(low: float, high: float) -> Real:
 
 
 def highest(f: Callable[[Real], Real], low: float, high: float) -> float:
-    """Where f, of a row of places, is highest between two; to rounding, as far as f tells its values apart."""
+    """Where f, of a row of places, is highest between two; where the top is round, to nine digits that are sure."""
     places, width = np.linspace(low, high, LOOKS), np.inf
     while True:
         top = int(np.argmax(f(places)))
+        best = float(places[top])
         ends = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
         if ends[1] - ends[0] >= width:
-            return float(places[top])
+            break
         width = ends[1] - ends[0]
-        places = np.unique(np.append(np.linspace(*ends, 17), places[top]))
+        places = np.unique(np.append(np.linspace(*ends, 17), best))
+    round_top = float(f"{_summit(f, best, STEP * (high - low)):.9g}")
+    values = f(np.array([best, round_top]))
+    return round_top if low <= round_top <= high and values[1] >= values[0] - ROUNDING else best
 
 
-def the_length(given: Mapping[str, float | None], otherwise: str) -> tuple[str, float]:
-    """The one length that is given, by its name; 1 mm of another where none is."""
-    told = {name: length for name, length in given.items() if length is not None}
+def _summit(f: Callable[[Real], Real], best: float, step: float) -> float:
+    """The top of a smooth f near its best place, where its slope is 0: values alone tell half of the digits."""
+    for _ in range(3):
+        values = f(best + step * np.arange(-2, 3))
+        if not np.isfinite(values).all():
+            break
+        slope, bend = (float(np.dot(weights, values)) for weights in ([1, -8, 0, 8, -1], [-1, 16, -30, 16, -1]))
+        if not abs(slope) < -bend:
+            break
+        best -= step * slope / bend
+    return best
+
+
+def the_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
+    """The one thing that is given of several that each tell the rest, by its name; None where none is."""
+    told = {name: value for name, value in given.items() if value is not None}
     if len(told) > 1:
         first, second, *_ = told
-        raise DesignError(second, f"is given besides {first}", "give one length: the others follow")
-    return next(iter(told.items()), (otherwise, 1.0))
+        raise DesignError(second, f"is given besides {first}", "give one of them: the others follow")
+    return next(iter(told.items()), None)
 
 
 def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:

@@ -14,7 +14,7 @@ from ..errors import DesignError
 from ..linkage.named.four_bar import FourBar
 from ..plane.vec import Real
 from ..sizes import Size, rounded_down, rounded_up
-from .families import RATIO, Family, four_bars, highest, members, scale_of, the_length, within_sizes
+from .families import RATIO, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .found import Found
 from .full_turn import FullTurn, full_turn
 
@@ -91,7 +91,8 @@ def crank_rocker(
     sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| : |cos(f/2 - p/2) cos z + i sin(f/2 - p/2) sin z|.
     """
     check_turn(swing_deg, crank_turn_deg, sense)
-    name, length = the_length({"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}, "ground")
+    lengths_given = {"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}
+    name, length = the_choice(lengths_given) or ("ground", 1.0)
     swing, turn = np.radians(swing_deg), np.radians(crank_turn_deg if sense == "same" else 360 - crank_turn_deg)
     low, high = free_range(float(swing), float(turn))
     all_of_them = _family(float(swing), float(turn), (low, high), name, length)

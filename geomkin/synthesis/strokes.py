@@ -14,7 +14,7 @@ from ..errors import DesignError
 from ..linkage.named.slider_crank import SliderCrank
 from ..plane.vec import Real
 from ..sizes import FARTHEST, Size, rounded_down, rounded_up
-from .families import RATIO, Family, highest, members, within_sizes
+from .families import RATIO, Family, highest, members, the_choice, within_sizes
 from .found import Found
 from .full_turn import full_turn
 from .rockers import CLEAR_DEG, MISSED, free_range, reach
@@ -87,14 +87,9 @@ def slider_crank_stroke(
     low, high = free_range(0.0, turn)
     all_of_them = _family(stroke, turn, (low, high))
     given = {"offset": offset, "crank": crank, "coupler": coupler, "free_angle_deg": free_angle_deg}
-    told = {name: size for name, size in given.items() if size is not None}
-    if len(told) > 1:
-        first, second, *_ = told
-        raise DesignError(second, f"is given besides {first}", "give at most one: the others follow")
-    at_largest = False
-    if told and not (offset == 0 and turn == np.pi):
-        ((name, size),) = told.items()
-        free = _free_of(name, size, stroke, turn, (low, high))
+    choice, at_largest = the_choice(given), False
+    if choice is not None and not (offset == 0 and turn == np.pi):
+        free = _free_of(*choice, stroke, turn, (low, high))
     else:
         start = max(low, float(np.arctan2(1.0, RATIO if largest_ratio is None else largest_ratio)))
         free = highest(lambda places: _transmission(turn, places), start, high)
