@@ -72,7 +72,7 @@ def told_family(family: Family) -> Mapping[str, object]:
 class WantedSwing:
     """How a rocker swings, and how far a crank turns meanwhile; one length sets the size."""
 
-    swing_deg: float = quantity("of the rocker, there and back", "deg", example=50, at_least=0.1, at_most=179.9)
+    swing_deg: float = quantity("of the rocker, there and back", "deg", example=50, at_least=0.1, at_most=179)
     crank_turn_deg: float | None = turn_entry(200)
     time_ratio: float | None = time_ratio_entry()
     sense: Literal["same", "opposite"] = entry("of the rocker in that stroke, against the crank's", default="same")

@@ -183,14 +183,14 @@ def _free_of(name: str, value: float, ground: float, ends: tuple[Real, Real]) ->
     weights = [end[k] * length - end[0] for end in ends]
     if weights[0] * weights[1] < 0:
         return float(np.arctan2(abs(weights[0]), abs(weights[1])))
-    with np.errstate(divide="ignore"):
-        low, high = sorted(np.divide(end[0], end[k]) if end[k] else np.inf for end in ends)
-    if high - low <= NOTHING * high:
-        remedy = f"leave it out: it is {low:.7g} times the ground in all of them"
+    low, high = sorted(ground * float(end[0] / end[k]) if end[k] else np.inf for end in ends)
+    if high - low <= NOTHING * low:
+        remedy = f"leave it out: it is {low:.7g} mm in all of them"
+    elif np.isfinite(high):
+        remedy = f"give more than {rounded_up(low)} and less than {rounded_down(high)} mm"
     else:
-        remedy = f"give more than {rounded_up(low)} times the ground"
-        remedy += f" and less than {rounded_down(high)} times" if np.isfinite(high) else ""
-    raise DesignError(name, f"found {length:g} times the ground, which fits no other lengths", remedy)
+        remedy = f"give more than {rounded_up(low)} mm"
+    raise DesignError(name, f"found {value:g} mm, which fits no other lengths", remedy)
 
 
 def _best(wanted: TwoPlaces, ends: tuple[Real, Real], largest: float) -> tuple[float, bool]:

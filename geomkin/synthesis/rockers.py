@@ -18,7 +18,7 @@ from .families import RATIO, Family, four_bars, highest, members, scale_of, the_
 from .found import Found
 from .full_turn import FullTurn, full_turn
 
-Swing = Annotated[float, between(0.1, 179.9, "deg")]
+Swing = Annotated[float, between(0.1, 179, "deg")]
 Ratio = Annotated[float, between(1, 1e6)]
 Sense = Literal["same", "opposite"]
 # deg by which a crank's turn must keep clear of those that no linkage has. Nearer, all of them are so close to a
