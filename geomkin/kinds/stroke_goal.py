@@ -8,12 +8,10 @@ from functools import cached_property
 from typing import Literal, cast
 
 from ..check import Check
-from ..errors import DesignError
 from ..recipe.settings import Drive, Files
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from ..synthesis.strokes import StrokeCrank, slider_crank_stroke
-from ..synthesis.strokes import check_turn as check_stroke_turn
+from ..synthesis.strokes import StrokeCrank, check_turn, slider_crank_stroke
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 from .rocker_goals import (
     MISSED_DEG,
@@ -55,12 +53,7 @@ class WantedStroke:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        try:
-            check_stroke_turn(self.turn_deg)
-        except DesignError as error:
-            if self.time_ratio is None:
-                raise
-            raise DesignError("time_ratio", f"found {self.time_ratio:g}", "give 0.334 to 2.998") from error
+        check_turn(self.turn_deg, "crank_turn_deg" if self.time_ratio is None else "time_ratio")
 
     @property
     def turn_deg(self) -> float:

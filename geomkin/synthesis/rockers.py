@@ -155,22 +155,22 @@ def crank_turns(swing_deg: float, sense: Sense) -> tuple[float, float]:
 
 def check_turn(swing_deg: float, crank_turn_deg: float, sense: Sense, field: str = "crank_turn_deg") -> None:
     """Refuse a crank's turn that no crank-rocker of the swing has; under `field`, as a time ratio where it is one."""
-    low, high = crank_turns(swing_deg, sense)
-    if low <= crank_turn_deg <= high:
-        return
-
-    def ratio(turn: float) -> float:
-        return turn / (360 - turn)
-
-    told = (lambda turn: turn) if field.endswith("_deg") else ratio
-    unit = " deg" if field.endswith("_deg") else ""
-    found = f"found {told(crank_turn_deg):.7g}{unit}, which no crank-rocker that swings {swing_deg:g} deg has"
-    remedy = f"give {rounded_up(told(low))} to {rounded_down(told(high))}{unit}"
-    other: Sense = "opposite" if sense == "same" else "same"
-    ends = crank_turns(swing_deg, other)
+    ends = crank_turns(swing_deg, sense)
     if ends[0] <= crank_turn_deg <= ends[1]:
-        remedy += f', or sense = "{other}", in which there are some'
-    raise DesignError(field, found, remedy)
+        return
+    other: Sense = "opposite" if sense == "same" else "same"
+    others = crank_turns(swing_deg, other)
+    more = f', or sense = "{other}", in which there are some' if others[0] <= crank_turn_deg <= others[1] else ""
+    raise no_such_turn(field, crank_turn_deg, f"no crank-rocker that swings {swing_deg:g} deg has", ends, more)
+
+
+def no_such_turn(field: str, turn_deg: float, whose: str, ends: tuple[float, float], more: str = "") -> DesignError:
+    """The refusal of a turn, deg, that is not between two others; as ratios of times where the field is one."""
+    in_deg = field.endswith("_deg")
+    found, low, high = (turn if in_deg else turn / (360 - turn) for turn in (turn_deg, *ends))
+    unit = " deg" if in_deg else ""
+    remedy = f"give {rounded_up(low)} to {rounded_down(high)}{unit}{more}"
+    return DesignError(field, f"found {found:.7g}{unit}, which {whose}", remedy)
 
 
 def free_range(swing: float, turn: float) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from ..sizes import FARTHEST, Size, rounded_down, rounded_up
 from .families import RATIO, Family, highest, members, the_choice, within_sizes
 from .found import Found
 from .full_turn import full_turn
-from .rockers import CLEAR_DEG, MISSED, free_range, reach
+from .rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, reach
 
 Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 # Of a connecting rod to its crank: the least ratio that leaves a slider-crank which can be moved, with a hair of room.
@@ -118,12 +118,11 @@ def slider_crank_stroke(
     )
 
 
-def check_turn(crank_turn_deg: float) -> None:
-    """Refuse a crank's turn that no slider-crank has."""
-    low, high = 90 + CLEAR_DEG, 270 - CLEAR_DEG
-    if not low <= crank_turn_deg <= high:
-        found = f"found {crank_turn_deg:.7g} deg, in which no slider-crank goes one way"
-        raise DesignError("crank_turn_deg", found, f"give {low:g} to {high:g} deg")
+def check_turn(crank_turn_deg: float, field: str = "crank_turn_deg") -> None:
+    """Refuse a crank's turn that no slider-crank has; under `field`, as a time ratio where it is one."""
+    ends = 90 + CLEAR_DEG, 270 - CLEAR_DEG
+    if not ends[0] <= crank_turn_deg <= ends[1]:
+        raise no_such_turn(field, crank_turn_deg, "no slider-crank has", ends)
 
 
 def _sizes(stroke: float, turn: float, free: Real) -> dict[str, Real]:

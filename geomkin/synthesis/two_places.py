@@ -45,7 +45,7 @@ class TwoPlaces:
         ])  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Between:
     """What four-bars do between the two places, (linkages,): masks, the branch, and the least transmission, rad."""
 
