@@ -125,6 +125,10 @@ class CrankRockerRecipe(AbstractLinkageGoal):
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+
     @cached_property
     def ranked(self) -> Sequence[CrankRocker]:
         best = self.wanted.search(self.wanted.free_angle_deg)
@@ -141,11 +145,10 @@ class CrankRockerRecipe(AbstractLinkageGoal):
     @property
     def judged(self) -> tuple[Check, ...]:
         found, wanted = cast(CrankRocker, self.found), self.wanted
+        swing, turn = missed(found.swing_deg, wanted.swing_deg), missed(found.crank_turn_deg, wanted.turn_deg)
         return (
-            Check("missed swing", abs(found.swing_deg - wanted.swing_deg), "at most", MISSED_DEG, "deg"),
-            Check(
-                "missed turn of the crank", abs(found.crank_turn_deg - wanted.turn_deg), "at most", MISSED_DEG, "deg"
-            ),
+            Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
+            Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
             *super().judged,
         )
 
@@ -211,6 +214,10 @@ class DoubleRockerRecipe(AbstractLinkageGoal):
     drive: Drive = entry("how the driving rocker turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
 
     @cached_property
     def ranked(self) -> Sequence[DoubleRocker]:

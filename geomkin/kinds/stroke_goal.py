@@ -90,6 +90,10 @@ class SliderCrankStrokeRecipe(AbstractLinkageGoal):
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+
     @cached_property
     def ranked(self) -> Sequence[StrokeCrank]:
         best = self.wanted.search()
