@@ -97,9 +97,13 @@ def double_rocker(
     choice = the_choice(given)
     if choice is None:
         free, at_largest = _best(wanted, ends, RATIO if largest_ratio is None else largest_ratio)
+        weights = np.cos(free), np.sin(free)
     else:
-        free, at_largest = _free_of(*choice, ground, ends), False
-    sizes = {k: float(size[0]) for k, size in _sizes(wanted, ends, np.array([free])).items()}
+        # Of very long links the weights keep more digits than the angle.
+        weights, at_largest = _weights_of(*choice, ground, ends), False
+        free = float(np.arctan2(weights[1], weights[0]))
+    inverse = weights[0] * ends[0] + weights[1] * ends[1]
+    sizes = {k: float(size[0]) for k, size in _lengths(wanted, inverse[:, None]).items()}
     scale = scale_of(sizes, "ground", ground)
     told = between_places(wanted, {k: np.array([size]) for k, size in sizes.items()})
     # What was given is kept to the last digit.
@@ -129,18 +133,18 @@ def _ends(wanted: TwoPlaces) -> tuple[Real, Real]:
     if not tie.any():
         problem = "the two places mirror each other in the ground line: all lengths fit, and all pass a dead centre"
         raise DesignError("rocker_start_deg", problem, "move one of the starts, or change a swing")
+    if not ((tie > 0).any() and (tie < 0).any()):
+        raise DesignError(
+            "rocker_start_deg",
+            f"found {np.degrees(wanted.rocker_start):g} deg, from which no lengths above 0 fit both swings",
+            _another_start(wanted),
+        )
     rays = [np.eye(3)[k] for k in range(3) if tie[k] == 0]
     for i, j in ((0, 1), (0, 2), (1, 2)):
         if tie[i] * tie[j] < 0:
             ray = np.zeros(3)
             ray[i], ray[j] = abs(tie[j]), abs(tie[i])
             rays.append(ray / ray.max())
-    if len(rays) != 2:
-        raise DesignError(
-            "rocker_start_deg",
-            f"found {np.degrees(wanted.rocker_start):g} deg, from which no lengths above 0 fit both swings",
-            _another_start(wanted),
-        )
     return rays[0], rays[1]
 
 
@@ -158,7 +162,11 @@ def _another_start(wanted: TwoPlaces) -> str:
 
 def _sizes(wanted: TwoPlaces, ends: tuple[Real, Real], free: Real) -> dict[str, Real]:
     """Lengths, ground 1, at free angles inside the family; nan and infinity at its ends."""
-    inverse = ends[0][:, None] * np.cos(free) + ends[1][:, None] * np.sin(free)
+    return _lengths(wanted, ends[0][:, None] * np.cos(free) + ends[1][:, None] * np.sin(free))
+
+
+def _lengths(wanted: TwoPlaces, inverse: Real) -> dict[str, Real]:
+    """The same from 1/ground : 1/crank : 1/rocker, (3, linkages)."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         crank, rocker = inverse[0] / inverse[1], inverse[0] / inverse[2]
         couplers = [
@@ -166,23 +174,23 @@ def _sizes(wanted: TwoPlaces, ends: tuple[Real, Real], free: Real) -> dict[str, 
             for turn, out in zip(wanted.crank, wanted.rocker)
         ]
         return {
-            "ground": np.ones_like(free),
+            "ground": np.ones_like(crank),
             "crank": crank,
             "coupler": 0.5 * (couplers[0] + couplers[1]),
             "rocker": rocker,
         }
 
 
-def _free_of(name: str, value: float, ground: float, ends: tuple[Real, Real]) -> float:
-    """The free angle, rad, of the linkage that is asked for; DesignError where there is none."""
+def _weights_of(name: str, value: float, ground: float, ends: tuple[Real, Real]) -> tuple[float, float]:
+    """How much of each end is in the linkage that is asked for; DesignError where there is none."""
     if name == "free_angle_deg":
         if not 0 < value < 90:
             raise DesignError(name, f"found {value:g}", "give more than 0 and less than 90 deg")
-        return float(np.radians(value))
+        return float(np.cos(np.radians(value))), float(np.sin(np.radians(value)))
     k, length = 1 if name == "crank" else 2, value / ground
-    weights = [end[k] * length - end[0] for end in ends]
-    if weights[0] * weights[1] < 0:
-        return float(np.arctan2(abs(weights[0]), abs(weights[1])))
+    weights = [float(end[k] * length - end[0]) for end in ends]
+    if weights[0] * weights[1] < 0 and min(map(abs, weights)) > NOTHING * (1 + length):
+        return abs(weights[1]), abs(weights[0])
     low, high = sorted(ground * float(end[0] / end[k]) if end[k] else np.inf for end in ends)
     if high - low <= NOTHING * low:
         remedy = f"leave it out: it is {low:.7g} mm in all of them"
@@ -199,8 +207,8 @@ def _best(wanted: TwoPlaces, ends: tuple[Real, Real], largest: float) -> tuple[f
     def ratio(free: Real) -> Real:
         sizes = np.array(list(_sizes(wanted, ends, free).values()))
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios: Real = np.nan_to_num(sizes.max(axis=0) / sizes.min(axis=0), nan=np.inf)
-        return ratios
+            ratios = sizes.max(axis=0) / sizes.min(axis=0)
+        return np.where(np.isnan(ratios), np.inf, ratios)
 
     def score(free: Real) -> Real:
         """Rad, and a step above that for each thing that is in order; what is too unlike comes last."""

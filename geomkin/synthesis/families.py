@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import LARGEST
 from ..brief import one_line
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage
@@ -71,7 +72,7 @@ def _summit(f: Callable[[Real], Real], best: float, step: float) -> float:
     """The top of a smooth f near its best place, where its slope is 0: values alone tell half of the digits."""
     for _ in range(3):
         values = f(best + step * np.arange(-2, 3))
-        if not np.isfinite(values).all():
+        if not np.abs(values).max() < LARGEST:
             break
         slope, bend = (float(np.dot(weights, values)) for weights in ([1, -8, 0, 8, -1], [-1, 16, -30, 16, -1]))
         if not abs(slope) < -bend:

@@ -14,6 +14,9 @@ MISSED = 1e-6
 # Share of the longest link by which a four-bar may be Grashof's and still have but one circuit: a change point.
 # Smaller, and rounding makes two circuits of a parallelogram's one; larger, and it joins two that do not meet.
 MEETS = 1e-12
+# rad of the transmission angle, below which a place is a dead centre, from which nothing tells the way on. Smaller, and
+# rounding decides, which is the root of a number's last digit there; larger, and it takes poor drives for none.
+DEAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -89,7 +92,8 @@ def _of_lengths(wanted: TwoPlaces, ground: Real, crank: Real, coupler: Real, roc
     # The joint that is not at the shortest link: ground or crank, rocker pin; coupler, crank pivot; rocker, crank pin.
     facing = [np.choose(shortest, [joint[0], joint[0], joint[1], joint[2]]) for joint in joints]
     circuit = grashof & (np.sign(facing[0]) != np.sign(facing[1]))
-    branch = ~circuit & (signs[0] != signs[1])
+    at_least = np.arccos(np.minimum(np.abs(at_places).max(axis=0), 1.0))
+    branch = ~circuit & ((signs[0] != signs[1]) | (at_least < DEAD))
     swing = _swing(wanted, ground, crank, coupler, rocker, signs[0])
     order = ~circuit & ~branch & (~closed | (np.abs(swing - wanted.rocker_swing) > MISSED))
     back = np.zeros_like(closed)
@@ -104,7 +108,7 @@ def _of_lengths(wanted: TwoPlaces, ground: Real, crank: Real, coupler: Real, roc
         turns_back=back,
         sign=np.where(signs[0] < 0, -1, 1),
         least=np.where(closed, np.arccos(np.minimum(np.abs(cosines).max(axis=0), 1.0)), np.nan),
-        at_places=np.arccos(np.minimum(np.abs(at_places).max(axis=0), 1.0)),
+        at_places=at_least,
     )
 
 

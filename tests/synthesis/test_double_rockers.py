@@ -70,9 +70,30 @@ def judge(wish, seen):
 
 def test_every_verdict_agrees_with_simulation():
     seen = set()
-    for wish in random_wishes(200, 1):
+    for wish in random_wishes(150, 1):
         judge(wish, seen)
     assert seen >= {"sound", "back", "circuit", "branch", "order", "rocker_start_deg"}
+
+
+def test_whole_angles_at_which_much_vanishes_are_judged_too():
+    """Links in line, parallel, mirrored: where rounding could decide, the drive is none, and that is said."""
+    rng, count = np.random.default_rng(8), 0
+    starts = np.arange(-360, 361, 15)
+    for _ in range(200):
+        wish = tuple(float(rng.choice(starts if k % 2 == 0 else starts[1:-1][starts[1:-1] != 0])) for k in range(4))
+        try:
+            found = double_rocker(*wish)
+        except gk.DesignError as error:
+            assert error.field in ("rocker_start_deg", "largest_ratio") and "inf" not in str(error)
+            continue
+        try:
+            _, sound, _, least = simulated(found.linkage, wish)
+        except AssertionError:
+            # All in line at the first place, which by its last digits is just out of reach.
+            sound, least = False, 0.0
+        assert sound == (not found.defects) or (found.defects and least < 1e-3)
+        count += 1
+    assert count > 60
 
 
 @pytest.mark.campaign
@@ -85,7 +106,7 @@ def test_every_verdict_of_thousands_agrees_with_simulation():
 def test_every_member_of_a_family_is_judged_as_it_moves():
     rng = np.random.default_rng(5)
     count = 0
-    for wish in random_wishes(60, 3):
+    for wish in random_wishes(40, 3):
         try:
             found = double_rocker(*wish)
         except gk.DesignError:
@@ -98,7 +119,7 @@ def test_every_member_of_a_family_is_judged_as_it_moves():
             assert np.isfinite(told) == sound
             assert not sound or least - 0.5 < told <= least + 1e-9
             count += 1
-    assert count > 150
+    assert count > 100
 
 
 @pytest.mark.parametrize(
