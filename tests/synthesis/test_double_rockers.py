@@ -170,6 +170,34 @@ def test_the_best_is_the_best_of_all_cranks_and_rockers(wish, ratio):
         assert not best.defects and top - 0.05 < best.transmission_angle_deg < top + 0.4
 
 
+def test_no_member_of_a_family_is_better_than_its_best():
+    """All members moved, on both branches, and those that do what is wanted without going beyond it compared."""
+    count = 0
+    for wish in random_wishes(60, 9):
+        try:
+            found = double_rocker(*wish)
+        except gk.DesignError:
+            continue
+        start, swing, out, turn = np.radians(wish)
+        many = found.family.linkage
+        sizes = np.array([many.ground, many.crank, many.coupler, many.rocker])
+        like = sizes.max(axis=0) < 100 * sizes.min(axis=0)
+        for branch in (1, -1):
+            motion = gk.move(many, np.linspace(start, start + swing, 181), branch)
+            angle = np.unwrap(np.angle(np.where(motion.closed, motion.rocker.direction, 1)), axis=0)
+            fits = like & motion.closed.all(axis=0) & (abs(angle[-1] - angle[0] - turn) < 1e-6)
+            fits &= (abs(motion.rocker.direction[0] - np.exp(1j * out)) < 1e-6) & (
+                np.ptp(angle, axis=0) < abs(turn) + 1e-9
+            )
+            if fits.any():
+                least = np.degrees(motion.transmission_angle.min(axis=0)[fits])
+                # Between two frames a member may drive a little worse.
+                assert not found.defects and found.overshoot_deg < 1e-6
+                assert found.transmission_angle_deg > least.max() - 0.05
+                count += 1
+    assert count > 15
+
+
 def test_a_known_linkage_is_found_again_from_its_own_swings():
     rng = np.random.default_rng(6)
     count = 0
