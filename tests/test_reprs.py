@@ -53,6 +53,9 @@ def everything() -> list[object]:
     kept += [slides.slide(slider.name) for slider in slides.linkage.sliders]
     plates = gk.TranslatingRoller(10).plates(gk.shop.CamStock().bars, GOOD["Cam"]["program"], 40.0, 1)
     kept += [plates, plates[0].holes, gk.Cam(**GOOD["Cam"]).contact(1.0)]
+    kept += [
+        gk.synthesis.Found(linkage=gk.FourBar(3, 1, 3, 2), branch=1, drive=np.zeros(2), transmission_angle_deg=9.0)
+    ]
     kept += [gk.load(file) for file in sorted(RECIPES.glob("*.toml"))]
     kept += [gk.load(RECIPES / f"{name}.toml") for name in ("crank-rocker", "roller-cam", "gear-pair")]
     kept += [(recipe.table, recipe.checks, recipe.parts) for recipe in kept[-3:]]

@@ -42,7 +42,7 @@ RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 # Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.judge, gk.shop, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.judge, gk.shop, gk)
     for name in dir(room)
     if not name.startswith("_") and not inspect.ismodule(getattr(room, name))
 }
@@ -129,10 +129,12 @@ GOOD = {
     "convexity": {"curve": CIRCLE, "t": DRIVE},
     "coupler_curves": {"motion": MOTION, "points": np.array([1j, 2.0]), "body": "coupler"},
     "coupler_grid": {"length": 10.0, "height": 5.0, "rows": 2, "columns": 3, "centre": 1j},
+    "crank_rocker": {"swing_deg": 40, "crank_turn_deg": 160, "ground": None, "sense": "same", "crank": 30.0, "coupler": None, "rocker": None, "free_angle_deg": 20, "largest_ratio": 50},
     "crank_path": {"pin": 1j, "pivot": 0j},
     "curvature": {"curve": CIRCLE, "t": DRIVE},
     "dashes": {"linkage": FOUR_BAR, "points": np.array([1j]), "drive": DRIVE, "tolerance": 0.1, "branch": 1, "body": "coupler"},
     "dead_centres": {"linkage": FOUR_BAR, "output": "rocker", "branch": 1, "span": (0.0, 6.0)},
+    "double_rocker": {"crank_start_deg": 60, "crank_swing_deg": 60, "rocker_start_deg": 80, "rocker_swing_deg": 40, "ground": 100.0, "crank": 40, "rocker": None, "free_angle_deg": None, "largest_ratio": 50},
     "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
     "euler_savary": {"instant_centre": 0.0, "point": 3.0, "centre": -2.0},
     "flat_face_base_radius": {"program": PROGRAM, "least_radius": 1.0, "tilt_deg": 5.0},
@@ -166,6 +168,7 @@ GOOD = {
     "undercut_free_shift": {"teeth": 12, "rack": gk.gear.RackCutter()},
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
+    "slider_crank_stroke": {"stroke": 80.0, "crank_turn_deg": 190, "offset": None, "crank": 38.0, "coupler": None, "free_angle_deg": None, "largest_ratio": 50},
     "opening": {"motion": MOTION},
     "CamStock": {"thickness": 5.0, "bore": 8.0, "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},
     "GearStock": {"thickness": 6.0, "bore": 8.0, "keyway_width": 2.0, "keyway_depth": 1.0, "clearance": 0.1, "web": gk.shop.Web(16, 5)},
@@ -201,6 +204,7 @@ MADE = {
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip

@@ -1,0 +1,127 @@
+"""Recipes of a swing, of two rockers and of a stroke: what is made, what is told, what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+SWING = {"kind": "crank-rocker", "wanted": {"swing_deg": 50, "crank_turn_deg": 200, "ground": 100}}
+SWINGS = {
+    "kind": "double-rocker",
+    "wanted": {
+        "crank_start_deg": 60,
+        "crank_swing_deg": 60,
+        "rocker_start_deg": 80,
+        "rocker_swing_deg": 40,
+        "ground": 100,
+    },
+}
+STROKE = {"kind": "slider-crank-stroke", "wanted": {"stroke": 80, "time_ratio": 1.2}}
+
+
+def changed(recipe, **wanted):
+    """The recipe with other wishes; None leaves one out."""
+    told = recipe["wanted"] | wanted
+    return recipe | {"wanted": {key: value for key, value in told.items() if value is not None}}
+
+
+@pytest.mark.parametrize(("name", "links"), [("wiper", 4), ("double-rocker", 4), ("pump-stroke", 3)])
+def test_the_gallery_is_made_and_what_was_found_runs_by_itself(tmp_path, name, links):
+    goal = gk.load(RECIPES / f"{name}.toml")
+    made = gk.make(goal, tmp_path)
+    assert all(check.passed for check in made.checks)
+    assert len([file for file in made.files if file.suffix == ".stl"]) == links
+    told = json.loads((tmp_path / name / "summary.json").read_text())
+    assert told["number_found"] == len(goal.ranked) and told["ranked"][0] == told["found"]
+    assert told["found"]["defects"] == [] and len(told["family"]["free_angle_deg"]) == 2
+    angles = [one["transmission_angle_deg"] for one in told["ranked"]]
+    assert len(angles) > 5 and angles == sorted(angles, reverse=True)
+    found = gk.load(tmp_path / name / f"{name}.found.toml")
+    assert found == goal.design
+    again = gk.make(found, tmp_path)
+    assert all(check.passed for check in again.checks)
+    for file in (tmp_path / name).glob("*.stl"):
+        assert file.read_bytes() == (tmp_path / f"{name}.found" / file.name).read_bytes()
+
+
+def test_the_wiper_sweeps_as_its_table_says():
+    recipe = gk.load(RECIPES / "wiper.toml")
+    columns = {column.name: column.values for column in recipe.table.columns}
+    assert np.ptp(columns["crank_angle"]) == pytest.approx(360)
+    assert np.ptp(columns["rocker_angle"]) == pytest.approx(90, abs=0.02)
+
+
+def test_the_double_rocker_s_table_goes_from_start_to_start():
+    table = gk.load(SWINGS).table
+    columns = {column.name: column.values for column in table.columns}
+    assert columns["crank_angle"][[0, -1]] == pytest.approx([60, 120])
+    assert columns["rocker_angle"][[0, -1]] == pytest.approx([80, 120])
+    back = gk.load(
+        changed(SWINGS, crank_start_deg=120, crank_swing_deg=-60, rocker_start_deg=120, rocker_swing_deg=-40)
+    )
+    assert back.way == (60, 120)
+    assert back.found.lengths == pytest.approx(gk.load(SWINGS).found.lengths)
+
+
+def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
+    recipe = gk.load(SWING)
+    third = gk.load(SWING | {"choose": 3})
+    assert third.found.linkage == recipe.ranked[2].linkage == third.design.linkage != recipe.design.linkage
+    assert all(check.passed for check in third.judged[:3])
+    placed = gk.load(changed(SWING, free_angle_deg=30))
+    assert placed.found.free_angle_deg == pytest.approx(30) and len(placed.ranked) == 1
+    assert gk.load(changed(SWINGS, crank=40)).found.linkage.crank == 40
+    assert gk.load(changed(SWINGS, rocker=60)).found.linkage.rocker == 60
+    assert gk.load(changed(STROKE, crank=38)).found.linkage.crank == 38
+    assert gk.load(changed(STROKE, coupler=120)).found.linkage.coupler == 120
+
+
+def test_a_turn_and_its_time_ratio_are_one_wish():
+    assert gk.load(SWING).found.linkage == gk.load(changed(SWING, crank_turn_deg=None, time_ratio=1.25)).found.linkage
+    assert gk.load(changed(STROKE, time_ratio=1.25)).found.crank_turn_deg == pytest.approx(200)
+
+
+def test_a_branch_defect_is_a_check_that_fails_and_is_told():
+    wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
+    recipe = gk.load(changed(SWINGS, **wish))
+    failed = {check.name: str(check) for check in recipe.judged if not check.passed}
+    assert "defects" in failed and "it has a defect of circuit" in failed["defects"]
+    assert "missed swing" in failed and recipe.notes["found"]["defects"] == ["circuit"]
+
+
+@pytest.mark.parametrize(
+    ("recipe", "text"),
+    [
+        (
+            changed(SWING, swing_deg=45, crank_turn_deg=100),
+            "wanted.crank_turn_deg: found 100 deg, which no crank-rocker",
+        ),
+        (
+            changed(SWING, swing_deg=45, crank_turn_deg=None, time_ratio=0.3),
+            "wanted.time_ratio: found 0.3, which no crank-rocker.*give 0.4548[0-9]* to 4.32",
+        ),
+        (changed(SWING, time_ratio=1.1), "wanted.time_ratio: is given besides crank_turn_deg"),
+        (changed(SWING, ground=None), "wanted.ground: no length is given; give one of"),
+        (changed(SWING, crank=30), "wanted.crank: is given besides ground"),
+        (changed(SWING, largest_ratio=2.0), "wanted.largest_ratio: found 2, but"),
+        (changed(SWING, free_angle_deg=1.0), "wanted.free_angle_deg: found 1; give more than"),
+        (SWING | {"choose": 30}, "choose: found 30; give at most"),
+        (changed(SWINGS, crank_swing_deg=0), "wanted.crank_swing_deg: found 0 deg; give at least 0.1 deg"),
+        (changed(SWINGS, crank=40, rocker=60), "wanted.rocker: is given besides crank"),
+        (changed(SWINGS, rocker_start_deg=-60, crank_start_deg=-30, rocker_swing_deg=120), "mirror each other"),
+        (
+            changed(STROKE, time_ratio=3.5),
+            "wanted.time_ratio: found 3.5, which no slider-crank has; give 0.33358[0-9]* to 2.9977",
+        ),
+        (changed(STROKE, time_ratio=None, crank_turn_deg=80), "wanted.crank_turn_deg: found 80 deg"),
+        (changed(STROKE, crank=45), "wanted.crank: found 45 mm, which no such slider-crank has; give more than"),
+        (changed(STROKE, crank=38, offset=4), "wanted.crank: is given besides offset"),
+    ],
+)
+def test_what_is_refused_is_told_by_its_key(recipe, text, tmp_path):
+    with pytest.raises(gk.RecipeError, match=text):
+        gk.make(recipe, tmp_path)
