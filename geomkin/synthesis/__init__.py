@@ -3,6 +3,9 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .burmester import Burmester as Burmester
+    from .burmester import BurmesterCurve as BurmesterCurve
+    from .burmester import burmester_curves as burmester_curves
     from .displacement_poles import SliderCircle as SliderCircle
     from .displacement_poles import circle_of_sliders as circle_of_sliders
     from .displacement_poles import image_poles as image_poles
