@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from .dyads import Dyads as Dyads
     from .dyads import dyads_through as dyads_through
     from .found import Found as Found
+    from .infinitesimal import BodyState as BodyState
+    from .infinitesimal import StateFourBar as StateFourBar
+    from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar
+    from .infinitesimal import velocity_state_four_bar as velocity_state_four_bar
 else:
     from ..lazy import attach
 

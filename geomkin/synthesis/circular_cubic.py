@@ -5,7 +5,8 @@ Lines through the known point meet the cubic twice more, so that a square root t
     K = Y^2 L(X, W) + Y Q(X, W) + C(X, W),     Y = (-Q +- sqrt(Q^2 - 4 L C)) / 2 L,
 
 and the real branches lie where the quartic under the root is not below 0: one loop for each such stretch of lines, run
-there on one root and back on the other. Derived here.
+there on one root and back on the other. Where the cubic is a conic and the line at infinity, W = 0, that line is taken
+out: L, Q and C are of one degree less then. Derived here.
 """
 
 from __future__ import annotations
@@ -31,21 +32,23 @@ class Loop:
     """One real branch: `point` and its rate in homogeneous numbers, over 0 <= t <= 2 pi, where it closes.
 
     middle, half: the stretch of directions psi of (X, W) = (sin psi, cos psi), run as middle - half cos t; half is nan
-    where all directions do: then they turn by half a turn, on the root of one `sign`. rest: what is left of the quartic
+    where all directions do: then psi is t times `turning`, on the root of one `sign`. rest: what is left of the quartic
     when the ends of the stretch are taken out, by falling powers of X.
     """
 
     middle: float
     half: float
-    sign: float
     rest: Real
+    sign: float = 1.0
+    turning: float = 0.5
 
     __repr__ = one_line
 
     def way(self, t: Real) -> tuple[Real, Real, Real, Real]:
         """psi, its rate, the square root, and its rate, by t."""
         if np.isnan(self.half):
-            psi, rate, ends, ends_rate = 0.5 * t, np.full_like(t, 0.5), np.ones_like(t), np.zeros_like(t)
+            psi, rate = self.turning * t, np.full_like(t, self.turning)
+            ends, ends_rate = np.ones_like(t), np.zeros_like(t)
         else:
             h, sine, cosine = self.half, np.sin(t), np.cos(t)
             psi, rate = self.middle - h * cosine, h * sine
@@ -63,7 +66,7 @@ class Loop:
     def at(self, psi: float) -> list[float]:
         """The t, none to two, at which the lines have a direction psi."""
         if np.isnan(self.half):
-            return [2 * (psi % np.pi)]
+            return [(psi + k * np.pi) / self.turning for k in (0, 1)]
         share = (self.middle - self.middle_near(psi)) / self.half
         return [float(np.arccos(share)), float(2 * np.pi - np.arccos(share))] if abs(share) <= 1 else []
 
@@ -83,9 +86,17 @@ class Cubic:
     @cached_property
     def axis(self) -> complex:
         """The direction, unit complex, across that in which the curve goes to infinity."""
-        lead = complex(self.tensor[0, 0, 0], self.tensor[1, 1, 1])
         # Of a conic and the line at infinity every point there is one of the curve: any direction will do.
-        return lead / abs(lead) if abs(lead) > CONIC * np.abs(self.tensor).max() else np.exp(0.7j)
+        return complex(np.exp(0.7j)) if self.is_conic else self._lead / abs(self._lead)
+
+    @property
+    def _lead(self) -> complex:
+        return complex(self.tensor[0, 0, 0], self.tensor[1, 1, 1])
+
+    @property
+    def is_conic(self) -> bool:
+        """Whether it is a conic and the line at infinity."""
+        return bool(abs(self._lead) <= CONIC * np.abs(self.tensor).max())
 
     @cached_property
     def parts(self) -> tuple[Real, Real, Real]:
@@ -95,7 +106,8 @@ class Cubic:
         t = np.einsum("abc,ai,bj,ck->ijk", self.tensor, turn, turn, turn)
         line = 3 * np.array([t[0, 1, 1], t[1, 1, 2]])
         square = 3 * np.array([t[0, 0, 1], 2 * t[0, 1, 2], t[1, 2, 2]])
-        return line, square, np.array([t[0, 0, 0], 3 * t[0, 0, 2], 3 * t[0, 2, 2], t[2, 2, 2]])
+        cube = np.array([t[0, 0, 0], 3 * t[0, 0, 2], 3 * t[0, 2, 2], t[2, 2, 2]])
+        return (line[1:], square[1:], cube[1:]) if self.is_conic else (line, square, cube)
 
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
@@ -111,7 +123,12 @@ class Cubic:
         roots = np.roots(turned)
         real = np.sort(np.arctan(roots[roots.imag == 0].real)) + base
         if not len(real):
-            return tuple(Loop(0.0, np.nan, sign, quartic) for sign in (1.0, -1.0)) if turned[0] > 0 else ()
+            if turned[0] <= 0:
+                return ()
+            # Of a conic half a turn of the lines leads to the other root.
+            if self.is_conic:
+                return (Loop(0.0, np.nan, quartic, turning=1.0),)
+            return tuple(Loop(0.0, np.nan, quartic, sign) for sign in (1.0, -1.0))
         ends = np.append(real, real[0] + np.pi)
         found = []
         for k, (start, end) in enumerate(zip(ends[:-1], ends[1:])):
@@ -126,7 +143,7 @@ class Cubic:
                 factor = np.array([1.0, -2 * pair.real, abs(pair) ** 2])
                 rest = np.convolve(rest, _turned(factor, -base))
             scale = value / (np.sin(half) ** 2 * float(_form(rest, np.array([middle]))[0][0]))
-            found.append(Loop(middle, half, 1.0, scale * rest))
+            found.append(Loop(middle, half, scale * rest))
         return tuple(found)
 
     def run(self, loop: Loop, t: Real) -> tuple[Complex, Real, Complex, Real]:
@@ -150,7 +167,9 @@ class Cubic:
 
     @property
     def infinity(self) -> float:
-        """The direction psi of the lines of which one root is at infinity."""
+        """The direction psi of the lines of which a root is at infinity."""
+        if self.is_conic:
+            return 0.5 * np.pi
         line = self.parts[0]
         return float(np.arctan2(-line[1], line[0]))
 
