@@ -15,13 +15,15 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real
 from .circular_cubic import Cubic, Loop, crossings
-from .constraint import FAR, Pairs, normalised
+from .constraint import FAR, Pairs, missed, normalised
 from .poses import Poses, inverse, placed
 
 # What a curve is cut off at unless it is said, in sizes of the poses.
 REACH = 10.0
 # Largest coefficient of a cubic, of unit sizes, that is rounding: then every point of the plane is one of the curve.
 NOTHING = 1e-13
+# Miss of a slide, in sizes, beyond which it is none. Smaller, and slides of pins far away are lost to rounding.
+MISSED = 1e-5
 # Places of a loop that are looked at for where it leaves its reach. Fewer, and a curve that peeps in or out is missed.
 LOOKED_AT = 2000
 
@@ -149,7 +151,8 @@ class BurmesterCurve(AbstractCurve):
 
     @property
     def breaks(self) -> Real:
-        return np.array([self.start, self.end])
+        # None are needed; between them curves are looked at in so many places, and a loop may have tight bends.
+        return np.linspace(self.start, self.end, 17)
 
     @property
     def closed(self) -> bool:
@@ -219,5 +222,6 @@ def slides_of(ground: FourPoses, body: FourPoses) -> Pairs:
     fixed: Complex = np.array([1j * way[0], pivot[0]])
     moving: Complex = np.array([pin[0], 1j * way[1]])
     # Of poses parallel in pairs, and the like, such a pin or pivot is at infinity too: then it is no dyad.
-    near = [np.abs(pin[0]) < FAR * ground.scaled[2], np.abs(pivot[0]) < FAR * body.scaled[2]]
-    return Pairs(fixed, moving, far, ~far).at(np.array(near))
+    slides = Pairs(fixed, moving, far, ~far)
+    near = np.abs([pin[0], pivot[0]]) < FAR * np.array([ground.scaled[2], body.scaled[2]])
+    return slides.at(near & (missed(ground.origins, ground.directions, slides) <= MISSED * ground.scaled[2]))

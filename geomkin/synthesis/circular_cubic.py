@@ -5,8 +5,8 @@ Lines through the known point meet the cubic twice more, so that a square root t
     K = Y^2 L(X, W) + Y Q(X, W) + C(X, W),     Y = (-Q +- sqrt(Q^2 - 4 L C)) / 2 L,
 
 and the real branches lie where the quartic under the root is not below 0: one loop for each such stretch of lines, run
-there on one root and back on the other. Where the cubic is a conic and the line at infinity, W = 0, that line is taken
-out: L, Q and C are of one degree less then. Derived here.
+there on one root and back on the other. Where one such line is part of the cubic (that at infinity, or, of symmetrical
+poses, the axis of symmetry), it is taken out, which leaves L, Q and C of one degree less. Derived here.
 """
 
 from __future__ import annotations
@@ -23,6 +23,12 @@ from ..plane.vec import Complex, Real
 # Share of the other coefficients below which those of highest degree are rounding: the cubic is then a conic and the
 # line at infinity. Larger, and far points of a true cubic are lost; smaller, and its direction there is rounding.
 CONIC = 1e-12
+# Share of Q and C, where L is 0, below which that line of the pencil is part of the cubic. Larger, and a curve that
+# comes close to a line and a circle is told as these; smaller, and rounding makes the line a loop too thin to be seen.
+PART = 1e-10
+# Square of the slope below which the curve crosses itself. Larger, and points near a crossing keep their error;
+# smaller, and they are thrown about.
+CROSSING = 1e-8
 # Way below which (cos x - sinc x) / x is told by its series: the quotient loses digits there.
 FLAT = 1e-2
 
@@ -33,7 +39,7 @@ class Loop:
 
     middle, half: the stretch of directions psi of (X, W) = (sin psi, cos psi), run as middle - half cos t; half is nan
     where all directions do: then psi is t times `turning`, on the root of one `sign`. rest: what is left of the quartic
-    when the ends of the stretch are taken out, by falling powers of X.
+    when the ends of the stretch are taken out, by falling powers of X. Where half is 0 the line itself is the branch.
     """
 
     middle: float
@@ -65,6 +71,8 @@ class Loop:
 
     def at(self, psi: float) -> list[float]:
         """The t, none to two, at which the lines have a direction psi."""
+        if self.half == 0:
+            return [np.pi]
         if np.isnan(self.half):
             return [(psi + k * np.pi) / self.turning for k in (0, 1)]
         share = (self.middle - self.middle_near(psi)) / self.half
@@ -99,19 +107,46 @@ class Cubic:
         return bool(abs(self._lead) <= CONIC * np.abs(self.tensor).max())
 
     @cached_property
-    def parts(self) -> tuple[Real, Real, Real]:
+    def whole(self) -> tuple[Real, Real, Real]:
         """L, Q and C by falling powers of X, with y along the way to infinity."""
         c, s = self.axis.real, self.axis.imag
         turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
         t = np.einsum("abc,ai,bj,ck->ijk", self.tensor, turn, turn, turn)
         line = 3 * np.array([t[0, 1, 1], t[1, 1, 2]])
         square = 3 * np.array([t[0, 0, 1], 2 * t[0, 1, 2], t[1, 2, 2]])
-        cube = np.array([t[0, 0, 0], 3 * t[0, 0, 2], 3 * t[0, 2, 2], t[2, 2, 2]])
-        return (line[1:], square[1:], cube[1:]) if self.is_conic else (line, square, cube)
+        return line, square, np.array([t[0, 0, 0], 3 * t[0, 0, 2], 3 * t[0, 2, 2], t[2, 2, 2]])
+
+    @cached_property
+    def line(self) -> float | None:
+        """Direction psi of the line through the known point that is part of the cubic."""
+        if self.is_conic:
+            return 0.5 * np.pi
+        line, square, cube = self.whole
+        psi = float(np.arctan2(-line[1], line[0]))
+        off = [abs(_form(part, np.array(psi))[0]) / max(np.abs(part).max(), PART) for part in (square, cube)]
+        return psi if max(off) <= PART else None
+
+    @cached_property
+    def parts(self) -> tuple[Real, Real, Real]:
+        """The same without that line."""
+        if self.line is None:
+            return self.whole
+        c, s = np.cos(self.line), np.sin(self.line)
+        line, square, cube = (
+            np.linalg.lstsq(c * np.eye(k, k - 1) - s * np.eye(k, k - 1, -1), part)[0]
+            for k, part in zip((2, 3, 4), self.whole)
+        )
+        return line, square, cube
 
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
         """The real branches: one or two, or more where the curve crosses itself."""
+        if self.line is None or self.is_conic:
+            return self._curved
+        return (Loop(self.line, 0.0, np.ones(1)), *self._curved)
+
+    @property
+    def _curved(self) -> tuple[Loop, ...]:
         line, square, cube = self.parts
         quartic = np.convolve(square, square) - 4 * np.convolve(line, cube)
         # Directions such that the quartic is far from 0 at their end, so that no root is there.
@@ -126,7 +161,7 @@ class Cubic:
             if turned[0] <= 0:
                 return ()
             # Of a conic half a turn of the lines leads to the other root.
-            if self.is_conic:
+            if self.line is not None:
                 return (Loop(0.0, np.nan, quartic, turning=1.0),)
             return tuple(Loop(0.0, np.nan, quartic, sign) for sign in (1.0, -1.0))
         ends = np.append(real, real[0] + np.pi)
@@ -148,6 +183,15 @@ class Cubic:
 
     def run(self, loop: Loop, t: Real) -> tuple[Complex, Real, Complex, Real]:
         """Homogeneous place x + iy, its weight, and the rates of both by t."""
+        if loop.half == 0:
+            along, across = np.sin(0.5 * t), np.cos(0.5 * t)
+            x, w = np.sin(loop.middle), np.cos(loop.middle)
+            return (
+                self.axis * (x * across + 1j * along),
+                w * across,
+                0.5 * self.axis * (1j * across - x * along),
+                -0.5 * w * along,
+            )
         psi, rate, root, root_rate = loop.way(t)
         x, w = np.sin(psi), np.cos(psi)
         (line, line_rate), (square, square_rate), (cube, cube_rate) = (_form(part, psi) for part in self.parts)
@@ -161,14 +205,28 @@ class Cubic:
         k = np.where(near, 2 * line, -square - root)
         k_rate = np.where(near, 2 * line_rate, -square_rate - root_rate)
         size = 1 / np.sqrt((x * k) ** 2 + y**2 + (w * k) ** 2 + 1e-300)
-        place = self.axis * (x * k + 1j * y)
-        place_rate = self.axis * (x_rate * k + x * k_rate + 1j * y_rate)
-        return size * place, size * w * k, size * place_rate, size * (w_rate * k + w * k_rate)
+        place = size * self.axis * (x * k + 1j * y)
+        place_rate = size * self.axis * (x_rate * k + x * k_rate + 1j * y_rate)
+        return self._settled(place, size * w * k, place_rate, size * (w_rate * k + w * k_rate))
+
+    def _settled(self, *run: Complex | Real) -> tuple[Complex, Real, Complex, Real]:
+        """The same after a step of Newton's towards the curve: roots that nearly meet are known to half the digits."""
+        place, weight, place_rate, weight_rate = run
+        v = np.stack([place.real, place.imag, weight.real], axis=-1)
+        rate = np.stack([place_rate.real, place_rate.imag, weight_rate.real], axis=-1)
+        slope = 3 * np.einsum("abc,...a,...b->...c", self.tensor, v, v)
+        value = np.einsum("...c,...c", slope, v) / 3
+        steep = np.sum(slope**2, axis=-1)
+        # At a crossing of the curve with itself there is no slope to go by.
+        gain = np.divide(1.0, steep, out=np.zeros_like(steep), where=steep > CROSSING * np.abs(self.tensor).max() ** 2)
+        v = v - slope * (value * gain)[..., None]
+        rate = rate - slope * (np.sum(slope * rate, axis=-1) * gain)[..., None]
+        return v[..., 0] + 1j * v[..., 1], v[..., 2], rate[..., 0] + 1j * rate[..., 1], rate[..., 2]
 
     @property
     def infinity(self) -> float:
         """The direction psi of the lines of which a root is at infinity."""
-        if self.is_conic:
+        if self.line is not None:
             return 0.5 * np.pi
         line = self.parts[0]
         return float(np.arctan2(-line[1], line[0]))
