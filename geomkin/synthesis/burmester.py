@@ -152,7 +152,7 @@ class BurmesterCurve(AbstractCurve):
     @property
     def breaks(self) -> Real:
         # None are needed; between them curves are looked at in so many places, and a loop may have tight bends.
-        return np.linspace(self.start, self.end, 17)
+        return np.linspace(self.start, self.end, 9)
 
     @property
     def closed(self) -> bool:

@@ -8,7 +8,7 @@ from geomkin.synthesis import burmester_curves, dyads_through, poles
 from tests.synthesis.known import known_linkages
 from tests.synthesis.test_dyads import misses, places, some_poses
 
-GENERAL = {seed: some_poses(np.random.default_rng(seed), 4) for seed in range(8)}
+GENERAL = {seed: some_poses(np.random.default_rng(seed), 4) for seed in range(5)}
 KINDS = {f"random {seed}": poses for seed, poses in GENERAL.items()} | {
     "one pair parallel": [(0j, 0.1), (2 + 1j, 0.1), (1 + 3j, 1.0), (4j, 2.0)],
     "two pairs parallel": [(0j, 0.1), (2 + 1j, 0.1), (1 + 3j, 1.0), (4j, 1.0)],
@@ -51,7 +51,7 @@ def test_curves_are_complete(kind):
     for seen, on_body in ((back, False), (poses, True)):
         z = np.array([z for z, _ in (poses if not on_body else back)])
         size = np.abs(z - z.mean()).max()
-        side = np.linspace(-4, 4, 121) * size
+        side = np.linspace(-4, 4, 81) * size
         net = z.mean() + side + 1j * side[:, None]
         p = places(seen, net) / size
         rows = np.stack([np.abs(p - p.mean()) ** 2, p.real, p.imag, np.ones(p.shape)], axis=-1)
@@ -61,16 +61,11 @@ def test_curves_are_complete(kind):
         corner = [positive[:-1, :-1], positive[1:, :-1], positive[:-1, 1:], positive[1:, 1:]]
         mixed = ~(np.all(corner, axis=0) | ~np.any(corner, axis=0))
         middles = (net[:-1, :-1] + net[1:, 1:])[mixed] / 2
+        assert len(middles)
         curves = burmester_curves(poses, reach=10 * size)
-        drawn = np.concatenate([gk.flatten(c, 0.002 * size) for c in (curves.moving if on_body else curves.fixed)])
-        # Chords may be long where the curve is straight.
-        drawn = np.concatenate(
-            [drawn, *(c.point(np.linspace(c.start, c.end, 8000)) for c in (curves.moving if on_body else curves.fixed))]
-        )
-        assert len(middles) > 30
-        cell = abs(side[1] - side[0])
-        nearest = np.array([np.abs(drawn - m).min() for m in middles])
-        assert nearest.max() < cell
+        curves = curves.moving if on_body else curves.fixed
+        nearest = np.min([gk.nearest(curve, middles)[1] for curve in curves], axis=0)
+        assert nearest.max() < np.hypot(*np.diff(side[:2]), *np.diff(side[:2])) / 2 * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -118,7 +113,7 @@ def test_slides_are_the_points_at_infinity(seed):
 
 
 def test_known_linkages_lie_on_the_curves():
-    for known in known_linkages(np.random.default_rng(20), 30, 4):
+    for known in known_linkages(np.random.default_rng(20), 10, 4):
         curves = burmester_curves(known.poses, reach=1e3)
         for fixed, far in zip(known.fixed, known.fixed_far):
             if far:
