@@ -32,11 +32,13 @@ LOOKED_AT = 2000
 class FourPoses:
     """Four poses (n,) and the cubic of the places that are pivots, in unit sizes about their middle.
 
-    Where the body sees these as poses of the ground the pivots are pins on the body, and their pins its pivots.
+    Where the body sees these as poses of the ground the pivots are pins on the body, and their pins its pivots, which
+    have their places from `partner_origin`, mm.
     """
 
     origins: Complex
     directions: Complex
+    partner_origin: complex = 0j
 
     __repr__ = one_line
 
@@ -80,7 +82,7 @@ class FourPoses:
 
     def partner(self, place: Complex, weight: Real) -> Complex:
         """The pins on the body that pivots place / weight, in unit sizes, belong to, mm; weight 0 is at infinity."""
-        return self._solved(*self._asked(place, weight)) * self.scaled[2]
+        return self.partner_origin + self._solved(*self._asked(place, weight)) * self.scaled[2]
 
     def partner_rate(self, place: Complex, weight: Real, place_rate: Complex, weight_rate: Real) -> Complex:
         """How fast these move, from the rates of their pivots."""
@@ -180,16 +182,22 @@ class Burmester:
 def burmester_curves(poses: Poses, reach: Positive | None = None) -> Burmester:
     """Centre-point and circle-point curve of four poses (origin x + yj in mm, angle in rad): circular cubics.
 
-    reach: how far from the middle of the poses' origins, on the ground, and from that of the ground's origins as the
-    body sees them, they are drawn, mm; ten times the farthest of these origins unless given. Two, three or more pieces
+    reach: how far from the middle of the poses' origins, on the ground, and of the places in which the body sees that
+    middle, they are drawn, mm; ten times the farthest of these origins unless given. Two, three or more pieces
     each, none of which runs through infinity. Parallel poses among the four put poles at infinity, and are as good as
     others. DesignError where there is no curve, as every point of the plane would do: all four parallel, or turned
     about one point. Burmester, Lehrbuch der Kinematik, 1888; Bottema and Roth, Theoretical Kinematics, 1979, chapter
     VIII; how they are traced is derived here.
     """
     z, u = placed(poses, 4, 4)
-    ground, body = FourPoses(z, u), FourPoses(*inverse(z, u))
+    ground, body = both_ways(z, u)
     return Burmester(_pieces(ground, reach), _pieces(body, reach), slides_of(ground, body))
+
+
+def both_ways(z: Complex, u: Complex) -> tuple[FourPoses, FourPoses]:
+    """Four poses as the ground sees them, and as the body does, from the middle of their origins."""
+    middle = complex(z.mean())
+    return FourPoses(z, u), FourPoses(*inverse(z - middle, u), middle)
 
 
 def _pieces(poses: FourPoses, reach: float | None) -> tuple[BurmesterCurve, ...]:

@@ -12,7 +12,7 @@ from ..arguments import Points, checked, whole_between
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.vec import Complex, Mask, Real
-from .burmester import FourPoses, slides_of
+from .burmester import both_ways, slides_of
 from .circle_fit import fitted_circles
 from .constraint import Pairs, freedom, joined, missed, pairs_of_least, sharpened
 from .displacement_poles import PARALLEL
@@ -99,7 +99,7 @@ def dyads_through(
 def _along_curves(z: Complex, u: Complex, count: int) -> Pairs:
     """The slides, then dyads along the curves of four poses, to which others, if any, add nothing."""
     four = next(list(k) for k in combinations(range(len(z)), 4) if freedom(z[list(k)], u[list(k)]) == 4)
-    ground, body = FourPoses(z[four], u[four]), FourPoses(*inverse(z[four], u[four]))
+    ground, body = both_ways(z[four], u[four])
     loops = ground.cubic.loops
     each = max(1, count // max(1, len(loops)))
     # Half a step from the start, where a loop of a line and a conic may be at infinity.
