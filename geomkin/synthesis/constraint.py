@@ -164,6 +164,9 @@ def sharpened(z: Complex, u: Complex, pairs: Pairs) -> Pairs:
     """
     off = missed(z, u, pairs)
     for _ in range(2):
+        with np.errstate(over="ignore"):
+            if (off <= 1e-15 * (np.abs(pairs.moving) + np.abs(pairs.fixed) + np.abs(z).max())).all():
+                break
         m, f = pairs.moving[:, None], pairs.fixed[:, None]
         near = ~(pairs.fixed_far | pairs.moving_far)
         with np.errstate(invalid="ignore"):

@@ -22,7 +22,9 @@ from .poses import Poses, inverse, placed
 # Largest miss of a dyad, in sizes of the poses and of its pin's way, that is called exact: what rounding leaves of
 # dyads whose roots lie close together. Larger, and fits are called exact; smaller, and true dyads are not.
 EXACT = 1e-9
-# The same beyond which a root is none. Smaller, and true dyads that nearly coincide with another are lost.
+# Distance, in sizes of the poses, from which a pivot may be one of rounding, and a slide is tried for it.
+REMOTE = 1e6
+# Largest miss beyond which a root is none. Smaller, and true dyads that nearly coincide with another are lost.
 MISSED = 1e-5
 # Share of the coordinates that rounding of poses makes, in units of EXACT. Smaller, and dyads of poses close together,
 # or far from the origin, are told as missing them.
@@ -89,9 +91,9 @@ def dyads_through(
     if free == 4:
         return told(z, u, _along_curves(z, u, count))
     if len(z) > 5:
-        return told(z, u, fitted_dyads(z, u))
+        return told(z, u, _straightened(z, u, fitted_dyads(z, u)))
     found, there = pairs_of_least(z[None], u[None])
-    found = sharpened(z, u, found.at(there))
+    found = _straightened(z, u, sharpened(z, u, found.at(there)))
     # A body with two angles only is also held by what forbids it all others, which is no dyad.
     return told(z, u, found.at(missed(z, u, found) <= MISSED * _size(z, u, found)))
 
@@ -117,6 +119,32 @@ def partners(z: Complex, u: Complex, moving: Complex) -> Pairs:
     """For pins on the body (k,) the pivots on the ground, or the slides, that serve them best."""
     fixed, far = fitted_circles(z + u * moving[:, None])
     return Pairs(fixed, moving, far, np.zeros(len(far), dtype=bool))
+
+
+def _straightened(z: Complex, u: Complex, found: Pairs) -> Pairs:
+    """Dyads with slides for pivots so far away that a straight line does as well: rounding decided how far."""
+    size = np.abs(z - z.mean()).max()
+    body = _slide(found.moving_far, found.moving, np.conj(u) * (found.fixed[:, None] - z), size)
+    ground = _slide(found.fixed_far, found.fixed, z + u * found.moving[:, None], size)
+    pinned = ~(found.fixed_far | found.moving_far)
+    ground_far = pinned & ground[0]
+    body_far = pinned & body[0] & ~ground_far
+    return Pairs(
+        np.where(ground_far, ground[1], found.fixed),
+        np.where(body_far, body[1], found.moving),
+        found.fixed_far | ground_far,
+        found.moving_far | body_far,
+    )
+
+
+def _slide(far: Mask, place: Complex, points: Complex, size: float) -> tuple[Mask, Complex]:
+    """Whether the points (dyads, n) lie in a line although `place` is not at infinity, and that line's direction."""
+    away = points - points.mean(axis=-1, keepdims=True)
+    with np.errstate(invalid="ignore", over="ignore"):
+        way = np.exp(0.5j * np.angle(np.sum(away**2, axis=-1)))
+        across = np.abs((away * np.conj(way)[:, None]).imag).max(axis=-1)
+        extent = np.abs(away).max(axis=-1)
+    return ~far & (np.abs(place) > REMOTE * size) & (across <= EXACT * (extent + size)), way
 
 
 def told(z: Complex, u: Complex, found: Pairs) -> Dyads:
