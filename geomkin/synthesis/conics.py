@@ -17,6 +17,9 @@ MET = 1e-13
 # Distance, on the unit sphere, below which two points are one. Two that nearly meet are known to the root of rounding
 # alone. Larger, and they are taken for one; smaller, and one is told twice.
 ONE = 3e-8
+# Determinant of three points in common, over what it could be, from which they are in one line, which is then a part
+# of both conics. Larger, and true points close together are lost; smaller, and any three of a shared line are told.
+IN_LINE = 1e-9
 # How much more slowly both conics change one way than the other where they nearly touch. Smaller, and one of the two
 # points that lie close together is missed; larger costs time.
 TOUCHING = 1e-2
@@ -25,7 +28,8 @@ TOUCHING = 1e-2
 def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
     """Points (n, 4, 3) of the projective plane, unit vectors up to sign, and which of them there are, (n, 4).
 
-    first, second: (n, 3, 3) symmetric matrices of the conics. Bezout: four at most, unless they share a line. The
+    first, second: (n, 3, 3) symmetric matrices of the conics. Bezout: four at most, unless they share a line:
+    then two of its points, and the one that they have besides. The
     quartic of one unknown is solved as the eigenvalues of its companion, then all is polished by Newton's steps:
     complex points as such, then their real parts, both ways where the conics nearly touch. Derived here.
     """
@@ -47,7 +51,11 @@ def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
     which, tried = _both_ways(parts, which, tried)
     found = _polished(parts[which], tried[:, None].astype(float))[:, 0]
     off = np.abs(_values(parts[which], found[:, None])).max(axis=(-1, -2))
-    return _gathered(len(pair), which, found, off)
+    points, there = _gathered(len(pair), which, found, off)
+    for k in np.nonzero(there.sum(axis=-1) > 2)[0]:
+        if (other := _off_the_line(parts[k], points[k, :3])) is not None:
+            points[k, 2], there[k] = other, [True, True, True, False]
+    return points, there
 
 
 def _gathered(count: int, which: Whole, found: Real, off: Real) -> tuple[Real, Mask]:
@@ -63,6 +71,21 @@ def _gathered(count: int, which: Whole, found: Real, off: Real) -> tuple[Real, M
             points[row, held[row]], there[row, held[row]] = found[k], True
             held[row] += 1
     return points, there
+
+
+def _off_the_line(pair: Real, three: Real) -> Real | None:
+    """Where the conics meet besides on a line that they share; None where they share none."""
+    if abs(np.linalg.det(three)) > IN_LINE * np.prod(np.linalg.svd(three, compute_uv=False)[:2]):
+        return None
+    line = np.linalg.svd(three)[2][2]
+    # Each conic is a pair of lines: line x other + other x line, linear in the other.
+    each = np.einsum("i,jk->ijk", line, np.eye(3))
+    factors = (each + each.transpose(1, 0, 2)).reshape(9, 3)
+    others = np.linalg.lstsq(factors, pair.reshape(2, 9).T)[0].T
+    point = _across(others[0], others[1])
+    size = float(np.linalg.norm(point))
+    met = size > 0 and bool(np.abs(_values(pair[None], point[None, None] / size)).max() <= np.sqrt(MET))
+    return point / size if met else None
 
 
 def _values(parts: Real, x: Array) -> Array:

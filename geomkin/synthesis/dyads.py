@@ -71,7 +71,8 @@ def dyads_through(
 
     Without either: of five poses all dyads there are, none to four. Of four poses the two slides, then about `count`
     dyads along all branches of the whole curves, which `burmester_curves` draws. Of six poses and more the dyads at
-    which the sum of squared distances missed is least near by, the best first, exact ones among them.
+    which the sum of squared distances missed is least near by, by rising residual, exact ones among them. Of poses
+    with infinitely many slides, as an elliptic trammel has, two of them.
 
     DesignError for fewer than three poses, equal ones, both fixed and moving, and neither where a dyad goes through
     every point of the plane: of three poses, and of such more as are parallel or turned about one point.

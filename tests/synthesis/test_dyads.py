@@ -216,6 +216,19 @@ def test_poses_parallel_in_part(angles):
     assert seen > 10
 
 
+def test_poses_of_a_trammel_have_the_middle_of_the_rod_besides_its_slides():
+    """All points of a circle slide, so that two of them are told; the middle of the rod runs in a circle."""
+    motion = gk.move(gk.EllipticTrammel(60, origin=5 + 3j), [0.1, 0.5, 1, 2, 2.5, 3.1])
+    rod = motion.bodies["rod"]
+    poses = list(zip(rod.origin.position, np.angle(rod.direction)))
+    for known in (poses[:5], [(-np.conj(np.exp(1j * angle)) * z, -angle) for z, angle in poses[:5]]):
+        dyads = dyads_through(known)
+        assert dyads.exact.all() and misses(known, dyads).max() < 1e-10
+        pinned = np.isfinite(dyads.fixed) & np.isfinite(dyads.moving)
+        assert len(dyads) == 3 and pinned.sum() == 1
+        assert {complex(np.round(z[pinned][0], 9)) for z in (dyads.fixed, dyads.moving)} == {30 + 0j, 5 + 3j}
+
+
 def test_the_fewer_the_better_is_said():
     rng = np.random.default_rng(11)
     fits = dyads_through(some_poses(rng, 9))
