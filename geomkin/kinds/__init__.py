@@ -59,6 +59,7 @@ KINDS = Kinds({
     "crank-rocker": "rocker_goals:CrankRockerRecipe",
     "double-rocker": "rocker_goals:DoubleRockerRecipe",
     "slider-crank-stroke": "stroke_goal:SliderCrankStrokeRecipe",
+    "burmester-curves": "burmester_curves:BurmesterCurvesRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

@@ -3,10 +3,23 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .burmester import Burmester as Burmester
+    from .burmester import BurmesterCurve as BurmesterCurve
+    from .burmester import burmester_curves as burmester_curves
+    from .displacement_poles import SliderCircle as SliderCircle
+    from .displacement_poles import circle_of_sliders as circle_of_sliders
+    from .displacement_poles import image_poles as image_poles
+    from .displacement_poles import poles as poles
     from .double_rockers import DoubleRocker as DoubleRocker
     from .double_rockers import double_rocker as double_rocker
+    from .dyads import Dyads as Dyads
+    from .dyads import dyads_through as dyads_through
     from .families import Family as Family
     from .found import Found as Found
+    from .infinitesimal import BodyState as BodyState
+    from .infinitesimal import StateFourBar as StateFourBar
+    from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar
+    from .infinitesimal import velocity_state_four_bar as velocity_state_four_bar
     from .rockers import CrankRocker as CrankRocker
     from .rockers import crank_rocker as crank_rocker
     from .strokes import StrokeCrank as StrokeCrank
