@@ -233,6 +233,21 @@ class Trammels(AbstractGuides):
         )
 
 
+def guides_of(
+    kind: str, slides: bool, first: tuple[Complex, Complex], second: tuple[Complex, Complex]
+) -> AbstractGuides:
+    """Linkages of two dyads each: places of its pin, (poses, linkages), and its pivot or its slide's direction.
+
+    kind: as of `body_guides`, whose slider is held by the second dyad; slides: whether a slide drives.
+    """
+    pins = {"first": first[0], "second": second[0]}
+    if kind == "elliptic-trammel":
+        return Trammels(slots=(first[1], second[1]), slides=slides, **pins)
+    if kind == "four-bar":
+        return FourBars(pivots=(first[1], second[1]), **pins)
+    return SliderCranks(pivot=first[1], rail=second[1], slides=slides, **pins)
+
+
 def usable(guides: AbstractGuides, low: complex, high: complex) -> Mask:
     """Which linkages are ones, and have every joint, at every pose, in the box between two corners, (linkages,)."""
     places = np.concatenate([guides.joints, guides.first, guides.second])
