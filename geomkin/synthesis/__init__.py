@@ -3,6 +3,12 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .displacement_poles import SliderCircle as SliderCircle
+    from .displacement_poles import circle_of_sliders as circle_of_sliders
+    from .displacement_poles import image_poles as image_poles
+    from .displacement_poles import poles as poles
+    from .dyads import Dyads as Dyads
+    from .dyads import dyads_through as dyads_through
     from .found import Found as Found
 else:
     from ..lazy import attach
