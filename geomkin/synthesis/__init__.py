@@ -3,13 +3,21 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .defects import Defects as Defects
+    from .defects import four_bar_defects as four_bar_defects
+    from .defects import slider_crank_defects as slider_crank_defects
+    from .defects import trammel_defects as trammel_defects
     from .displacement_poles import SliderCircle as SliderCircle
     from .displacement_poles import circle_of_sliders as circle_of_sliders
     from .displacement_poles import image_poles as image_poles
     from .displacement_poles import poles as poles
     from .dyads import Dyads as Dyads
     from .dyads import dyads_through as dyads_through
+    from .filemon_waldron import Rectification as Rectification
+    from .filemon_waldron import rectification as rectification
     from .found import Found as Found
+    from .guidance import BodyGuide as BodyGuide
+    from .guidance import body_guides as body_guides
 else:
     from ..lazy import attach
 

@@ -161,9 +161,7 @@ def _told(circuit: Real, sign: Whole, part: Real, drive: Real, order: Mask, side
             here = np.where(circuit == one, told, 0)
             branch |= (here > 0).any(axis=0) & (here < 0).any(axis=0)
     margin = np.minimum(margin, np.abs(side).min(axis=0))
-    return Defects(
-        circuit=apart, branch=branch, order=order & ~apart & ~branch, drive=drive, sign=sign, margin=margin
-    )
+    return Defects(circuit=apart, branch=branch, order=order & ~apart & ~branch, drive=drive, sign=sign, margin=margin)
 
 
 def _turned(found: Defects, by: float) -> Defects:

@@ -18,8 +18,9 @@ from ..plane.vec import Complex, Mask, Real, Whole
 from ..progress import Watch
 from .dyads import Dyads, dyads_through
 from .found import Found
+from .guide_dyads import best_pairs, held_pins, through_four
 from .guide_search import Displacements, Search, pair_of
-from .guides import AbstractGuides, guides_of
+from .guides import AbstractGuides, usable
 from .poses import Poses, placed
 
 Kind = Literal["four-bar", "crank-slider", "slider-crank", "elliptic-trammel"]
@@ -32,6 +33,10 @@ LARGEST_RATIO = 10.0
 ROOMS = 1.0, 3.0, 9.0
 # Extents from their middle within which a pole is near. Larger, and one far pole makes a region of little else.
 NEAR = 3.0
+# Dyads of each sort that are paired where poses are met by least squares alone: the nearest. There is no end of others.
+NEAREST = 8
+# Share of the poses' size that an exact linkage misses them by, at most: rounding of dyads that lie close together.
+EXACT = 1e-8
 # Decimals of a degree to which transmission angles count as the same. Fewer, and a better one may come second.
 ALIKE = 2
 KINDS: tuple[Kind, ...] = ("four-bar", "crank-slider", "slider-crank", "elliptic-trammel")
@@ -121,7 +126,7 @@ def body_guides(
     elif len(origins) == 3:
         groups = _searched(ask)
     else:
-        groups = _paired(ask, poses)
+        groups = _along_curves(ask) if len(origins) == 4 else _pairs(ask, dyads_through(poses))
     return _ranked(ask, groups)
 
 
@@ -204,9 +209,7 @@ def _searched(ask: _Asked) -> list[Group]:
     return groups
 
 
-def _chosen(
-    ask: _Asked, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None
-) -> list[Group]:
+def _chosen(ask: _Asked, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None) -> list[Group]:
     """With the two points that were given, either link driving."""
     body, kind = ask.body, ask.kinds[0]
     if moving is not None and fixed is not None:
@@ -224,50 +227,54 @@ def _chosen(
     return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
 
 
-def _paired(ask: _Asked, poses: Poses) -> list[Group]:
-    """Through more than three poses: pairs of the dyads there are."""
-    return _pairs(ask, dyads_through(poses))
+def _along_curves(ask: _Asked) -> list[Group]:
+    """Through four poses: pairs of dyads along the Burmester curves."""
+    groups: list[Group] = []
+    for room in ROOMS if ask.region is None else ROOMS[:1]:
+        searches = [ask.search(kind, room) for kind in ask.kinds]
+        held = through_four(ask.body, searches[0].low, searches[0].high, ask.rng)
+        groups = [(s.kind, best_pairs(s, held, LISTED, ask.rng, ask.watch)) for s in searches]  # type: ignore[misc]
+        if any(guides.defects.none.any() for _, guides in groups) or ask.watch.over():
+            break
+    return groups
 
 
 def _pairs(ask: _Asked, dyads: Dyads) -> list[Group]:
     """Every two dyads whose pins sit on the body, as linkages of the kinds that they can make."""
-    pinned = np.isfinite(dyads.moving)
-    turning, sliding = (np.flatnonzero(pinned & (np.isfinite(dyads.fixed) == turns)) for turns in (True, False))
-    pins = ask.body.pins(ask.body.origins[0] + ask.body.directions[0] * np.where(pinned, dyads.moving, 0))
-    held = np.where(np.isfinite(dyads.fixed), dyads.fixed, dyads.fixed_direction)
-    groups: list[Group] = []
-    for kind in ask.kinds:
-        first, second = (sliding if kind == "elliptic-trammel" else turning, turning if kind == "four-bar" else sliding)
-        one, other = (k.ravel() for k in np.meshgrid(first, second, indexing="ij"))
-        one, other = one[one != other], other[one != other]
-        if len(one):
-            guides = guides_of(kind, ask.slides(kind), (pins[:, one], held[one]), (pins[:, other], held[other]))
-            groups.append((kind, guides))
-    return groups
+    held = held_pins(ask.body, dyads, None if len(ask.body.origins) <= 5 else NEAREST)
+    groups: list[Group] = [(kind, held.paired(kind, ask.slides(kind), *held.each(kind))) for kind in ask.kinds]
+    if ask.region is None:
+        return groups
+    low, high = ask.room
+    kept = [(kind, guides, np.flatnonzero(usable(guides, low, high))) for kind, guides in groups]
+    return [(kind, held.paired(kind, ask.slides(kind), *(n[k] for n in held.each(kind)))) for kind, _, k in kept]
 
 
 def _ranked(ask: _Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
     """The linkages of all groups that keep the limits, the best first."""
     ratio = np.inf if ask.largest_ratio is None else ask.largest_ratio
-    rows: list[tuple[int, float, float, int, int]] = []
-    with np.errstate(all="ignore"):
-        for g, (_, guides) in enumerate(groups):
-            angle = np.nan_to_num(guides.angle, nan=-1.0)
-            # Where many have the same angle, as that of a body that turns by so much must, the most even links come first.
-            shown = np.round(np.degrees(angle), ALIKE)
-            ratios, none = guides.ratio, guides.defects.none
-            for k in np.flatnonzero(_possible(guides) & (ratios <= ratio)):
-                if angle[k] >= ask.least_angle or not none[k]:
-                    rows.append((0 if none[k] else 1, -float(shown[k]), float(ratios[k]), g, int(k)))
-    rows.sort()
-    found = [_made(ask, *groups[g], k) for *_, g, k in rows]
+    found: list[BodyGuide] = []
+    for kind, guides in groups:
+        with np.errstate(all="ignore"):
+            none, angle = guides.defects.none, guides.angle
+            kept = _possible(guides) & (guides.ratio <= ratio) & ~(none & (angle < ask.least_angle))
+        found += [_made(ask, kind, guides, k) for k in np.flatnonzero(kept).tolist()]
     if not found:
         raise DesignError(
             "poses",
             f"found no {' or '.join(ask.kinds)} through them that keeps the limits",
             "give a larger region, weaker limits, another kind or other poses",
         )
-    return tuple(found)
+    size = float(np.abs(ask.body.ways).max()) or 1.0
+
+    def rank(guide: BodyGuide) -> tuple[float, ...]:
+        # What is met by least squares goes by how nearly; where many have the same angle, as that of a body that turns
+        # by so much must, the most even links come first.
+        missed = guide.pose_error if np.isfinite(guide.pose_error) else np.inf
+        angle = np.nan_to_num(guide.transmission_angle_deg, nan=-1.0)
+        return len(guide.defects) > 0, 0.0 if missed <= EXACT * size else missed, -round(angle, ALIKE), guide.ratio
+
+    return tuple(sorted(found, key=rank))
 
 
 def _possible(guides: AbstractGuides) -> Mask:

@@ -135,7 +135,9 @@ def of_trammel(first, second, slots, driver):
 
 def three_poses(rng, count):
     """Origins and directions of three random poses, (3, count)."""
-    return rng.normal(size=(3, count)) + 1j * rng.normal(size=(3, count)), np.exp(1j * rng.uniform(-np.pi, np.pi, (3, count)))
+    return rng.normal(size=(3, count)) + 1j * rng.normal(size=(3, count)), np.exp(
+        1j * rng.uniform(-np.pi, np.pi, (3, count))
+    )
 
 
 def carried(poses, point):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import geomkin as gk
 from geomkin.synthesis.guides import FourBars, SliderCranks, Trammels
 from tests.synthesis import driving
 
@@ -18,7 +17,9 @@ def cases(kind, count, seed):
         _, places, driver = kind.split()
         first, second, pivots = driving.random_linkages(rng, count, int(places), driver)
         if driver == "rocker":
-            return FourBars(first=second, second=first, pivots=pivots[::-1]), driving.of_four_bar(first, second, pivots, "rocker")
+            return FourBars(first=second, second=first, pivots=pivots[::-1]), driving.of_four_bar(
+                first, second, pivots, "rocker"
+            )
         return FourBars(first=first, second=second, pivots=pivots), driving.of_four_bar(first, second, pivots, "crank")
     poses = driving.three_poses(rng, count)
     pins = driving.carried(poses, rng.normal(size=count) + 1j * rng.normal(size=count))
@@ -50,7 +51,16 @@ def compared(kind, count, seed):
     return near.sum(), found.none.sum(), wrong.sum(), len(near)
 
 
-KINDS = ("four-bar", "crank-slider", "slider-crank", "rod", "shuttle", "random 3 crank", "random 4 crank", "random 4 rocker")
+KINDS = (
+    "four-bar",
+    "crank-slider",
+    "slider-crank",
+    "rod",
+    "shuttle",
+    "random 3 crank",
+    "random 4 crank",
+    "random 4 rocker",
+)
 
 
 @pytest.mark.parametrize("kind", KINDS)

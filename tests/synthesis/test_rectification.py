@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.synthesis import rectification
 from geomkin.synthesis.guides import FourBars, SliderCranks
-from geomkin.synthesis.rectification import rectification
 from tests.synthesis import driving
 
 
@@ -44,7 +44,9 @@ def test_the_regions_agree_with_the_branches_of_random_linkages(parallel):
         found = regions.drives(driven + np.exp(1j * np.linspace(0, 2 * np.pi, 2000))).any()
         if found != regions.drivable(driven):
             # It may be narrow.
-            assert regions.drives(driven + np.exp(1j * np.linspace(0, 2 * np.pi, 1_000_000))).any() and regions.drivable(driven)
+            assert regions.drives(
+                driven + np.exp(1j * np.linspace(0, 2 * np.pi, 1_000_000))
+            ).any() and regions.drivable(driven)
     assert 20 < good < 130
 
 
