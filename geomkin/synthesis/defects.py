@@ -169,9 +169,10 @@ def _turned(found: Defects, by: float) -> Defects:
 
 
 def _differ(told: Real) -> Mask:
-    return (told != told[:1]).any(axis=0)
+    apart: Mask = (told != told[:1]).any(axis=0)
+    return apart
 
 
 def _one_way(values: Real) -> Mask:
     steps = np.diff(values, axis=0)
-    return (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
+    return np.asarray((steps > 0).all(axis=0) | (steps < 0).all(axis=0))

@@ -68,7 +68,7 @@ class Rectification:
 def rectification(
     poses: Poses, driven: complex | None = None, reach: Annotated[float, between(0, FARTHEST, "mm")] | None = None
 ) -> Rectification:
-    """Regions for the driven and the driving pin of a four-bar, or the crank pin of a slider-crank, through three poses.
+    """Regions for the driven and the driving pin of a four-bar, or the crank pin of a slider-crank, by three poses.
 
     driven: the driven pin as the body stands at the first pose, mm on the ground; where it can slide along a line, it
     is taken for a slider's. reach: half the length that lines are drawn with, mm. DesignError for other than three
@@ -82,7 +82,7 @@ def rectification(
     known = places[np.isfinite(places)]
     if reach is None:
         reach = 2 * float(max(spread, np.abs(known - known.mean()).max() if len(known) else 0.0)) or 1.0
-    circles = []
+    circles: list[AbstractCurve] = []
     for k in range(3):
         ends = [images[k], images[(k + 1) % 3]]
         at = [complex(end.position) for end in ends]
@@ -106,8 +106,5 @@ def _seen(body: Displacements, driven: complex) -> Complex:
     pins = body.pins(np.array([driven]))
     a, b = pins[1] - pins[0], pins[2] - pins[0]
     straight = np.abs(cross(a, b)) <= STRAIGHT * np.maximum(np.abs(a), np.abs(b)) ** 2
-    if straight[0]:
-        arms = 1j * rail_of(pins) * np.ones(3)
-    else:
-        arms = (pins - body.centre(pins))[:, 0]
+    arms = 1j * rail_of(pins) * np.ones(3) if straight[0] else (pins - body.centre(pins))[:, 0]
     return unit(arms * np.conj(body.turns))

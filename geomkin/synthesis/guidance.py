@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 
@@ -23,13 +23,13 @@ from .guide_search import Displacements, Search, pair_of
 from .guides import AbstractGuides, usable
 from .poses import Poses, placed
 
-Kind = Literal["four-bar", "crank-slider", "slider-crank", "elliptic-trammel"]
+Kind = Literal["four-bar"] | Literal["crank-slider"] | Literal["slider-crank"] | Literal["elliptic-trammel"]
 # Linkages that are listed of a search without end: more are like those before.
 LISTED = 12
 # The longest link over the shortest, where a search may choose: more are hard to build. The library's own, as the
 # optimum of a search without such a limit may run to pins that all but meet.
 LARGEST_RATIO = 10.0
-# Half of the side of the region, in extents of the poses' origins and near poles; the next where nothing sound is found.
+# Half of the side of the region, in extents of the poses' origins and near poles; the next if nothing sound is found.
 ROOMS = 1.0, 3.0, 9.0
 # Extents from their middle within which a pole is near. Larger, and one far pole makes a region of little else.
 NEAR = 3.0
@@ -37,9 +37,11 @@ NEAR = 3.0
 NEAREST = 8
 # Share of the poses' size that an exact linkage misses them by, at most: rounding of dyads that lie close together.
 EXACT = 1e-8
+# Share of the longest link that a link has at least: less is rounding of two pins at one place.
+LEAST_LINK = 1e-9
 # Decimals of a degree to which transmission angles count as the same. Fewer, and a better one may come second.
 ALIKE = 2
-KINDS: tuple[Kind, ...] = ("four-bar", "crank-slider", "slider-crank", "elliptic-trammel")
+KINDS: tuple[Kind, ...] = tuple(get_args(one)[0] for one in get_args(Kind))
 
 Pair = Annotated[
     tuple[complex, complex],
@@ -99,8 +101,8 @@ def body_guides(
     corners (low, high), that holds all joints at all poses; left out, it is taken about the origins and near poles.
     Four: pairs of dyads along the Burmester curves, in the region. Five: pairs of all dyads there are. More: pairs of
     dyads that come near the poses in the sense of least squares, `pose_error` being what is missed.
-    least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search, where it is left
-    out), leave others out. Linkages with defects, by name, come after those without.
+    least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search, where none is
+    given), leave others out. Linkages with defects, by name, come after those without.
     DesignError for fewer poses and equal ones, and where there is no such linkage.
 
     McCarthy and Soh, Geometric Design of Linkages, 2010, chapters 5 and 6; the search and the verdict on defects are
@@ -223,7 +225,7 @@ def _chosen(ask: _Asked, moving: tuple[complex, complex] | None, fixed: tuple[co
     if not np.isfinite(z).all():
         raise DesignError("fixed_points", "one is seen in one line by the body", "give another")
     # Of a slider-crank the second is the slider's; of the others either may drive.
-    orders = [z, z[::-1]] if kind in ("four-bar", "elliptic-trammel") else [z]
+    orders = [z] if kind in ("crank-slider", "slider-crank") else [z, z[::-1]]
     return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
 
 
@@ -281,7 +283,8 @@ def _possible(guides: AbstractGuides) -> Mask:
     """Which are linkages at all: finite, and no link a point."""
     sizes = np.array(guides.links)
     whole = np.isfinite(np.concatenate([guides.joints, sizes])).all(axis=0)
-    return whole & (sizes.min(axis=0) > 1e-9 * sizes.max(axis=0)) & np.isfinite(guides.defects.drive).all(axis=0)
+    told = np.isfinite(guides.defects.drive).all(axis=0)
+    return np.asarray(whole & told & (sizes.min(axis=0) > LEAST_LINK * sizes.max(axis=0)))
 
 
 def _made(ask: _Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:

@@ -84,7 +84,7 @@ def through_four(body: Displacements, low: complex, high: complex, rng: np.rando
     inside = (np.abs(places.real) <= 0.5 * box.real) & (np.abs(places.imag) <= 0.5 * box.imag)
     kept = np.flatnonzero(inside.all(axis=0))
     # A slide's pin has four places in one line: what is asked of it is linear, and leaves one.
-    scaled, middle, size = normalised(body.origins)
+    scaled, _, size = normalised(body.origins)
     told = np.zeros((1, 8))
     told[0, 3:] = np.linalg.svd(rows(scaled, body.directions)[:, 3:])[2][-1]
     slide, good = pairs_of(told)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..brief import one_line
-from ..plane.vec import Complex, Mask, Real, unit
+from ..plane.vec import Complex, Mask, Real, cross, unit
 from ..progress import Watch
 from .guides import AbstractGuides, guides_of, usable
 
@@ -42,27 +42,32 @@ class Displacements:
     @cached_property
     def turns(self) -> Complex:
         """s, (poses,)."""
-        return self.directions * np.conj(self.directions[0])
+        turns: Complex = self.directions * np.conj(self.directions[0])
+        return turns
 
     @cached_property
     def ways(self) -> Complex:
         """p, (poses,), seen from the first origin."""
-        return self.origins - self.origins[0]
+        ways: Complex = self.origins - self.origins[0]
+        return ways
 
     def pins(self, z: Complex) -> Complex:
         """Places, (poses, points), of points that stand at z at the first pose."""
-        return self.origins[:, None] + self.turns[:, None] * (z - self.origins[0])
+        places: Complex = self.origins[:, None] + self.turns[:, None] * (z - self.origins[0])
+        return places
 
     def pins_of(self, own: Complex) -> Complex:
         """Where the body's own points stand at the first pose."""
-        return self.origins[0] + self.directions[0] * own
+        places: Complex = self.origins[0] + self.directions[0] * own
+        return places
 
     @staticmethod
     def centre(pins: Complex) -> Complex:
         """Of the circle through three places; not finite where they lie in one line."""
         a, b = pins[1] - pins[0], pins[2] - pins[0]
         with np.errstate(all="ignore"):
-            return pins[0] + 0.5j * (a * np.abs(b) ** 2 - b * np.abs(a) ** 2) / (np.conj(a) * b).imag
+            centres: Complex = pins[0] + 0.5j * (a * np.abs(b) ** 2 - b * np.abs(a) ** 2) / cross(a, b)
+            return centres
 
     def at_first(self, pivots: Complex) -> Complex:
         """Where the points are at the first of three poses that go round fixed points: the inverse of `centre`."""
@@ -93,7 +98,7 @@ class Displacements:
         level = max(float(np.abs(np.prod(self.ways[1:]))), np.finfo(float).tiny)
         # Poses that are all parallel: either all points slide, or none.
         still = np.where(abs(value) <= 1e-12 * level, z, np.nan) if abs(a) + abs(b) == 0 else found
-        return still + self.origins[0]
+        return np.asarray(still + self.origins[0])
 
     def crank(self, z: Complex) -> tuple[Complex, Complex]:
         """The dyads of points that stand at z at the first of three poses: places of the pin, and pivots."""

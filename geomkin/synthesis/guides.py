@@ -67,7 +67,8 @@ class AbstractGuides(ABC):
         """The longest link over the shortest, (linkages,); nan where one cannot be told."""
         with np.errstate(all="ignore"):
             lengths = np.array(self.links)
-            return lengths.max(axis=0) / lengths.min(axis=0)
+            ratios: Real = lengths.max(axis=0) / lengths.min(axis=0)
+            return ratios
 
     @cached_property
     def angle(self) -> Real:
@@ -197,7 +198,8 @@ class Trammels(AbstractGuides):
         apart = ((self.second - self.first) * back).mean(axis=0)
         with np.errstate(all="ignore"):
             along = apart.real - apart.imag * self._second.real / self._second.imag
-        return self.first.mean(axis=0) + along * self.slots[0]
+        at: Complex = self.first.mean(axis=0) + along * self.slots[0]
+        return at
 
     @property
     def links(self) -> tuple[Real]:
@@ -255,4 +257,4 @@ def usable(guides: AbstractGuides, low: complex, high: complex) -> Mask:
         inside = (places.real >= low.real) & (places.real <= high.real)
         inside &= (places.imag >= low.imag) & (places.imag <= high.imag)
     shortest = np.min(guides.links, axis=0)
-    return inside.all(axis=0) & (shortest > 1e-9 * abs(high - low))
+    return np.asarray(inside.all(axis=0) & (shortest > 1e-9 * abs(high - low)))

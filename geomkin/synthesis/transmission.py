@@ -15,19 +15,22 @@ def of_four_bars(ground: Real, crank: Real, coupler: Real, rocker: Real, start: 
     turns = [start, end, _passed(start, end, 0.0), _passed(start, end, np.pi)]
     # By half angles: the distance keeps its digits where crank and ground lie folded.
     across = [np.hypot(ground - crank, 2 * np.sqrt(ground * crank) * np.sin(t / 2)) for t in turns]
-    return np.minimum.reduce([acute_at(coupler, rocker, one) for one in across])
+    least: Real = np.minimum.reduce([acute_at(coupler, rocker, one) for one in across])
+    return least
 
 
 def of_slider_cranks(crank: Real, coupler: Real, offset: Real, start: Real, end: Real) -> Real:
     """The crank drives: between the coupler and the slide's normal; the pin's height is steady between its normals."""
     turns = [start, end, _passed(start, end, np.pi / 2), _passed(start, end, -np.pi / 2)]
-    return np.minimum.reduce([_beside(offset - crank * np.sin(t), coupler) for t in turns])
+    least: Real = np.minimum.reduce([_beside(offset - crank * np.sin(t), coupler) for t in turns])
+    return least
 
 
 def of_driving_slides(crank: Real, coupler: Real, offset: Real, start: Real, end: Real) -> Real:
     """The slider drives: between crank and coupler, which are as far apart as their ends are."""
     middle = np.where(start * end < 0, 0.0, start)
-    return np.minimum.reduce([acute_at(crank, coupler, np.hypot(x, offset)) for x in (start, end, middle)])
+    least: Real = np.minimum.reduce([acute_at(crank, coupler, np.hypot(x, offset)) for x in (start, end, middle)])
+    return least
 
 
 def of_driving_shuttles(rod: Real, sine: Real, start: Real, end: Real) -> Real:

@@ -54,7 +54,10 @@ def _goes(case, way):
         if j == len(along) - 1:
             break
         low, high = along[j], along[j + 1]
-        gap = lambda share: case.crossing(start + sense * (low + share * (high - low)))[2]
+
+        def gap(share):
+            return case.crossing(start + sense * (low + share * (high - low)))[2]
+
         share = np.linspace(0, 1, STEPS + 1)[:, None] * np.ones_like(start)
         for _ in range(LOOKS):
             values = gap(share)
