@@ -14,7 +14,7 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.solve.move import move
-from ..plane.vec import Complex, Mask, Real, Whole
+from ..plane.vec import Complex, Mask, Real, Whole, rounded
 from ..progress import Watch
 from .dyads import Dyads, dyads_through
 from .found import Found
@@ -72,7 +72,8 @@ class BodyGuide(Found):
 
     def summary(self) -> Mapping[str, object]:
         error = {"pose_error_mm": self.pose_error, "angle_error_deg": self.angle_error_deg}
-        told = {name: float(f"{value:.3g}") for name, value in error.items()}
+        # Of exact poses nothing is left but rounding, of which no two processors have the same.
+        told = {name: float(f"{rounded(value, 9):.6g}") for name, value in error.items()}
         return told | {"body_angle_deg": float(f"{self.body_angle_deg:.10g}")} | dict(super().summary())
 
 
