@@ -23,7 +23,7 @@ from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..synthesis.displacement_poles import poles
 from ..synthesis.filemon_waldron import rectification
-from ..synthesis.guidance import BodyGuide, Kind, body_guides
+from ..synthesis.guidance import KINDS, BodyGuide, Kind, body_guides
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
@@ -53,6 +53,13 @@ class Triples:
         }
 
 
+class OneOfGuides:
+    """Marks the choice of a linkage, so that a wrong one is refused once and not by each word."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return {"type": "literal", "expected": list(KINDS)}
+
+
 Rows = Annotated[tuple[tuple[float, float, float], ...], Triples()]
 PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
 
@@ -65,7 +72,7 @@ class WantedPoses:
         "places of the body's origin and its angle, [x, y, angle] in mm and deg, three or more, in this order",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
     )
-    type: Kind | None = entry(
+    type: Annotated[Kind, OneOfGuides()] | None = entry(
         "four-bar; crank-slider, which its crank drives; slider-crank, which its slider drives; elliptic-trammel. Left "
         "out: a four-bar through three poses, whatever there is through more",
         default=None,
@@ -119,18 +126,21 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
     @cached_property
     def ranked(self) -> Sequence[BodyGuide]:
         wanted = self.wanted
-        return body_guides(
-            wanted.pairs,
-            wanted.type,
-            wanted.moving_points,
-            wanted.fixed_points,
-            wanted.region,
-            wanted.trammel_driver,
-            wanted.least_transmission_angle_deg,
-            wanted.largest_ratio,
-            self.search.seed,
-            self.search.seconds,
-        )
+        try:
+            return body_guides(
+                wanted.pairs,
+                wanted.type,
+                wanted.moving_points,
+                wanted.fixed_points,
+                wanted.region,
+                wanted.trammel_driver,
+                wanted.least_transmission_angle_deg,
+                wanted.largest_ratio,
+                self.search.seed,
+                self.search.seconds,
+            )
+        except DesignError as error:
+            raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
 
     @cached_property
     def guide(self) -> BodyGuide:

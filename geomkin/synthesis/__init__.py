@@ -3,10 +3,6 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .defects import Defects as Defects
-    from .defects import four_bar_defects as four_bar_defects
-    from .defects import slider_crank_defects as slider_crank_defects
-    from .defects import trammel_defects as trammel_defects
     from .displacement_poles import SliderCircle as SliderCircle
     from .displacement_poles import circle_of_sliders as circle_of_sliders
     from .displacement_poles import image_poles as image_poles

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import checked
 from ..brief import one_line
 from ..plane.vec import Complex, Mask, Real, Whole, cross
 
@@ -47,7 +46,6 @@ class Defects:
         return tuple(name for name in ("circuit", "branch", "order") if getattr(self, name)[k])
 
 
-@checked
 def four_bar_defects(
     ground: Real,
     crank: Real,
@@ -77,7 +75,6 @@ def four_bar_defects(
     return found if driver == "crank" else _turned(found, np.pi)
 
 
-@checked
 def slider_crank_defects(
     crank: Real,
     coupler: Real,
@@ -102,7 +99,6 @@ def slider_crank_defects(
     return _of_sliding(slide, cross(at_coupler, at_crank), folded, size)
 
 
-@checked
 def trammel_defects(rod: Real, directions: Complex, slot: Complex, shuttle: Real, driver: str = "rod") -> Defects:
     """Defects of elliptic trammels, (linkages,), at places where the rod has these `directions`, from the first slot.
 

@@ -24,6 +24,8 @@ STARTS, CHILDREN, GENERATIONS = 24, 40, 150
 WIDER, NARROWER = 1.5, 0.87
 # Share of the region's size that children are spread over at first, and least.
 SPREAD, FINEST = 0.05, 1e-6
+# Decimals of a score, rad. More, and the last bits that processors differ by decide between equals.
+DECIMALS = 9
 # Share of the region's size by which linkages differ that are listed both.
 DISTINCT = 0.04
 # Defective linkages that are listed where there are others.
@@ -148,7 +150,8 @@ class Search:
     def score(self, guides: AbstractGuides) -> Real:
         """How good they are, rad: the least transmission angle; -inf of those that are out of question."""
         fits = self.fits(guides) & guides.defects.none
-        angle = np.where(fits, guides.angle, -np.inf)
+        # Where many have the same, as where a body's turn alone sets it, rounding must not choose.
+        angle = np.round(np.where(fits, guides.angle, -np.inf), DECIMALS)
         return np.where(angle >= self.least_angle, angle, -np.inf)
 
     def fits(self, guides: AbstractGuides) -> Mask:

@@ -34,12 +34,13 @@ GEAR, RING = gk.SpurGear(24, 2), gk.RingGear(60, 2)
 POINTS = 3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j
 FLANK = gk.gear.StraightSidedGear(20, 2)
 ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 361, 30))
+POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
 # Every public name of the geometry and the mechanisms, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk)
     for name in dir(room)
     if not name.startswith("_") and not inspect.ismodule(getattr(room, name))
 }
@@ -115,6 +116,8 @@ GOOD = {
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
+    "body_guides": {"poses": POSES, "kind": "four-bar", "moving_points": (0j, 30 + 5j), "region": (-50 - 50j, 150 + 150j), "trammel_driver": "rod", "least_transmission_angle_deg": 5.0, "largest_ratio": 90.0, "seed": 1, "seconds": 5.0},
+    "rectification": {"poses": POSES, "driven": 30 + 10j, "reach": 50.0},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
     "centroid": {"curve": CIRCLE, "accuracy": 1e-9},
@@ -172,7 +175,7 @@ MADE = {
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
-    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
+    "BodyGuide", "Rectification", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
