@@ -56,6 +56,7 @@ KINDS = Kinds({
     "centrodes": "centrodes:CentrodesRecipe",
     "polygons": "polygons:PolygonsRecipe",
     "shaking-force": "shaking_force:ShakingForceRecipe",
+    "burmester-curves": "burmester_curves:BurmesterCurvesRecipe",
     "body-guidance": "body_guidance:BodyGuidanceRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",

@@ -3,6 +3,9 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .burmester import Burmester as Burmester
+    from .burmester import BurmesterCurve as BurmesterCurve
+    from .burmester import burmester_curves as burmester_curves
     from .displacement_poles import SliderCircle as SliderCircle
     from .displacement_poles import circle_of_sliders as circle_of_sliders
     from .displacement_poles import image_poles as image_poles
@@ -14,6 +17,10 @@ if TYPE_CHECKING:
     from .found import Found as Found
     from .guidance import BodyGuide as BodyGuide
     from .guidance import body_guides as body_guides
+    from .infinitesimal import BodyState as BodyState
+    from .infinitesimal import StateFourBar as StateFourBar
+    from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar
+    from .infinitesimal import velocity_state_four_bar as velocity_state_four_bar
 else:
     from ..lazy import attach
 

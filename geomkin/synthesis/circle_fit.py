@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..plane.vec import Complex, Mask, Real
+from ..plane.vec import Complex, Mask, Real, Whole
 from .constraint import FAR
 from .least_squares import least_squares
 
@@ -73,8 +73,8 @@ def distances(
 def _refined(p: Complex, bend: Real, slope: Complex, level: Real) -> tuple[Real, Complex, Real]:
     """Coefficients of the circles from which the points' distances are least; damped steps, Levenberg-Marquardt."""
 
-    def cost(x: Real) -> tuple[Real, Real]:
-        away, by = distances(p, x[:, :1], x[:, 1:2] + 1j * x[:, 2:3], x[:, 3:])
+    def cost(x: Real, rows: Whole) -> tuple[Real, Real]:
+        away, by = distances(p[rows], x[:, :1], x[:, 1:2] + 1j * x[:, 2:3], x[:, 3:])
         return away, np.stack(by[:4], axis=-1)
 
     best = least_squares(cost, np.stack([bend, slope.real, slope.imag, level], axis=-1))

@@ -17,7 +17,7 @@ from .poses import inverse
 MOST_FIVES = 12
 # Difference of two fits, in sizes, below which they are one: least squares are flat, and found to half the digits.
 # Larger, and two are taken for one; smaller, and one is told twice.
-SAME = 1e-6
+SAME = 1e-4
 
 
 def fitted_dyads(origins: Complex, directions: Complex) -> Pairs:
@@ -63,7 +63,7 @@ def _polished(z: Complex, u: Complex, starts: Pairs) -> Pairs:
         slope = np.where(starts.fixed_far, -1j * starts.fixed, -2 * starts.fixed / reach)[:, None]
     level = -(bend * np.abs(pins) ** 2 + (np.conj(slope) * pins).real).mean(axis=-1, keepdims=True)
 
-    def cost(x: Real) -> tuple[Real, Real]:
+    def cost(x: Real, _: Whole) -> tuple[Real, Real]:
         pins = z + u * (x[:, :1] + 1j * x[:, 1:2])
         away, by = distances(pins, x[:, 2:3], x[:, 3:4] + 1j * x[:, 4:5], x[:, 5:])
         by_x, by_y = by[4] * u.real + by[5] * u.imag, by[5] * u.real - by[4] * u.imag

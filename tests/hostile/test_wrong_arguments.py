@@ -37,6 +37,9 @@ ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 36
 POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
+FOUR = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4), (40 + 90j, 1.9)
+STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
+
 # Every public name of the geometry and the mechanisms, with what it names.
 PUBLIC = {
     name: getattr(room, name)
@@ -47,6 +50,7 @@ PUBLIC = {
 # Good arguments of every public name, by name.
 GOOD = {
     "Arc": {"centre": 0j, "start": 2 + 0j, "sweep": 1.0},
+    "BodyState": {"velocity": 1 + 2j, "omega": 4.0, "acceleration": 10j, "alpha": -10.0, "position": 1j},
     "Cam": {"follower": ROLLER, "program": PROGRAM, "base_radius": 40.0, "direction": "clockwise"},
     "CentrodeCurve": {"linkage": FOUR_BAR, "body": "coupler", "span": (0.5, 0.7), "moving": True, "branch": 1, "start": 0.5},
     "Centrodes": {"motion": MOTION, "body": "coupler"},
@@ -113,6 +117,7 @@ GOOD = {
     "Trochoid": {"radius": 20.0, "depth": 1.0, "rounding": 0.4, "start": 0.0, "end": 1.0},
     "WattSixBar": {"four_bar": FOUR_BAR, "rocker_point": 50 - 30j, "link": 90, "output": 60, "output_pivot": 180 + 0j},
     "acceleration_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
+    "acceleration_state_four_bar": {"state": STATE, "moving": (1 + 1j, 2 + 0j)},
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
@@ -120,8 +125,10 @@ GOOD = {
     "rectification": {"poses": POSES, "driven": 30 + 10j, "reach": 50.0},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
+    "burmester_curves": {"poses": FOUR, "reach": 200.0},
     "centroid": {"curve": CIRCLE, "accuracy": 1e-9},
     "chord": {"gear": GEAR, "radius": 24.0},
+    "circle_of_sliders": {"poses": FOUR[:3]},
     "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
     "cognates": {"four_bar": FOUR_BAR},
     "conjugate": {"tooth": GEAR.outline.piece, "teeth": 24, "pitch_radius": 24.0, "mate_teeth": 40, "addendum": 2.0, "internal": False},
@@ -134,10 +141,12 @@ GOOD = {
     "dashes": {"linkage": FOUR_BAR, "points": np.array([1j]), "drive": DRIVE, "tolerance": 0.1, "branch": 1, "body": "coupler"},
     "dead_centres": {"linkage": FOUR_BAR, "output": "rocker", "branch": 1, "span": (0.0, 6.0)},
     "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
+    "dyads_through": {"poses": FOUR, "count": 20},
     "euler_savary": {"instant_centre": 0.0, "point": 3.0, "centre": -2.0},
     "flat_face_base_radius": {"program": PROGRAM, "least_radius": 1.0, "tilt_deg": 5.0},
     "flatten": {"curve": CIRCLE, "tolerance": 0.01},
     "grashof_type": {"linkage": FOUR_BAR},
+    "image_poles": {"poses": FOUR, "reference": 1},
     "inflection_circle": {"motion": MOTION, "body": "coupler"},
     "inflection_circle_of_cranks": {"one": PATHS[0], "two": PATHS[1]},
     "instant_centre": {"motion": MOTION, "body": "coupler", "other": "ground"},
@@ -151,6 +160,7 @@ GOOD = {
     "newton_raphson": {"f": lambda x: 3 * x - 6, "jacobian": lambda x: np.diag(np.full(len(x), 3.0)), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
     "over_pins": {"gear": GEAR, "pin": 3.5},
     "path_curvature": {"motion": MOTION, "body": "coupler", "local": 40 + 25j},
+    "poles": {"poses": FOUR},
     "polar_radius": {"outline": CIRCLE, "angle": DRIVE},
     "pressure_angle": {"cam": CAM, "angle": DRIVE},
     "roberts_linkage": {"four_bar": FOUR_BAR, "start": 0.5, "branch": 1},
@@ -164,6 +174,7 @@ GOOD = {
     "to_arcs": {"curve": CIRCLE, "tolerance": 0.01},
     "undercut": {"cam": CAM},
     "undercut_free_shift": {"teeth": 12, "rack": gk.gear.RackCutter()},
+    "velocity_state_four_bar": {"state": STATE, "speeds": (2.0, -3.0), "fixed": (1 + 1j, 2 + 0j)},
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
     "opening": {"motion": MOTION},
@@ -175,8 +186,9 @@ MADE = {
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
-    "BodyGuide", "Rectification", "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
-    "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "Burmester", "BurmesterCurve", "Dyads", "Found", "SliderCircle", "StateFourBar",
+    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
+    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
     "None": None,

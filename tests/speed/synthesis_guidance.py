@@ -1,6 +1,6 @@
 """Prints the figures of guiding a body: how many problems are solved, in what time, and how verdicts agree.
 
-.venv/bin/python -m tests.speed.synthesis_guidance; about two minutes. Never pass or fail. Seconds are CPU time.
+.venv/bin/python -m tests.speed.synthesis_guidance; about three minutes. Never pass or fail. Seconds are CPU time.
 """
 
 import time
@@ -25,7 +25,7 @@ def verdicts():
     print(f"{'all':18} {total[3]:7} {total[1]:7} {total[2]:7} {total[0]:7}")
 
 
-def three_poses(count=100):
+def three_poses(count=50):
     print(f"\n{count} random problems of three poses: origins in a square of 100 mm, angles within the range, deg")
     print(f"{'linkage':18} {'range':>6} {'solved without defect':>22} {'seconds each':>13} {'median angle':>13}")
     for kind in GUIDES:
