@@ -220,8 +220,9 @@ def _chosen(ask: _Asked, moving: tuple[complex, complex] | None, fixed: tuple[co
     if fixed is not None and kind != "four-bar":
         raise DesignError("fixed_points", f"are given of {kind}, which has not two", "give moving_points")
     if len(body.origins) > 3:
-        points = {"moving": np.array(moving)} if moving is not None else {"fixed": np.array(fixed)}
-        return _pairs(ask, dyads_through(list(zip(body.origins, np.angle(body.directions))), **points))
+        poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
+        pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))
+        return _pairs(ask, dyads_through(poses, fixed=pivots, moving=pins))
     z = body.at_first(np.array(fixed)) if fixed is not None else body.pins_of(np.array(moving))
     if not np.isfinite(z).all():
         raise DesignError("fixed_points", "one is seen in one line by the body", "give another")
