@@ -18,7 +18,7 @@ from ..plane.vec import Complex, Mask, Real, Whole, rounded
 from ..progress import Watch
 from .dyads import Dyads, dyads_through
 from .found import Found
-from .guide_dyads import best_pairs, held_pins, through_four
+from .guide_dyads import ALONG, best_pairs, held_pins, those_inside
 from .guide_search import Displacements, Search, pair_of
 from .guides import AbstractGuides, usable
 from .poses import Poses, placed
@@ -129,7 +129,7 @@ def body_guides(
     elif len(origins) == 3:
         groups = _searched(ask)
     else:
-        groups = _along_curves(ask) if len(origins) == 4 else _pairs(ask, dyads_through(poses))
+        groups = _along_curves(ask, poses) if len(origins) == 4 else _pairs(ask, dyads_through(poses))
     return _ranked(ask, groups)
 
 
@@ -231,12 +231,13 @@ def _chosen(ask: _Asked, moving: tuple[complex, complex] | None, fixed: tuple[co
     return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
 
 
-def _along_curves(ask: _Asked) -> list[Group]:
+def _along_curves(ask: _Asked, poses: Poses) -> list[Group]:
     """Through four poses: pairs of dyads along the Burmester curves."""
     groups: list[Group] = []
+    dyads = held_pins(ask.body, dyads_through(poses, count=ALONG))
     for room in ROOMS if ask.region is None else ROOMS[:1]:
         searches = [ask.search(kind, room) for kind in ask.kinds]
-        held = through_four(ask.body, searches[0].low, searches[0].high, ask.rng)
+        held = those_inside(dyads, searches[0].low, searches[0].high)
         groups = [(s.kind, best_pairs(s, held, LISTED, ask.rng, ask.watch)) for s in searches]  # type: ignore[misc]
         if any(guides.defects.none.any() for _, guides in groups) or ask.watch.over():
             break

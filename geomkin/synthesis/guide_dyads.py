@@ -7,17 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..brief import one_line
-from ..plane.vec import Complex, Mask, Real, Whole
+from ..plane.vec import Complex, Real, Whole
 from ..progress import Watch
-from .constraint import Pairs, normalised, pairs_of, pairs_of_least, rows
 from .dyads import Dyads
 from .guide_search import DEFECTIVE, DISTINCT, Displacements, Search, distinct
 from .guides import AbstractGuides, guides_of
 
-# Fifth poses that are tried with the four, each of which gives up to four dyads of the curves; dyads that are paired
-# each with each, and the nearest of all dyads to each of a good pair that are tried besides. Fewer, and a narrow range
-# of good pairs is missed; more take seconds.
-FIFTHS, PAIRED, NEAREST = 1500, 300, 40
+# Dyads along the curves of four poses; those that are paired each with each, and the nearest of all to each of a good
+# pair that are tried besides. Fewer, and a narrow range of good pairs is missed; more take seconds.
+ALONG, PAIRED, NEAREST = 4000, 300, 40
 # Good pairs that are made better so.
 STARTS = 24
 
@@ -58,46 +56,21 @@ class HeldPins:
         return one[one != other], other[one != other]
 
 
-def held_pins(body: Displacements, dyads: Dyads | Pairs, most: int | None = None) -> HeldPins:
+def held_pins(body: Displacements, dyads: Dyads, most: int | None = None) -> HeldPins:
     """Those dyads, the first `most` of each sort, that have a pin on the body: a line of it over a pivot has none."""
-    pinned = np.isfinite(dyads.moving) if isinstance(dyads, Dyads) else ~dyads.moving_far
-    far = ~np.isfinite(dyads.fixed) if isinstance(dyads, Dyads) else dyads.fixed_far
-    rails = dyads.fixed_direction if isinstance(dyads, Dyads) else dyads.fixed
-    pivots = np.where(far, complex(np.inf, 0), dyads.fixed)
+    pinned, far = np.isfinite(dyads.moving), ~np.isfinite(dyads.fixed)
     kept = np.concatenate([np.flatnonzero(pinned & sort)[:most] for sort in (~far, far)])
     pins = body.pins(body.pins_of(dyads.moving[kept]))
-    return HeldPins(pins=pins, pivots=pivots[kept], rails=rails[kept])
+    return HeldPins(pins=pins, pivots=dyads.fixed[kept], rails=dyads.fixed_direction[kept])
 
 
-def through_four(body: Displacements, low: complex, high: complex, rng: np.random.Generator) -> HeldPins:
-    """Dyads all along the curves of four poses, with pivots and pins between two corners, and the one that slides.
-
-    Each is one of those through the four and a fifth pose, which is taken at random. Derived here.
-    """
-    z, u = (np.repeat(part[None], FIFTHS, axis=0) for part in (body.origins, body.directions))
-    box = high - low
-    fifth = low + box.real * rng.random(FIFTHS) + 1j * box.imag * rng.random(FIFTHS)
-    turn = np.exp(2j * np.pi * rng.random(FIFTHS))
-    found, there = pairs_of_least(np.column_stack([z, fifth]), np.column_stack([u, turn]))
-    cranks = held_pins(body, _picked(found, there & ~found.fixed_far & ~found.moving_far))
-    places = np.concatenate([cranks.pins, cranks.pivots[None]]) - 0.5 * (low + high)
-    inside = (np.abs(places.real) <= 0.5 * box.real) & (np.abs(places.imag) <= 0.5 * box.imag)
-    kept = np.flatnonzero(inside.all(axis=0))
-    # A slide's pin has four places in one line: what is asked of it is linear, and leaves one.
-    scaled, _, size = normalised(body.origins)
-    told = np.zeros((1, 8))
-    told[0, 3:] = np.linalg.svd(rows(scaled, body.directions)[:, 3:])[2][-1]
-    slide, good = pairs_of(told)
-    slides = held_pins(body, _picked(Pairs(slide.fixed, size * slide.moving, slide.fixed_far, slide.moving_far), good))
-    return HeldPins(
-        pins=np.concatenate([cranks.pins[:, kept], slides.pins], axis=1),
-        pivots=np.concatenate([cranks.pivots[kept], slides.pivots]),
-        rails=np.concatenate([cranks.rails[kept], slides.rails]),
-    )
-
-
-def _picked(pairs: Pairs, kept: Mask) -> Pairs:
-    return Pairs(pairs.fixed[kept], pairs.moving[kept], pairs.fixed_far[kept], pairs.moving_far[kept])
+def those_inside(held: HeldPins, low: complex, high: complex) -> HeldPins:
+    """Those whose pins, at every pose, and pivots lie between two corners."""
+    middle, box = 0.5 * (low + high), high - low
+    pivots = np.where(np.isfinite(held.pivots), held.pivots, middle)
+    off = np.concatenate([held.pins, pivots[None]]) - middle
+    kept = ((np.abs(off.real) <= 0.5 * box.real) & (np.abs(off.imag) <= 0.5 * box.imag)).all(axis=0)
+    return HeldPins(pins=held.pins[:, kept], pivots=held.pivots[kept], rails=held.rails[kept])
 
 
 def best_pairs(search: Search, held: HeldPins, most: int, rng: np.random.Generator, watch: Watch) -> AbstractGuides:
