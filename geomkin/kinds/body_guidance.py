@@ -123,6 +123,10 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
         "passed over by choose; summary.json ranks what was found, those with defects last, by name."
     )
 
+    def __post_init__(self) -> None:
+        # Before any search: no way is longer than a turn.
+        self.drive.check_rows()
+
     @cached_property
     def ranked(self) -> Sequence[BodyGuide]:
         wanted = self.wanted
