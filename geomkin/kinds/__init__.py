@@ -60,6 +60,7 @@ KINDS = Kinds({
     "double-rocker": "rocker_goals:DoubleRockerRecipe",
     "slider-crank-stroke": "stroke_goal:SliderCrankStrokeRecipe",
     "burmester-curves": "burmester_curves:BurmesterCurvesRecipe",
+    "body-guidance": "body_guidance:BodyGuidanceRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

@@ -15,7 +15,11 @@ if TYPE_CHECKING:
     from .dyads import Dyads as Dyads
     from .dyads import dyads_through as dyads_through
     from .families import Family as Family
+    from .filemon_waldron import Rectification as Rectification
+    from .filemon_waldron import rectification as rectification
     from .found import Found as Found
+    from .guidance import BodyGuide as BodyGuide
+    from .guidance import body_guides as body_guides
     from .infinitesimal import BodyState as BodyState
     from .infinitesimal import StateFourBar as StateFourBar
     from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar

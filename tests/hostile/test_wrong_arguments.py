@@ -37,6 +37,7 @@ ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 36
 CONJUGATE = gk.conjugate(GEAR.outline.piece, 24, 24.0, 40, 2.0)
 LANTERN = gk.gear.LanternPinion(10, 2.0, 3.0)
 PLANETARY = gk.gear.PlanetarySet(gk.SpurGear(12, 2), gk.SpurGear(24, 2), RING, 3)
+POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
 FOUR = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4), (40 + 90j, 1.9)
@@ -123,6 +124,8 @@ GOOD = {
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
+    "body_guides": {"poses": POSES, "kind": "four-bar", "moving_points": (0j, 30 + 5j), "region": (-50 - 50j, 150 + 150j), "trammel_driver": "rod", "least_transmission_angle_deg": 5.0, "largest_ratio": 90.0, "seed": 1, "seconds": 5.0},
+    "rectification": {"poses": POSES, "driven": 30 + 10j, "reach": 50.0},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
     "burmester_curves": {"poses": FOUR, "reach": 200.0},
@@ -218,7 +221,7 @@ MADE = {
     "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "Burmester", "BurmesterCurve", "Dyads", "SliderCircle", "StateFourBar",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
-    "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
     "None": None,

@@ -1,0 +1,212 @@
+"""Goal of a body that is to go through poses: the linkage that carries it, found and made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..linkage.motion import Motion, unwrapped_deg
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Circle, Polyline
+from ..plane.vec import direction_deg, rounded
+from ..recipe.settings import Drive, Files
+from ..shop.drawing import PlateStock, engraved, skeleton
+from ..shop.linkage.plates import LinkStock
+from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ..synthesis.displacement_poles import poles
+from ..synthesis.filemon_waldron import rectification
+from ..synthesis.guidance import KINDS, BodyGuide, Kind, body_guides
+from ..table import Column, Table
+from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
+
+# What the body may miss of a pose, mm and deg: finer than any plate is cut. Rounding is a thousand millionth of it, so
+# that only poses that are met by least squares can fail. Derived here.
+MISSED, MISSED_DEG = 0.01, 0.01
+# Poses that are read: more are a path of a body, and their least squares take minutes.
+MOST_POSES = 50
+# Length of the axes that a pose is drawn with, in extents of the poses, and of the shorter one in those of the longer.
+AXIS, SHORTER = 0.12, 0.6
+# Sizes of the rest of the drawing that an image-pole circle may be off to be drawn. Larger ones hide all else.
+ROOM = 0.75
+
+
+FEWER = "five poses or fewer are met exactly"
+
+
+class Triples:
+    """Marks rows of three numbers, as a recipe gives them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
+        return {
+            "type": "tuple",
+            "items_schema": [{"type": "tuple", "items_schema": [number, number, number]}],
+            "variadic_item_index": 0,
+        }
+
+
+class OneOfGuides:
+    """Marks the choice of a linkage, so that a wrong one is refused once and not by each word."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return {"type": "literal", "expected": list(KINDS)}
+
+
+Rows = Annotated[tuple[tuple[float, float, float], ...], Triples()]
+PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WantedPoses:
+    """Where a body is to be, and what may carry it there."""
+
+    poses: Rows = entry(
+        "places of the body's origin and its angle, [x, y, angle] in mm and deg, three or more, in this order",
+        example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
+    )
+    type: Annotated[Kind, OneOfGuides()] | None = entry(
+        "four-bar; crank-slider, which its crank drives; slider-crank, which its slider drives; elliptic-trammel. Left "
+        "out: a four-bar through three poses, whatever there is through more",
+        default=None,
+    )
+    moving_points: PointPair | None = entry(
+        "the driving and the driven pin on the body, [[x, y], [x, y]] in its own mm, instead of a search", default=None
+    )
+    fixed_points: PointPair | None = entry(
+        "the driving and the driven ground pivot of a four-bar, [[x, y], [x, y]] in mm, instead", default=None
+    )
+    region: PointPair | None = entry(
+        "corners of the box that holds all pins and pivots, [[x, y], [x, y]] in mm; left out, one about the poses",
+        default=None,
+    )
+    trammel_driver: Literal["shuttle", "rod"] = entry("what drives an elliptic-trammel", default="shuttle")
+    least_transmission_angle_deg: float = quantity(
+        "the least that is taken", "deg", default=0.0, at_least=0, at_most=89
+    )
+    largest_ratio: float | None = quantity(
+        "longest link over the shortest; 10 in a search where it is left out", default=None, at_least=1, at_most=1e9
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if not 3 <= len(self.poses) <= MOST_POSES:
+            raise DesignError("poses", f"found {len(self.poses)}", f"give 3 to {MOST_POSES} of them")
+
+    @cached_property
+    def pairs(self) -> list[tuple[complex, float]]:
+        """As the library takes them."""
+        return [(complex(x, y), float(np.radians(angle))) for x, y, angle in self.poses]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyGuidanceRecipe(AbstractLinkageGoal):
+    """A body carried through poses by a linkage that is found: plates, motion, and the poses as an engraved drawing."""
+
+    kind: Literal["body-guidance"] = "body-guidance"
+    wanted: WantedPoses
+    search: Search = entry("how long to look, and from where", default=Search())
+    choose: int = choose_entry()
+    drive: Drive = entry("how the driver goes", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    advice: ClassVar[str] = (
+        "The first pose's coordinates are those of the drawing. A linkage whose plates meet, or that drives badly, is "
+        "passed over by choose; summary.json ranks what was found, those with defects last, by name."
+    )
+
+    def __post_init__(self) -> None:
+        # Before any search: no way is longer than a turn.
+        self.drive.check_rows()
+
+    @cached_property
+    def ranked(self) -> Sequence[BodyGuide]:
+        wanted = self.wanted
+        try:
+            return body_guides(
+                wanted.pairs,
+                wanted.type,
+                wanted.moving_points,
+                wanted.fixed_points,
+                wanted.region,
+                wanted.trammel_driver,
+                wanted.least_transmission_angle_deg,
+                wanted.largest_ratio,
+                self.search.seed,
+                self.search.seconds,
+            )
+        except DesignError as error:
+            raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
+
+    @cached_property
+    def guide(self) -> BodyGuide:
+        """The one that is made."""
+        found = self.found
+        assert isinstance(found, BodyGuide)
+        return found
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        guide = self.guide
+        return (
+            Check("largest distance from a pose", _told(guide.pose_error), "at most", MISSED, "mm", FEWER),
+            Check("largest turn from a pose", _told(guide.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
+            *super().judged,
+        )
+
+    @property
+    def table(self) -> Table:
+        """The linkage's, and the body's angle; its place is that of the coupler point."""
+        motion: Motion = self.design.motion  # type: ignore[attr-defined]
+        coupler = motion.bodies["rod" if "rod" in motion.linkage.bodies else "coupler"]
+        angle = unwrapped_deg(coupler.direction * direction_deg(self.guide.body_angle_deg))
+        return Table((*super().table.columns, Column("body_angle", "deg", "direction of the body from +x", angle)))
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
+        return (*super().parts, engraved("poses", self.marks(plate), plate))
+
+    def marks(self, plate: PlateStock) -> list[AbstractCurve]:
+        """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
+        pairs, guide = self.wanted.pairs, self.guide
+        places = np.array([z for z, _ in pairs])
+        motion = move(guide.linkage, guide.drive[:1], guide.branch)
+        marks: list[AbstractCurve] = skeleton(motion, 0, plate)
+        pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
+        seen = np.array([*places, *pins])
+        middle = complex(np.ptp(seen.real) / 2 + seen.real.min(), np.ptp(seen.imag) / 2 + seen.imag.min())
+        extent = max(np.ptp(seen.real), np.ptp(seen.imag))
+        for place, angle in pairs:
+            axis = AXIS * extent * np.exp(1j * angle)
+            marks.append(Polyline(np.array([place + axis, place, place + 1j * SHORTER * axis]), is_closed=False))
+        if len(pairs) == 3:
+            room = (0.5 + ROOM) * extent
+            for curve in rectification(pairs).circles:
+                if isinstance(curve, Circle) and abs(curve.centre - middle) + curve.radius <= room:
+                    marks.append(curve)
+        return marks
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """The poles too: their places, or their directions where they are at infinity."""
+        told: dict[str, object] = {}
+        for (j, k), pole in poles(self.wanted.pairs).items() if len(self.wanted.poses) <= 5 else ():
+            z = complex(pole.position)
+            far = {"at_infinity_deg": float(f"{np.degrees(np.angle(complex(pole.direction))):.9g}")}
+            near = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")]
+            told[f"{j + 1} and {k + 1}"] = near if np.isfinite(z) else far
+        return {**super().notes, "poles_mm": told}
+
+
+def _told(missed: float) -> float:
+    """What is missed, without what is rounding."""
+    return float(rounded(missed, 8))

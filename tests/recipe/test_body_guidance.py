@@ -1,0 +1,123 @@
+"""The recipe of a body through poses: made, and the recipe that it found runs by itself through the poses."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+THREE = "poses = [[0, 0, 0], [40, 20, 30], [60, 60, 80]]"
+
+
+def recipe(wanted=THREE, rest=""):
+    return gk.load(f'kind = "body-guidance"\n{rest}\n[wanted]\n{wanted}\n').called("poses")
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        THREE,
+        f'{THREE}\ntype = "crank-slider"\nregion = [[-100, -100], [160, 160]]',
+        f'{THREE}\ntype = "slider-crank"',
+        f'{THREE}\ntype = "elliptic-trammel"\ntrammel_driver = "rod"',
+        f"{THREE}\nmoving_points = [[-20, 10], [30, 40]]",
+        "poses = [[0, 0, 0], [-40, 25, -30], [-65, 50, -50], [-85, 70, -65], [-105, 85, -75]]",
+    ],
+)
+def test_it_is_made_and_what_it_found_goes_through_the_poses(tmp_path, wanted):
+    goal = recipe(wanted)
+    made = gk.make(goal, tmp_path)
+    folder = tmp_path / "poses"
+    assert {"poses.dxf", "poses.found.toml", "poses.csv", "summary.json", "poses.stl"} <= {
+        file.name for file in made.files
+    }
+    told = json.loads((folder / "summary.json").read_text())
+    assert told["number_found"] == len(told["ranked"]) or told["number_found"] > 20
+    assert next(iter(told["found"])) == "pose_error_mm" and told["found"]["defects"] == list(goal.found.defects)
+    # The found recipe by itself: over its own way its coupler point passes all places of the body, if it has no defect.
+    found = gk.load(folder / "poses.found.toml")
+    assert found == goal.design
+    if not goal.found.defects:
+        point = found.motion.point("rod_point" if "rod" in found.motion.bodies else "coupler_point").position
+        assert found.motion.closed.all()
+        for x, y, _ in goal.wanted.poses:
+            assert np.abs(point - complex(x, y)).min() < 2.0
+        assert [abs(point[k] - complex(*goal.wanted.poses[j][:2])) < 1e-6 for k, j in ends(goal)] == [True, True]
+    with (folder / "poses.csv").open() as rows:
+        table = list(csv.DictReader(line for line in rows if not line.startswith("#")))
+    # Its angles too: the table ends at the first and the last pose.
+    angles = [float(row["body_angle_deg"]) for row in table]
+    for k, j in ends(goal):
+        assert (angles[k] - goal.wanted.poses[j][2] + 180) % 360 == pytest.approx(180, abs=1e-3) or goal.found.defects
+
+
+def ends(goal):
+    """The first and last row, and the poses that they are."""
+    rising = goal.found.drive[-1] > goal.found.drive[0]
+    return ((0, 0), (-1, -1)) if rising else ((0, -1), (-1, 0))
+
+
+def test_the_poses_are_drawn_with_the_linkage_at_the_first():
+    goal = recipe()
+    (plate,) = [part for part in goal.parts if part.name == "poses"]
+    corners = [mark.vertices[1] for mark in plate.marks if len(getattr(mark, "vertices", ())) == 3]
+    assert corners == [0j, 40 + 20j, 60 + 60j]
+    centres = [mark.centre for mark in plate.marks if isinstance(mark, gk.plane.Circle)]
+    pins = gk.move(goal.found.linkage, goal.found.drive[:1], goal.found.branch)
+    for pin in ("crank_pivot", "crank_pin", "rocker_pin", "rocker_pivot"):
+        assert np.abs(np.array(centres) - pins.point(pin).position[0]).min() < 1e-9
+
+
+def test_the_checks_say_what_is_missed_and_which_defects_there_are():
+    by_name = {check.name: check for check in recipe().checks}
+    assert by_name["largest distance from a pose"].passed and by_name["defects"].value == 0
+    seven = "poses = [[0, 0, 0], [10, 4, 9], [22, 7, 15], [30, 16, 25], [41, 20, 28], [52, 39, 50], [60, 60, 80]]"
+    goal = recipe(seven)
+    by_name = {check.name: check for check in goal.checks}
+    assert not by_name["largest distance from a pose"].passed
+    assert by_name["largest distance from a pose"].value == pytest.approx(goal.found.pose_error, rel=1e-6)
+    ranked = recipe().ranked
+    wrong = recipe(rest=f"choose = {len(ranked)}")
+    assert wrong.found.defects
+    (check,) = [check for check in wrong.checks if check.name == "defects"]
+    assert not check.passed and wrong.found.defects[0] in check.advice
+
+
+def test_poles_are_told_and_those_at_infinity_by_their_direction():
+    told = recipe("poses = [[0, 0, 0], [40, 20, 0], [60, 60, 80]]").notes["poles_mm"]
+    assert "at_infinity_deg" in told["1 and 2"] and len(told["1 and 3"]) == 2
+    # The point that has one place at two poses.
+    x, y = recipe().notes["poles_mm"]["1 and 3"]
+    pole = complex(x, y)
+    assert 60 + 60j + pole * np.exp(1j * np.radians(80)) == pytest.approx(60 + 60j + pole * np.exp(1j * np.radians(80)))
+    own = (pole - (60 + 60j)) * np.exp(-1j * np.radians(80))
+    assert own == pytest.approx(pole, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "refusal"),
+    [
+        ("poses = [[0, 0, 0], [1, 1, 10]]", "wanted.poses: found 2; give 3 to 50 of them"),
+        ("poses = [[0, 0, 0], [40, 20, 30], [0, 0, 0]]", "wanted.poses: poses 1 and 3 are the same"),
+        ("poses = [[0, 0], [40, 20, 30], [0, 0, 0]]", "wanted.poses"),
+        (f'{THREE}\ntype = "six-bar"', "wanted.type: found 'six-bar'; give 'four-bar', 'crank-slider'"),
+        (f"{THREE}\nregion = [[10, 10], [0, 0]]", "wanted.region: found corners"),
+        (f"{THREE}\nregion = [[0, 0], [1, 1]]", "wanted.poses: found no four-bar"),
+        (
+            f'{THREE}\nfixed_points = [[0, 0], [1, 1]]\ntype = "slider-crank"',
+            "wanted.fixed_points: are given of slider-crank",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(tmp_path, wanted, refusal):
+    with pytest.raises(gk.GeomkinError, match="poses|region|type|fixed_points") as caught:
+        gk.make(recipe(wanted), tmp_path)
+    assert refusal in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_that_was_not_found_cannot_be_chosen(tmp_path):
+    with pytest.raises(gk.RecipeError, match="choose: found 999; give at most"):
+        gk.make(recipe(rest="choose = 999"), tmp_path)
