@@ -113,7 +113,8 @@ def body_guides(
     watch = Watch(seconds, "looking for linkages through the poses")
     body = Displacements(origins, directions)
     chosen = moving_points is not None or fixed_points is not None
-    kinds: Sequence[Kind] = (kind,) if kind else KINDS if len(origins) > 3 and not chosen else KINDS[:1]
+    free = len(origins) == 3 or body.translated
+    kinds: Sequence[Kind] = (kind,) if kind else KINDS[:1] if free or chosen else KINDS
     ask = _Asked(
         body=body,
         kinds=kinds,
@@ -126,8 +127,9 @@ def body_guides(
     )
     if chosen:
         groups = _chosen(ask, moving_points, fixed_points)
-    elif len(origins) == 3:
-        groups = _searched(ask)
+    elif free:
+        # Any point of the body will do: of many parallel poses, if their origins are on a circle, for cranks alone.
+        groups = _searched(ask) if len(origins) == 3 or kinds == KINDS[:1] else []
     else:
         groups = _along_curves(ask, poses) if len(origins) == 4 else _pairs(ask, dyads_through(poses))
     return _ranked(ask, groups)
