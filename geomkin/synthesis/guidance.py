@@ -17,7 +17,7 @@ from ..plane.vec import Complex, Mask, Real, Whole, rounded
 from ..progress import Watch
 from .dyads import dyads_through
 from .found import Found
-from .guide_groups import KINDS, Asked, Group, Kind, along_curves, of_chosen, of_dyads, searched
+from .guide_groups import KINDS, LARGEST_RATIO, Asked, Group, Kind, along_curves, of_chosen, of_dyads, searched
 from .guide_search import Displacements
 from .guides import AbstractGuides
 from .poses import Poses, placed
@@ -88,8 +88,8 @@ def body_guides(
     corners (low, high), that holds all joints at all poses; left out, it is taken about the origins and near poles.
     Four: pairs of dyads along the Burmester curves, in the region. Five: pairs of all dyads there are. More: pairs of
     dyads that come near the poses in the sense of least squares, `pose_error` being what is missed.
-    least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search, where none is
-    given), leave others out. Linkages with defects, by name, come after those without.
+    least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search and of least
+    squares, where none is given), leave others out. Linkages with defects, by name, come after those without.
     DesignError for fewer poses and equal ones, and where there is no such linkage.
 
     McCarthy and Soh, Geometric Design of Linkages, 2010, chapters 5 and 6; the search and the verdict on defects are
@@ -130,13 +130,16 @@ def _ranked(ask: Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
             none, angle = guides.defects.none, guides.angle
             kept = _possible(guides) & (guides.ratio <= ratio) & ~(none & (angle < ask.least_angle))
         found += [_made(ask, kind, guides, k) for k in np.flatnonzero(kept).tolist()]
+    size = float(np.abs(ask.body.ways).max()) or 1.0
+    if len(ask.body.origins) > 5 and ask.largest_ratio is None:
+        # The best fits are often two dyads that are nearly one: no limit is for what is met exactly.
+        found = [one for one in found if one.ratio <= LARGEST_RATIO or one.pose_error <= EXACT * size]
     if not found:
         raise DesignError(
             "poses",
             f"found no {' or '.join(ask.kinds)} through them that keeps the limits",
             "give a larger region, weaker limits, another kind or other poses",
         )
-    size = float(np.abs(ask.body.ways).max()) or 1.0
 
     def rank(guide: BodyGuide) -> tuple[float, ...]:
         # What is met by least squares goes by how nearly; where many have the same angle, as that of a body that turns

@@ -13,7 +13,7 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..progress import Watch
 from .dyads import Dyads, dyads_through
-from .guide_dyads import ALONG, held_pins, those_inside
+from .guide_dyads import ALONG, best_pairs, held_pins, those_inside
 from .guide_search import Displacements, Search, pair_of
 from .guides import AbstractGuides, usable
 from .poses import Poses
