@@ -26,6 +26,9 @@ WIDER, NARROWER = 1.5, 0.87
 SPREAD, FINEST = 0.05, 1e-6
 # Decimals of a score, rad. More, and the last bits that processors differ by decide between equals.
 DECIMALS = 9
+# Turn, rad, below which poses are parallel, and share of a circle's radius that a place may be off it. Larger, and
+# poses or places that differ on purpose count as that; smaller, and rounding does not.
+PARALLEL, ROUND = 1e-12, 1e-9
 # Share of the region's size by which linkages differ that are listed both.
 DISTINCT = 0.04
 # Defective linkages that are listed where there are others.
@@ -53,6 +56,11 @@ class Displacements:
         ways: Complex = self.origins - self.origins[0]
         return ways
 
+    @cached_property
+    def translated(self) -> bool:
+        """Whether all poses are parallel, so that all points of the body move alike."""
+        return bool(np.abs(self.turns - 1).max() <= PARALLEL)
+
     def pins(self, z: Complex) -> Complex:
         """Places, (poses, points), of points that stand at z at the first pose."""
         places: Complex = self.origins[:, None] + self.turns[:, None] * (z - self.origins[0])
@@ -65,11 +73,13 @@ class Displacements:
 
     @staticmethod
     def centre(pins: Complex) -> Complex:
-        """Of the circle through three places; not finite where they lie in one line."""
+        """Of the circle through three places; not finite where they lie in one line, or one more is not on it."""
         a, b = pins[1] - pins[0], pins[2] - pins[0]
         with np.errstate(all="ignore"):
             centres: Complex = pins[0] + 0.5j * (a * np.abs(b) ** 2 - b * np.abs(a) ** 2) / cross(a, b)
-            return centres
+            reach = np.abs(pins - centres)
+            on = (len(pins) == 3) | (np.ptp(reach, axis=0) <= ROUND * reach[0])
+            return np.where(on, centres, np.inf)
 
     def at_first(self, pivots: Complex) -> Complex:
         """Where the points are at the first of three poses that go round fixed points: the inverse of `centre`."""

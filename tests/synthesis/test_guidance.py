@@ -196,6 +196,15 @@ def test_parallel_poses_are_met_by_parallelograms_and_two_of_them_by_anything():
         assert not found[0].defects
         for guide in found:
             check(guide, [(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.5)])
+    # More of them, if their origins are on a circle.
+    five = [(50 * complex(np.cos(t), np.sin(t)), 0.1) for t in np.radians([0, 30, 70, 100, 130])]
+    found = body_guides(five)
+    assert not found[0].defects and found[0].linkage.crank == pytest.approx(50)
+    for guide in found:
+        if not guide.defects:
+            check(guide, five)
+    with pytest.raises(gk.DesignError, match="poses: found no four-bar"):
+        body_guides([*five, (0j, 0.1)])
     # Along one line without turning nothing but slides along it goes.
     with pytest.raises(gk.DesignError, match="poses: found no four-bar"):
         body_guides([(0j, 0.2), (40 + 0j, 0.2), (60 + 0j, 0.2)])
