@@ -241,12 +241,20 @@ def _last(fits: Callable[[float], bool], good: float, bad: float) -> float:
 
 def _simulated(linkage: FourBar, branch: int, wanted: TwoPlaces) -> tuple[float, float, float]:
     """Least transmission angle on the way, the rocker's swing, and how far it goes beyond its places: moved, rad."""
-    frames = np.linspace(*wanted.crank, FRAMES)
-    lines = np.pi * np.arange(np.ceil(min(wanted.crank) / np.pi), np.floor(max(wanted.crank) / np.pi) + 1)
-    motion = move(linkage, np.append(frames, lines), branch)
+    start, end = wanted.crank
+    size = {name: float(getattr(linkage, name)) / float(linkage.ground) for name in ("crank", "coupler", "rocker")}
+    # Besides even frames: crank and ground in line, where it drives worst, and crank and coupler, where it goes back.
+    special = [0.0, np.pi]
+    for reach in (size["coupler"] + size["crank"], size["crank"] - size["coupler"]):
+        cosine = (1 + reach**2 - size["rocker"] ** 2) / (2 * reach) if reach else np.inf
+        special += [np.arccos(cosine), -np.arccos(cosine)] if abs(cosine) <= 1 else []
+    way = np.sign(end - start)
+    after = np.mod(way * (np.array(special) - start), 2 * np.pi)
+    frames = np.sort(np.concatenate([np.linspace(0, abs(end - start), FRAMES), after[after < abs(end - start)]]))
+    motion = move(linkage, start + way * frames, branch)
     if not motion.closed.all():
         return np.nan, np.nan, np.nan
-    out = np.unwrap(np.angle(motion.bodies["rocker"].direction[:FRAMES]))
+    out = np.unwrap(np.angle(motion.bodies["rocker"].direction))
     beyond = float(np.ptp(out)) - abs(float(out[-1] - out[0]))
     return float(np.min(motion.transmission_angle)), float(out[-1] - out[0]), beyond
 

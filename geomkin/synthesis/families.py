@@ -18,8 +18,9 @@ from ..sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
 # Members that are told, evenly along the free angle without its ends, at which a length vanishes or has no end. More
 # tell nothing new: the best one is searched for by itself.
 MEMBERS = 179
-# Looks along a family before its best is narrowed. Fewer miss a second, higher top; of crank-rockers a tenth would do.
-LOOKS = 4097
+# Looks along a family before its best is narrowed. With nine, the best of one double rocker in some hundred is missed;
+# of crank-rockers and slider-cranks none is.
+LOOKS = 1025
 # Longest link over the shortest where no limit is given. Some families get better without end as it grows, by less
 # and less: larger limits give linkages that nobody can build, smaller ones hide good ones of small swings.
 RATIO = 100.0

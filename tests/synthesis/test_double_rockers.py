@@ -19,7 +19,7 @@ def simulated(linkage, wish, frames=1801):
         if motion.closed[0] and abs(motion.rocker.direction[0] - np.exp(1j * out)) < 1e-7:
             angle = np.unwrap(np.angle(motion.rocker.direction))
             sound = motion.closed.all() and abs(angle[-1] - angle[0] - turn) < 1e-6
-            back = sound and np.ptp(angle) > abs(turn) + 1e-9
+            back = sound and np.ptp(angle) > abs(turn) + 1e-6
             return branch, sound, back, np.degrees(motion.transmission_angle.min())
     raise AssertionError("it does not stand at the first place")
 
@@ -58,14 +58,16 @@ def judge(wish, seen):
         assert found.transmission_angle_deg == pytest.approx(least, abs=0.5)
         assert found.transmission_angle_deg <= least + 1e-9
         assert found.rocker_swing_deg == pytest.approx(wish[3], abs=1e-6)
-        assert (found.overshoot_deg > 1e-6) == back
+        assert (found.overshoot_deg > np.degrees(1e-6)) == back
         seen.add("back" if back else "sound")
     else:
         assert found.defects == (kind_of_defect(found.linkage, wish, branch),)
         seen.add(found.defects[0])
-    # Whatever there is in the family that is no worse was looked at.
-    angles = found.family.transmission_angle_deg
-    assert np.isnan(angles).all() or not found.defects
+    # One with a defect is taken only where the family has none without.
+    many, angles = found.family.linkage, found.family.transmission_angle_deg
+    sizes = np.array([many.ground, many.crank, many.coupler, many.rocker])
+    like = sizes.max(axis=0) < 100 * sizes.min(axis=0)
+    assert np.isnan(angles[like]).all() or not found.defects
 
 
 def test_every_verdict_agrees_with_simulation():
