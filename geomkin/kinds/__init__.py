@@ -56,6 +56,8 @@ KINDS = Kinds({
     "centrodes": "centrodes:CentrodesRecipe",
     "polygons": "polygons:PolygonsRecipe",
     "shaking-force": "shaking_force:ShakingForceRecipe",
+    "function-generator": "function_generators:FunctionGeneratorRecipe",
+    "slider-function-generator": "function_generators:SliderFunctionGeneratorRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..linkage.named.four_bar import FourBar
 from ..plane.vec import Complex, Real
-from .generators import AbstractGenerator, evenly, linear_fits
+from .generators import HAIR, AbstractGenerator, evenly, linear_fits, settled_lengths
 
 # Pairs of the links ground, crank, coupler, rocker.
 PAIRS = [(i, j) for i in range(4) for j in range(4) if i != j]
@@ -75,7 +75,7 @@ class FourBarGenerator(AbstractGenerator):
         slope[..., 1] = b / c - cosine
         slope[..., 2] = c / b - cosine
         slope[..., 3] = -a * np.sin(angle) / (b * c)
-        most = np.cos(self.least_transmission)
+        most = np.cos(self.least_transmission) - HAIR
         logs = np.concatenate([np.zeros((len(p), 1)), p[:, :3]], axis=1)
         of = np.vstack([np.zeros(6), np.eye(6)[:3]])
         ratios = np.stack([logs[:, i] - logs[:, j] for i, j in PAIRS], axis=1) - np.log(self.largest_ratio)
@@ -128,5 +128,5 @@ class FourBarGenerator(AbstractGenerator):
         return p
 
     def linkage(self, p: Real) -> FourBar:
-        a, b, c = (self.ground * np.exp(p[:3])).tolist()
-        return FourBar(self.ground, a, b, c)
+        crank, coupler, rocker = (self.ground * ratio for ratio in settled_lengths(p[:3]))
+        return FourBar(self.ground, crank, coupler, rocker)

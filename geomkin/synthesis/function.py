@@ -15,7 +15,7 @@ from .certificate import certified
 from .four_bar_generator import FourBarGenerator
 from .function_results import DEGREE, AbstractFunctionGenerator, FunctionGenerator, Peak, SliderFunctionGenerator
 from .function_search import KEPT, Optimum, searched
-from .generators import AbstractGenerator
+from .generators import DECIMALS, AbstractGenerator
 from .precision_points import chebyshev_points
 from .slider_generator import SliderGenerator
 from .wanted_function import Function, WantedFunction, wanted_function
@@ -46,6 +46,9 @@ Place = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 Transmission = Annotated[float, between(5, 85, "deg")]
 Ratio = Annotated[float, between(1.1, 100)]
 Points = Annotated[int | Sequence[float], Sort(_are_points, "3, 4 or 5, or a row of so many places x")]
+# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as a
+# parallelogram does, and its peaks mean nothing.
+EXACT = 1e-11
 
 
 @checked
@@ -142,7 +145,7 @@ def slider_function_generator(
         return SliderFunctionGenerator(
             **_told(task, wanted, optimum, method, length, start),
             start_deg=start,
-            start_mm=length * float(optimum.p[4]),
+            start_mm=length * round(float(optimum.p[4]), DECIMALS),
             largest_error=length * optimum.worst,
             task=task,
         )
@@ -156,7 +159,7 @@ def _given(start: float | None, unit: float) -> float:
 
 
 def _within_half_turn(degrees: float) -> float:
-    return degrees - 360 * float(np.ceil(degrees / 360 - 0.5))
+    return round(degrees - 360 * float(np.ceil(degrees / 360 - 0.5)), DECIMALS)
 
 
 def _refuse_turns(wanted: WantedFunction, output_deg: float) -> None:
@@ -231,7 +234,9 @@ def _told(
     """What both results have in common."""
     s, errors = optimum.s, optimum.errors
     multipliers, limits, left = np.full(len(s), np.nan), dict[str, float](), np.nan
-    if method != "least-squares":
+    if optimum.worst < EXACT:
+        left = 0.0
+    elif method != "least-squares":
         proof = certified(task, optimum.p, s, errors)
         multipliers, left = proof.peaks, proof.left
         for name, value in zip(task.limit_names, proof.limits):

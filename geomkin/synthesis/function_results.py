@@ -40,7 +40,7 @@ class AbstractFunctionGenerator(Found):
     the error up, with their multipliers: how fast the largest error would fall, in its unit, were the limit moved (the
     cosine of the transmission angle, the logarithm of the ratio). certificate: what is left of the derivatives of the
     error at the peaks and of the active limits, each times its multiplier: 0 to rounding, as no multiplier is negative,
-    proves that no small change of the sizes makes all peaks less; nan where no minimax was asked. others: what the
+    proves that no small change of the sizes makes all peaks less; nan for least squares. others: what the
     search found besides, the best first.
     """
 
@@ -60,6 +60,20 @@ class AbstractFunctionGenerator(Found):
     @abstractmethod
     def _error(self, s: Real) -> Real:
         """Errors (1, m), deg or mm, at shares (1, m) of the input's way."""
+
+    @property
+    def largest(self) -> float:
+        """The largest error of the output, deg or mm."""
+        return max(abs(peak.error) for peak in self.alternation)
+
+    def proof(self) -> Mapping[str, object]:
+        """As `summary.json` lists it: the error's peaks, deg or mm, and the active limits, with their multipliers."""
+        # A top is flat: half of all digits tell its place.
+        peaks = [{name: _six(value) for name, value in peak._asdict().items()} for peak in self.alternation]
+        return {
+            "alternation": peaks,
+            "active_limits": {name: _six(value) for name, value in self.active_limits.items()},
+        }
 
     def _share(self, x: Reals) -> Real:
         """Of the input's way, (...,)."""
@@ -132,3 +146,8 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
     def summary(self) -> Mapping[str, object]:
         told = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}
         return {**{name: _ten(value) for name, value in told.items()}, **super().summary()}
+
+
+def _six(value: float) -> float | None:
+    """Six digits of a number; None for what cannot be told."""
+    return float(f"{value:.6g}") if np.isfinite(value) else None

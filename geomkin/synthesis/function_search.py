@@ -9,7 +9,7 @@ import numpy as np
 from ..plane.vec import Real
 from .generators import AbstractGenerator
 from .least_squares import fit
-from .minimax import descend
+from .minimax import descend, settled
 from .peaks import AtPeaks, peaks
 
 # Fits over starts of any angle, and sizes spread over what the limits allow; how many of each are followed. Half of
@@ -132,6 +132,7 @@ def _fitted(task: AbstractGenerator, p: Real) -> Real:
 def _finished(task: AbstractGenerator, p: Real) -> Real:
     """Followed on with the places of their peaks added, until the peaks between the places are no higher."""
     even = np.tile(_ends_close(49), (len(p), 1))
+    last = np.zeros((len(p), PEAKS))
     seen, rests = np.full(len(p), np.inf), np.zeros(len(p), bool)
     for k in range(ROUNDS):
         s, e, _ = peaks(task, p, PEAKS, LOOKS)
@@ -140,7 +141,10 @@ def _finished(task: AbstractGenerator, p: Real) -> Real:
         if not go.any():
             break
         places = np.concatenate([even[go], s[go]], axis=1)
+        last[go] = s[go]
         p[go], seen[go], rests[go] = descend(
             AtPeaks(task, even.shape[1]), p[go], places, LAST_STEPS, LAST_FIRST_STEP * 0.3**k
         )
+    fine = np.isfinite(task.merit(p, even))
+    p[fine] = settled(AtPeaks(task, even.shape[1]), p[fine], np.concatenate([even, last], axis=1)[fine])
     return p

@@ -75,6 +75,20 @@ class AbstractGenerator(AbstractTask):
         """Of one candidate (unknowns,)."""
 
 
+# Digits of a length, and decimals of an angle in deg, of what is found: a hundred times what the way to it leaves. More
+# would hang on the last bit of a processor's sine.
+DIGITS, DECIMALS = 10, 8
+
+
+def settled_lengths(logs: Real) -> list[float]:
+    """Lengths by their logarithms, with as many digits as are told."""
+    return [float(f"{length:.{DIGITS}g}") for length in np.exp(logs)]
+
+
+# By how much more than asked the cosine of the transmission angle is kept: what the last step leaves is less.
+HAIR = 2e-9
+
+
 def evenly(count: int, size: int) -> Real:
     """(count, size) points spread evenly over 0 to 1, the same on every machine.
 
@@ -97,13 +111,15 @@ def linear_fits(terms: Real, right: Real, steepness: Callable[[Real], Real]) -> 
     found = np.zeros((len(terms), 3))
     for _ in range(3):
         rows, values = terms * weights[..., None], right * weights
-        normal = np.einsum("kmi,kmj->kij", rows, rows) + TINY * np.eye(3)
+        normal = np.einsum("kmi,kmj->kij", rows, rows)
+        normal += TINY * np.einsum("kii->k", normal)[:, None, None] * np.eye(3)
         found = np.linalg.solve(normal, np.einsum("kmi,km->ki", rows, values)[..., None])[..., 0]
         weights = 1 / np.maximum(np.abs(steepness(found)), FLATTEST)
     return found
 
 
-# On the diagonal of normal equations: without it, starts at which the three ratios are not told apart stop the rest.
+# On the diagonal of normal equations, over what is there: without it, starts at which the three ratios are not told
+# apart stop the rest.
 TINY = 1e-14
 # Steepness below which a place is not weighed any more. Smaller, and a place near a toggle outweighs all others.
 FLATTEST = 1e-2

@@ -23,6 +23,8 @@ CORRECTIONS = 3
 DIFFERENCE = 1e-6
 # Share of the largest error that is no gain any more. Less is rounding, with the curvature of peaks in it.
 CONVERGED = 1e-12
+# Longest of the last steps. Larger ones are on their way to another place; smaller ones leave what is flat unsettled.
+SETTLING = 1e-4
 # Box below which nothing moves any more.
 SMALLEST_STEP = 1e-13
 
@@ -91,6 +93,21 @@ def descend(
         box[k] = np.where(kept > 0.7, wider, np.where(kept > 0.2, box[k], narrower))
         busy[k] = (gain > gain_left * value[k]) & (box[k] > SMALLEST_STEP)
     return p, value, ~busy
+
+
+def settled(task: AbstractTask, p: Real, s: Real) -> Real:
+    """Candidates p (many, unknowns) after Newton's last steps, whatever rounding makes of their merit.
+
+    Where fewer peaks hold than there are unknowns the merit is flat, and tells only half of the digits that its
+    derivatives do; without this the rest would hang on the way that led there.
+    """
+    value, box = task.merit(p, s), np.full(len(p), SETTLING)
+    for _ in range(2):
+        new = _tries(task, p, s, box, value)[0][2]
+        merit = task.merit(new, s)
+        near = (np.abs(new - p).max(axis=1) < SETTLING) & (merit <= value * (1 + SETTLING**2))
+        p = np.where(near[:, None], new, p)
+    return p
 
 
 def _tries(task: AbstractTask, p: Real, s: Real, box: Real, value: Real) -> tuple[Real, Real]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..linkage.named.slider_crank import SliderCrank
 from ..plane.vec import Real
-from .generators import AbstractGenerator, evenly, linear_fits
+from .generators import DIGITS, HAIR, AbstractGenerator, evenly, linear_fits, settled_lengths
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,7 +65,7 @@ class SliderGenerator(AbstractGenerator):
         slope[..., 1] = -sine
         slope[..., 2] = 1 / b
         slope[..., 3] = -a * np.cos(angle) / b
-        most = np.cos(self.least_transmission)
+        most = np.cos(self.least_transmission) - HAIR
         one = np.zeros((len(p), 1, 6))
         one[..., 0], one[..., 1] = 1, -1
         gap = p[:, :1] - p[:, 1:2]
@@ -131,5 +131,5 @@ class SliderGenerator(AbstractGenerator):
         return p
 
     def linkage(self, p: Real) -> SliderCrank:
-        a, b = (self.length * np.exp(p[:2])).tolist()
-        return SliderCrank(a, b, self.length * float(p[2]))
+        crank, rod = (self.length * ratio for ratio in settled_lengths(p[:2]))
+        return SliderCrank(crank, rod, self.length * float(f"{p[2]:.{DIGITS}g}"))
