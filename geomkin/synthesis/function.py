@@ -9,13 +9,13 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 
-from ..arguments import Sort, between, checked, is_real, is_whole
+from ..arguments import Sort, are_reals, between, checked, is_real, is_whole, numbers
 from ..errors import DesignError
 from ..sizes import FARTHEST, SMALLEST, Size, rounded_down
 from .certificate import certified
 from .four_bar_generator import FourBarGenerator
 from .function_results import DEGREE, AbstractFunctionGenerator, FunctionGenerator, Peak, SliderFunctionGenerator
-from .function_search import KEPT, Optimum, searched
+from .function_search import EXACT, KEPT, Optimum, searched
 from .generators import DECIMALS, AbstractGenerator
 from .precision_points import chebyshev_points
 from .slider_generator import SliderGenerator
@@ -34,8 +34,8 @@ def _from_to(least: float, most: float, unit: str) -> Sort:
 def _are_points(value: Any) -> bool:
     if is_whole(value):
         return bool(3 <= value <= 5)
-    row = isinstance(value, (tuple, list, np.ndarray)) and np.ndim(value) == 1
-    return row and 3 <= len(value) <= 5 and all(is_real(x) for x in value)
+    row = numbers(value, "iuf")
+    return row is not None and row.ndim == 1 and 3 <= len(row) <= 5 and are_reals(row)
 
 
 # Less than a tenth of a degree tells nothing of a function; a whole turn ends where it began.
@@ -47,9 +47,6 @@ Place = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 Transmission = Annotated[float, between(5, 85, "deg")]
 Ratio = Annotated[float, between(1.1, 100)]
 Points = Annotated[int | Sequence[float], Sort(_are_points, "3, 4 or 5, or a row of so many places x")]
-# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as
-# a parallelogram does, and its peaks mean nothing.
-EXACT = 1e-11
 
 
 @checked

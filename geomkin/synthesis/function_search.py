@@ -33,6 +33,9 @@ LAST_FIRST_STEP = 0.02
 NEARLY_RESTS = 1e-4
 # Parts in which peaks of the error are looked for, and how many peaks are kept.
 LOOKS, PEAKS = 256, 16
+# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as
+# a parallelogram does, and its peaks mean nothing.
+EXACT = 1e-11
 # By how much a limit may be broken and yet count as kept: rounding of the last step.
 KEPT = 1e-7
 
@@ -138,7 +141,7 @@ def _finished(task: AbstractGenerator, p: Real) -> Real:
     for k in range(ROUNDS):
         s, e, _ = peaks(task, p, PEAKS, LOOKS)
         worst = np.abs(e).max(axis=1)
-        go = np.isfinite(worst) & ~(rests & (np.abs(seen - worst) <= LEVELLED * worst))
+        go = np.isfinite(worst) & (worst > EXACT) & ~(rests & (np.abs(seen - worst) <= LEVELLED * worst))
         if not go.any():
             break
         places = np.concatenate([even[go], s[go]], axis=1)

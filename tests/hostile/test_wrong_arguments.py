@@ -39,7 +39,7 @@ RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 # Every public name of the geometry and the mechanisms, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk)
     for name in dir(room)
     if not name.startswith("_") and not inspect.ismodule(getattr(room, name))
 }
@@ -58,6 +58,7 @@ GOOD = {
     "DesignError": {"field": "a", "problem": "b", "remedy": "c"},
     "Dwell": {"end_deg": 90},
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
+    "Expression": {"text": "log10(x)"},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
     "Follow": {"start": -1},
     "FollowerMotion": dict.fromkeys(("lift", "velocity", "acceleration", "jerk"), DRIVE),
@@ -118,6 +119,7 @@ GOOD = {
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
     "centroid": {"curve": CIRCLE, "accuracy": 1e-9},
+    "chebyshev_points": {"span": (1.0, 3.0), "count": 3},
     "chord": {"gear": GEAR, "radius": 24.0},
     "circuits": {"linkage": FOUR_BAR, "motion": MOTION},
     "cognates": {"four_bar": FOUR_BAR},
@@ -134,6 +136,7 @@ GOOD = {
     "euler_savary": {"instant_centre": 0.0, "point": 3.0, "centre": -2.0},
     "flat_face_base_radius": {"program": PROGRAM, "least_radius": 1.0, "tilt_deg": 5.0},
     "flatten": {"curve": CIRCLE, "tolerance": 0.01},
+    "function_generator": {"function": "log10(x)", "span": (1.0, 2.0), "input_deg": 60.0, "output_deg": 90.0, "input_start_deg": 90.0, "output_start_deg": -20.0, "least_transmission_angle_deg": 30.0, "largest_ratio": 10.0, "method": "minimax", "points": 3, "ground": 100.0},
     "grashof_type": {"linkage": FOUR_BAR},
     "inflection_circle": {"motion": MOTION, "body": "coupler"},
     "inflection_circle_of_cranks": {"one": PATHS[0], "two": PATHS[1]},
@@ -144,6 +147,7 @@ GOOD = {
     "length": {"curve": CIRCLE, "accuracy": 1e-9},
     "mechanical_advantage": {"motion": MOTION, "output": "rocker"},
     "move": {"linkage": FOUR_BAR, "drive": DRIVE, "branch": 1, "speed": 10.0, "acceleration": DRIVE},
+    "named_function": {"name": "power", "coefficients": [2.0, 1.5]},
     "nearest": {"curve": CIRCLE, "points": np.array([5j, 2.0])},
     "newton_raphson": {"f": lambda x: 3 * x - 6, "jacobian": lambda x: np.diag(np.full(len(x), 3.0)), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
     "over_pins": {"gear": GEAR, "pin": 3.5},
@@ -155,6 +159,7 @@ GOOD = {
     "segment_limits": {"cam": CAM},
     "shaking_force": {"motion": SLIDING, "masses": MASSES, "counterbalance": 3.0 + 0j},
     "signed_area": {"curve": CIRCLE, "accuracy": 1e-9},
+    "slider_function_generator": {"function": "log10(x)", "span": (1.0, 2.0), "input_deg": 60.0, "output_mm": 50.0, "input_start_deg": None, "output_start_mm": None, "least_transmission_angle_deg": 30.0, "largest_ratio": 10.0, "method": "minimax", "points": 3},
     "slot": {"start": 0j, "end": 10 + 0j, "radius": 2.0},
     "span": {"gear": GEAR, "teeth": 3},
     "third_pivot": {"four_bar": FOUR_BAR},
@@ -173,7 +178,7 @@ MADE = {
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
-    "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "Found", "FunctionGenerator", "Peak", "SliderFunctionGenerator", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
 }  # fmt: skip
 BAD = {
     "None": None,
