@@ -91,6 +91,22 @@ def test_the_best_known_linkages_are_found(function, span, swings, aim):
 
 
 @pytest.mark.parametrize(
+    ("function", "span", "swings", "starts", "three_points", "minimax"),
+    [
+        ("log10(x)", (1, 2), (60, 90), (45, 0), 2.364, 0.642),
+        ("x**1.5", (1, 3), (90, 90), (210, 240), 0.581, 0.320),
+    ],
+)
+def test_published_linkages_of_given_starts(function, span, swings, starts, three_points, minimax):
+    """Chebyshev's three points and the least largest error, as published, at starts that give the former."""
+    wish = (function, span, *swings, *starts, 5, 100)
+    assert held(gk.function_generator(*wish, method="points"), 5, 100) == pytest.approx(three_points, abs=6e-4)
+    best = gk.function_generator(*wish)
+    assert held(best, 5, 100) == pytest.approx(minimax, abs=6e-4)
+    proven(best)
+
+
+@pytest.mark.parametrize(
     ("function", "span", "swings"),
     [
         (np.exp, (0, 1), (-60, -90)),
