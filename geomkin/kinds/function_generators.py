@@ -29,7 +29,7 @@ Method = Literal["minimax", "least-squares", "points"]
 
 
 def _start_deg(what: str) -> Any:
-    return quantity(f"{what}; found if left out", "deg", default=None, at_least=-360, at_most=360, example=30)
+    return quantity(f"{what}; found if left out", "deg", default=None, at_least=-360, at_most=360)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +132,6 @@ class WantedAngle(Wanted):
         default=None,
         above=0,
         at_most=360,
-        example=0.5,
     )
 
 
@@ -153,7 +152,6 @@ class WantedPlace(Wanted):
         default=None,
         at_least=-FARTHEST,
         at_most=FARTHEST,
-        example=60,
     )
     largest_error_mm: float | None = quantity(
         "error of the output that is not too large; a hundredth of its way if left out",
@@ -161,7 +159,6 @@ class WantedPlace(Wanted):
         default=None,
         above=0,
         at_most=FARTHEST,
-        example=0.5,
     )
 
 
