@@ -8,7 +8,7 @@ import numpy as np
 
 from ..plane.vec import Real
 from .generators import AbstractGenerator
-from .least_squares import fit
+from .mean_square import fit
 from .minimax import descend, settled
 from .peaks import AtPeaks, peaks
 
