@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from .plane.measure import length as length
     from .plane.measure import nearest as nearest
     from .synthesis.dyads import dyads_through as dyads_through
+    from .synthesis.function import function_generator as function_generator
     from .synthesis.guidance import body_guides as body_guides
     from .synthesis.rockers import crank_rocker as crank_rocker
     from .table import Column as Column

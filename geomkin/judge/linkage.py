@@ -24,6 +24,8 @@ LEAST_HOLE_TO_THICKNESS = 0.5
 SAME_CURVE = 1e-6
 # Largest force over the least that it could be. Nobody feels five percent; derived here.
 MOST_FORCE_TO_BEST = 1.05
+# Of the output's way. A larger error shows on any scale that a function generator moves over; derived here.
+MOST_ERROR_OF_FUNCTION = 0.01
 # Diameters and radii that are drawn, in longest links. Larger ones leave nothing else to be seen; derived here.
 LARGEST_DRAWN = 5.0
 

@@ -61,6 +61,8 @@ KINDS = Kinds({
     "slider-crank-stroke": "stroke_goal:SliderCrankStrokeRecipe",
     "burmester-curves": "burmester_curves:BurmesterCurvesRecipe",
     "body-guidance": "body_guidance:BodyGuidanceRecipe",
+    "function-generator": "function_generators:FunctionGeneratorRecipe",
+    "slider-function-generator": "function_generators:SliderFunctionGeneratorRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

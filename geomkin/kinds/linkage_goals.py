@@ -16,7 +16,7 @@ from ..linkage.linkage import AbstractLinkage
 from ..linkage.named.double_sliders import EllipticTrammel
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank
-from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.recipe import AbstractGoal
 from ..recipe.settings import Drive, Files, Stroke, Turn
 from ..shop.linkage.plates import LinkStock
 from ..sizes import check_sizes, quantity
@@ -79,7 +79,7 @@ class AbstractLinkageGoal(AbstractGoal):
         return (low, high) if slides else (float(np.degrees(low)), float(np.degrees(high)))
 
     @cached_property
-    def design(self) -> AbstractRecipe:
+    def design(self) -> AbstractLinkageRecipe:
         return recipe_of(self.found.linkage, self.found.branch, self.way, self.drive, self.stock, self.files)
 
     @property

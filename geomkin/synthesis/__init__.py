@@ -14,16 +14,24 @@ if TYPE_CHECKING:
     from .double_rockers import double_rocker as double_rocker
     from .dyads import Dyads as Dyads
     from .dyads import dyads_through as dyads_through
+    from .expression import Expression as Expression
+    from .expression import named_function as named_function
     from .families import Family as Family
     from .filemon_waldron import Rectification as Rectification
     from .filemon_waldron import rectification as rectification
     from .found import Found as Found
+    from .function import function_generator as function_generator
+    from .function import slider_function_generator as slider_function_generator
+    from .function_results import FunctionGenerator as FunctionGenerator
+    from .function_results import Peak as Peak
+    from .function_results import SliderFunctionGenerator as SliderFunctionGenerator
     from .guidance import BodyGuide as BodyGuide
     from .guidance import body_guides as body_guides
     from .infinitesimal import BodyState as BodyState
     from .infinitesimal import StateFourBar as StateFourBar
     from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar
     from .infinitesimal import velocity_state_four_bar as velocity_state_four_bar
+    from .precision_points import chebyshev_points as chebyshev_points
     from .rockers import CrankRocker as CrankRocker
     from .rockers import crank_rocker as crank_rocker
     from .strokes import StrokeCrank as StrokeCrank

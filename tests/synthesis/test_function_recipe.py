@@ -1,0 +1,110 @@
+"""Recipes of function generators: what is made of them, and what is told of a wrong one."""
+
+import json
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+FOUR_BAR = """
+kind = "function-generator"
+[wanted]
+function = "x**1.5"
+x_start = 1
+x_end = 3
+input_deg = 90
+"""
+SLIDER = """
+kind = "slider-function-generator"
+[wanted]
+function = "power"
+coefficients = [2, 1.5]
+x_start = 1
+x_end = 3
+input_deg = -90
+output_mm = -40
+"""
+
+
+@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
+def test_what_is_made(tmp_path, text):
+    recipe = gk.load(text).called("wish")
+    made = gk.make(recipe, tmp_path)
+    unit = "mm" if "slider" in text else "deg"
+    table = recipe.table.to_columns()
+    x, wanted, reached, error = (table[name] for name in ("x", f"wanted_{unit}", f"reached_{unit}", f"error_{unit}"))
+    share = (x**1.5 - 1) / (3**1.5 - 1)
+    way = -40 if unit == "mm" else 90
+    at_start = wanted[np.argmin(x)]
+    assert sorted([x[0], x[-1]]) == pytest.approx([1, 3]) and wanted == pytest.approx(at_start + way * share)
+    # The columns of the motion itself tell the same.
+    if unit == "deg":
+        turned = table["rocker_angle_deg"] - wanted
+        assert error == pytest.approx(turned - 360 * np.round(turned / 360), abs=1e-9)
+    assert reached - wanted == pytest.approx(error)
+    told = json.loads((tmp_path / "wish" / "summary.json").read_text())
+    largest = told["found"][f"largest_error_{unit}"]
+    assert np.abs(error).max() <= largest * (1 + 1e-6) and np.abs(error).max() > 0.9 * largest
+    assert told["ranked"][0] == told["found"] and told["number_found"] == len(told["ranked"])
+    errors = [entry[f"largest_error_{unit}"] for entry in told["ranked"]]
+    assert errors == sorted(errors) and sum(peak["multiplier"] for peak in told["alternation"]) == pytest.approx(
+        1, abs=1e-5
+    )
+    assert made.checks[0].name == "largest error of the output" and made.checks[0].passed and made.checks[1].passed
+    found = tmp_path / "wish" / "wish.found.toml"
+    assert gk.load(found) == recipe.design
+    again = gk.make(found, tmp_path)
+    assert all(check.passed for check in again.checks)
+    for file in (tmp_path / "wish").glob("*.stl"):
+        assert file.read_bytes() == (tmp_path / "wish.found" / file.name).read_bytes()
+
+
+def test_the_second_best_is_made_where_it_is_chosen():
+    best = gk.load(FOUR_BAR)
+    second = gk.load(f"choose = 2\n{FOUR_BAR}")
+    assert second.one.largest_error_deg > best.one.largest_error_deg
+    assert second.design.linkage == second.ranked[1].linkage == best.ranked[1].linkage
+    peak = max(second.table["error"], key=abs)
+    assert abs(peak) == pytest.approx(second.one.largest_error_deg, rel=0.1)
+    with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
+        gk.make(gk.load(f"choose = 900\n{FOUR_BAR}"), "none")
+
+
+def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
+    rows = [[x / 4, (x / 4) ** 2] for x in range(4, 13)]
+    text = FOUR_BAR.replace('"x**1.5"', '"table"') + f"rows = {rows}\n"
+    recipe = gk.load(text + 'method = "points"\npoints_at = [1.2, 2, 2.8]\nlargest_error_deg = 0.001\n')
+    assert np.abs(recipe.one.error([1.2, 2, 2.8])).max() < 1e-7
+    assert not recipe.judged[0].passed and recipe.judged[0].limit == 0.001
+    assert recipe.one.wanted_at(2.5) - recipe.one.wanted_at(1.0) == pytest.approx(90 * (2.5**2 - 1) / 8)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"x**1.5"', '"1/(x - 2)"', "wanted.function: found no finite value at x = 2; give a range"),
+        ('"x**1.5"', '"x**"', "wanted.function: found the end at character 4 of 'x\\*\\*'; give a number"),
+        ('"x**1.5"', '"open(x)"', "wanted.function: found 'open' at character 1"),
+        ('"x**1.5"', '"(x - 1)*(x - 3)"', "wanted.function: it ends at the value at which it began, 0"),
+        ('"x**1.5"', '"table"', "wanted.rows: is missing"),
+        ('"x**1.5"', '"power"', "wanted.coefficients: found shape"),
+        ("x_end = 3", "x_end = 1", "wanted.x_end: found 1; give more than 1"),
+        ("x_end = 3", "x_end = 3\ncoefficients = [1, 2]", "wanted.coefficients: is given, with function"),
+        ("x_end = 3", "x_end = 3\nrows = [[1, 2], [3, 4]]", "wanted.rows: is given, with function"),
+        ("x_end = 3", "x_end = 3\npoints = 4", "wanted.method: found minimax"),
+        ("x_end = 3", 'x_end = 3\nmethod = "points"\npoints_at = [1, 2]', "wanted.points_at: found 2; give three to"),
+        (
+            "x_end = 3",
+            'x_end = 3\nmethod = "points"\npoints_at = [1, 2, 4]',
+            "wanted.points: found 1, 2, 4; give rising",
+        ),
+        ("input_deg = 90", "input_deg = 0", "wanted.input_deg: found 0.0; give a number from 0.1 to 359"),
+        ("input_deg = 90", "output_deg = 400", "wanted.output_deg: found 400; give a number at least -359"),
+        ("input_deg = 90", "output_mm = 40", "wanted.output_mm: unknown key"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_key(old, new, words, tmp_path):
+    with pytest.raises(gk.RecipeError, match=words):
+        gk.make(gk.load(FOUR_BAR.replace(old, new)), tmp_path)
+    assert not any(tmp_path.iterdir())
