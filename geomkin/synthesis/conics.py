@@ -8,6 +8,8 @@ from ..plane.vec import Array, Complex, Mask, Real, Whole
 
 # Newton's steps: from a root of the quartic two or three are enough; a double root halves its error a step.
 STEPS = 12
+# The same of complex points, to tell which of them are real. Fewer, and one that is counts as none; more cost time.
+FIRST_STEPS = 2
 # Imaginary share of a complex point up to which its real part is tried: two real points that nearly meet come out of
 # the quartic as such a pair. Smaller, and they are missed; larger costs time.
 NEARLY_REAL = 0.02
@@ -38,7 +40,7 @@ def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
     # A pair as good as the given one, whose members are of one size and least alike.
     flat = pair.reshape(len(pair), 2, 9) / np.where(size == 0, 1, size)[..., 0]
     parts = np.linalg.svd(flat, full_matrices=False)[2].reshape(-1, 2, 3, 3)
-    starts = _polished(parts, _roots(parts))
+    starts = _polished(parts, _roots(parts), FIRST_STEPS)
     # Of a complex point, the phase at which its largest part is real.
     at = np.argmax(np.abs(starts), axis=-1)[..., None]
     lead = np.take_along_axis(starts, at, axis=-1)
@@ -49,7 +51,7 @@ def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
     tried = starts.real[unreal < NEARLY_REAL]
     tried /= np.linalg.norm(tried, axis=-1, keepdims=True)
     which, tried = _both_ways(parts, which, tried)
-    found = _polished(parts[which], tried[:, None].astype(float))[:, 0]
+    found = _polished(parts[which], tried[:, None].astype(float), STEPS)[:, 0]
     off = np.abs(_values(parts[which], found[:, None])).max(axis=(-1, -2))
     points, there = _gathered(len(pair), which, found, off)
     for k in np.nonzero(there.sum(axis=-1) > 2)[0]:
@@ -94,12 +96,12 @@ def _values(parts: Real, x: Array) -> Array:
     return value
 
 
-def _polished(parts: Real, x: Array) -> Array:
+def _polished(parts: Real, x: Array, steps: int) -> Array:
     """Vectors (n, k, 3) after Newton's steps on the unit sphere: of all that they come by, the best."""
     x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     value = _values(parts, x)
     best, least = x, np.abs(value).max(axis=-1)
-    for done in range(STEPS if x.size else 0):
+    for done in range(steps if x.size else 0):
         slopes = 2 * np.einsum("ncij,nkj->nkci", parts, x)
         rows = np.concatenate([slopes, np.conj(x)[..., None, :]], axis=-2)
         step = _solved(rows, np.concatenate([value, np.zeros((*x.shape[:2], 1))], axis=-1))

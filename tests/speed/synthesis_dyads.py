@@ -14,7 +14,7 @@ from tests.synthesis.known import apart, known_linkages
 
 
 def row(what, known, published, ours, ms):
-    print(f"{what:<44}{known:>9}{published:>22}{ours:>26}{ms:>9}")
+    print(f"{what:<44}{known:>9}{published:>26}{ours:>26}{ms:>9}")
 
 
 def known(count, poses):
