@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..brief import one_line
 from ..linkage.named.four_bar import FourBar
 from ..plane.vec import Complex, Real
 from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
@@ -25,6 +26,7 @@ class FourBarGenerator(AbstractGenerator):
 
     out: float
     ground: float
+    __repr__ = one_line
     angles: ClassVar[list[int]] = [3, 4]
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + len(PAIRS) * ["ratio"]
 

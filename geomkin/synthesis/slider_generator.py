@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..brief import one_line
 from ..linkage.named.slider_crank import SliderCrank
 from ..plane.vec import Real
 from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
@@ -22,6 +23,7 @@ class SliderGenerator(AbstractGenerator):
 
     sense: float
     length: float
+    __repr__ = one_line
     angles: ClassVar[list[int]] = [3]
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + 2 * ["ratio"]
 

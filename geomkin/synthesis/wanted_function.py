@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from ..arguments import Sort, are_reals, numbers
+from ..brief import one_line
 from ..errors import DesignError, printable
 from ..plane.spline import Spline
 from ..plane.vec import Real
@@ -47,6 +48,7 @@ class WantedFunction:
     x1: float
     y0: float
     y1: float
+    __repr__ = one_line
 
     def x(self, s: Real) -> Real:
         """x (...,) at shares of the input's way."""
