@@ -225,7 +225,9 @@ class DoubleRockerRecipe(AbstractLinkageGoal):
         if self.wanted.crank is not None or self.wanted.rocker is not None:
             return (best,)
         others = [self.wanted.search(angle) for angle in spread(best.family)]
-        return best, *by_transmission(others, self.wanted.largest_ratio)
+        ranked: Sequence[DoubleRocker] = by_transmission(others, self.wanted.largest_ratio)
+        # As the search does: those that go beyond their places come behind those that do not.
+        return best, *sorted(ranked, key=lambda one: one.overshoot_deg > MISSED_DEG)
 
     @property
     def way(self) -> tuple[float, float]:
