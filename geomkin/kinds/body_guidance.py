@@ -166,7 +166,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
     @property
     def table(self) -> Table:
         """The linkage's, and the body's angle; its place is that of the coupler point."""
-        motion: Motion = self.design.motion  # type: ignore[attr-defined]
+        motion: Motion = self.design.motion
         coupler = motion.bodies["rod" if "rod" in motion.linkage.bodies else "coupler"]
         angle = unwrapped_deg(coupler.direction * direction_deg(self.guide.body_angle_deg))
         return Table((*super().table.columns, Column("body_angle", "deg", "direction of the body from +x", angle)))
