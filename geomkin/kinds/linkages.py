@@ -12,7 +12,7 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
-from ..judge.linkage import collision_check, hole_check, linkage_checks
+from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage.limits import driver_limits
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import grashof_type
@@ -26,8 +26,10 @@ from ..linkage.solve.move import move
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
+from ..scene import Limit, Scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..show.linkage import linkage_scene
 from ..sizes import entry
 from ..table import Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry
@@ -81,6 +83,13 @@ class AbstractLinkageRecipe(AbstractRecipe):
     @cached_property
     def table(self) -> Table:
         return motion_table(self.motion)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
+        least = LEAST_TRANSMISSION_ANGLE_DEG
+        limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
+        return linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits)
 
     @property
     def judged(self) -> tuple[Check, ...]:

@@ -1,0 +1,10 @@
+"""Mechanisms as scenes: what is cut, where it is at each frame, and what is drawn with it."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .linkage import linkage_scene as linkage_scene
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)
