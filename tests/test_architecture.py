@@ -35,7 +35,7 @@ MAY = {
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "synthesis"}
+    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},
