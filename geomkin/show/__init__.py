@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .cam import cam_scene as cam_scene
     from .linkage import linkage_scene as linkage_scene
 else:
     from ..lazy import attach
