@@ -4,6 +4,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .cam import cam_scene as cam_scene
+    from .conjugate import conjugate_scene as conjugate_scene
+    from .gear import gear_scene as gear_scene
+    from .gear import pair_scene as pair_scene
+    from .gear import planetary_scene as planetary_scene
     from .linkage import linkage_scene as linkage_scene
 else:
     from ..lazy import attach

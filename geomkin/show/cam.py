@@ -155,7 +155,7 @@ class _Riding:
             yield SceneMark("point", place, "wanted", label)
         else:
             end = np.where(self.lost > 0, self.asked.place(face[0]), nowhere)
-            yield SceneMark("line", end, "wanted", label, vector=(face[1] - face[0]) * np.asarray(self.asked.direction))
+            yield SceneMark("line", end, "wanted", label, vector=self.asked.place(face[1]) - self.asked.place(face[0]))
 
 
 def _plots(table: Table, limits: Mapping[str, tuple[Limit, ...]]) -> Iterator[Plot]:
