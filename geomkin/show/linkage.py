@@ -17,6 +17,8 @@ from ..table import Column, Table
 
 # Share of the linkage's size that the longest arrow of a kind is drawn with: longer ones cover the links.
 LONGEST_ARROW = 0.5
+# Bodies of which all instant centres are shown: of more, only those on the ground, for nobody finds one among dozens.
+ALL_CENTRES = 6
 # Instant centres farther away than so many times the linkage's size are left out: nobody would look there.
 FARTHEST_CENTRE = 3.0
 
@@ -32,10 +34,10 @@ def linkage_scene(
 ) -> Scene:
     """A linkage moving, at the frames of its motion.
 
-    table: `motion_table(motion)`, for the plots. parts: as `link_parts` gives them, each placed by the body it belongs
-    to; without them only pins and lines are drawn. layers: of the stack, by the plates' names. limits: lines across the
-    plots, by the names of the columns that they are for. others: scenes of the
-    same linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations and instant
+    table: `motion_table(motion)`, or another of its frames, for the plots. parts: as `link_parts` gives them, each
+    placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
+    names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
+    linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations and instant
     centres are marks to be switched on. DesignError for arrays of linkages. Derived here.
     """
     if motion.linkage.many:
@@ -45,10 +47,10 @@ def linkage_scene(
     marks += tuple(_vectors(motion)) + tuple(_centres(motion))
     around = motion.drive[-1] - motion.drive[0]
     turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
-    time = np.asarray(table["time"], dtype=float)
-    if not np.isfinite(time).all():
-        # Of a speed that changes no time is told: then it is shown in two seconds.
-        time = np.linspace(0, 2, len(time))
+    speed, passed = motion.timing.speed, np.abs(motion.drive - motion.drive[0])
+    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
+    # Of a speed that changes no time is told: then it is shown in two seconds.
+    time = passed / np.abs(speed) if steady else np.linspace(0, 2, len(passed))
     return Scene(
         table,
         time,
@@ -65,13 +67,12 @@ def linkage_scene(
 def _bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, int]) -> Iterator[SceneBody]:
     ground = motion.linkage.ground
     for name, body in motion.bodies.items():
-        own = tuple(part for part in parts if part.body == name and part.count == 1)
-        for part in sorted(own, key=lambda part: layers.get(part.name, 0))[1:]:
-            # A bridge is a plate of the ground in a layer of its own.
-            yield SceneBody(part.name, (part,), body.origin.position, body.direction, layers.get(part.name, 0), True)
-        held = own[:1]
-        layer = layers.get(held[0].name if held else name, 0)
-        yield SceneBody(name, held, body.origin.position, body.direction, layer, name == ground)
+        own = [part for part in parts if part.body == name and part.count == 1]
+        place, fixed = (body.origin.position, body.direction), name == ground
+        # What else moves with a body, as a bridge of the ground or a counterweight, has a layer of its own.
+        for part in own[1:]:
+            yield SceneBody(part.name, (part,), *place, layers.get(part.name, 0), fixed)
+        yield SceneBody(name, tuple(own[:1]), *place, layers.get(own[0].name if own else name, 0), fixed)
 
 
 def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
@@ -135,8 +136,9 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
     size, joints = float(np.max(motion.linkage.size)), set()
     for pin, bodies in motion.linkage.pins.items():
         joints |= {frozenset((one, two)) for one in bodies for two in bodies if one != two} if pin else set()
+    some = len(motion.bodies) > ALL_CENTRES
     for pair, centre in instant_centres(motion).items():
-        if frozenset(pair) in joints:
+        if frozenset(pair) in joints or (some and motion.linkage.ground not in pair):
             continue
         place = np.where(np.abs(centre.position) < FARTHEST_CENTRE * size, centre.position, np.nan)
         if np.isfinite(place).any():
