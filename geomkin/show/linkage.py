@@ -97,10 +97,11 @@ def _joints(motion: Motion) -> Iterator[SceneMark]:
 
 
 def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Complex]]:
-    """Points that are no pins: name, place, velocity, acceleration."""
+    """Points that are no pins, nor lie at one: name, place, velocity, acceleration."""
     for body, points in motion.linkage.bodies.items():
-        for name in points:
-            if body != motion.linkage.ground and name not in motion.linkage.pins:
+        pins = [z for name, z in points.items() if name in motion.linkage.pins]
+        for name, z in points.items():
+            if body != motion.linkage.ground and not any(z == pin for pin in pins):
                 track = motion.point(name)
                 yield name, track.position, track.velocity, track.acceleration
 

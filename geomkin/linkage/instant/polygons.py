@@ -102,7 +102,7 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
     reached = np.array([0j, *(part.tip for part in parts)])
     least = ROUNDING * float(np.abs(reached).max())
     if scale is None:
-        scale = _round_scale(float(max(np.ptp(reached.real), np.ptp(reached.imag))), size)
+        scale = round_scale(float(max(np.ptp(reached.real), np.ptp(reached.imag))), size)
     ground = motion.linkage.ground
     return VectorPolygon(
         scale,
@@ -183,8 +183,8 @@ def polygon_parts(
     return parts, value, {body: tuple(points) for body, points in members.items()}
 
 
-def _round_scale(extent: float, size: float) -> float:
-    """1, 2 or 5 times a power of 10: what a person can read a drawing by."""
+def round_scale(extent: float, size: float) -> float:
+    """1, 2 or 5 times a power of 10, by which an extent comes within a size: what a person can read a drawing by."""
     if extent == 0:
         raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale")
     largest = size / extent
