@@ -12,7 +12,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved
 from ..plane.joined import Ring
 from ..plane.pose import Pose
-from ..plane.primitives import Arc, Polyline
+from ..plane.primitives import Arc, Polyline, Segment
 from ..plane.roulettes import Involute
 from ..sizes import check_sizes, quantity, rounded_down
 from .involute import TipRounding, inverse_involute, involute_function, largest_rounding, tip_rounding
@@ -158,13 +158,18 @@ class PinionCutter:
         return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
 
     def edge(self, module: float) -> Ring:
-        """The cutter about its axis, mm, a tooth centred on +y, down to its base circle, below which it cuts nothing.
+        """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
 
         module: mm.
         """
         corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
         flank = Moved(Involute(module * self.base_radius, 0.0, corner.roll), Pose(0j, turned))
+        # Its spaces are as deep as its teeth reach out.
+        root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
         side: list[AbstractCurve] = [flank]
+        if 0 < root < self.base_radius:
+            start = complex(flank.point(0.0))
+            side.insert(0, Segment(start * root / self.base_radius, start))
         if self.tip_radius:
             towards = 1j * np.exp(-1j * max(0.0, corner.angle))
             start, centre = complex(flank.point(corner.roll)), module * corner.radius * towards

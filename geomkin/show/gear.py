@@ -123,6 +123,8 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     """
     turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
     sun, planets, ring = gears.poses(turn)
+    # It stands still but for whole pitches, by which its place as seen from a planet jumps.
+    ring = Pose(ring.origin, np.full(turn.shape, np.asarray(ring.direction)[0]))
     still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
@@ -154,17 +156,17 @@ def bodies_at(
     called: Mapping[str, str] | None = None,
     below: Collection[str] = ("ground",),
 ) -> tuple[SceneBody, ...]:
-    """Bodies with their parts at their poses; the ground only where it has any.
+    """Bodies with their parts at their poses; the ground only where it has any. Those that stand still are fixed.
 
     called: what parts call a body, where that is another name. below: those that lie under the others.
     """
     found = []
     for name, pose in poses.items():
         held = tuple(part for part in parts if part.body == (called or {}).get(name, name))
-        fixed = name in ("ground", "ring") and not np.ptp(np.asarray(pose.direction))
         if held or name != "ground":
             origin, direction = np.asarray(pose.origin), np.asarray(pose.direction)
-            found.append(SceneBody(name, held, origin, direction, 0 if name in below else 1, fixed))
+            still = bool((direction == direction[0]).all() and (origin == origin[0]).all())
+            found.append(SceneBody(name, held, origin, direction, 0 if name in below else 1, still))
     return tuple(found)
 
 

@@ -25,8 +25,9 @@ LARGEST_CIRCLE = 100.0
 def inflection_scene(motion: Motion, table: Table, body: str, point: complex) -> Scene:
     """A linkage with a body's inflection circle, and the centre of curvature of the path of a point of the body.
 
-    table: of the motion's frames, with the columns `inflection_diameter` and `path_curvature`. point: mm in the body's
-    own frame. What is far off or large beside the linkage, as it passes through infinity, is left out. Derived here.
+    table: of the motion's frames, with the columns `inflection_diameter`, `path_curvature`, and x and y of
+    `centre_of_curvature` and `instant_centre`. point: mm in the body's own frame. What is far off or large beside the
+    linkage, as it passes through infinity, is left out. Derived here.
     """
     circle, path = inflection_circle(motion, body), path_curvature(motion, body, point)
     reach = FARTHEST_CENTRE * float(np.max(motion.linkage.size))
@@ -53,12 +54,15 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
         SceneMark("line", bent, "wanted", "radius of curvature", vector=path.position - bent),
     )
     told = {column.name: column.header for column in table.columns}
-    plots = (
-        Plot("curvature of the path", (told["path_curvature"],)),
-        Plot("diameter of the inflection circle", (told["inflection_diameter"],)),
-    )
+    shown = {
+        "curvature of the path": ("path_curvature",),
+        "diameter of the inflection circle": ("inflection_diameter",),
+        "centre of curvature, place": ("centre_of_curvature_x", "centre_of_curvature_y"),
+        "instant centre, place": ("instant_centre_x", "instant_centre_y"),
+    }
+    plots = tuple(Plot(title, tuple(told[name] for name in names)) for title, names in shown.items())
     scene = linkage_scene(motion, table)
-    return replace(scene, marks=(*scene.marks, *marks), plots=(*plots, *scene.plots))
+    return replace(scene, marks=(*scene.marks, *marks), plots=plots)
 
 
 @checked
