@@ -24,7 +24,7 @@ from ..linkage.solve.branch import Branch
 from ..part import Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
-from ..scene import Plot, Role, Scene
+from ..scene import Limit, Plot, Role, Scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
 from ..show.linkage import linkage_scene
@@ -115,7 +115,8 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             for name, role in roles.items()
         }
         what = {role: f"shaking force, counterbalance: {name}" for name, role in roles.items()}
-        plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles))]
+        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
+        plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
         plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}_N" for name in roles)) for way in "xy"]
         return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
 

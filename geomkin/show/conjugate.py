@@ -72,7 +72,9 @@ def conjugate_scene(
         Plot("contacts of right-hand flanks", ("contacts",)),
     )
     always = np.ones(turn.shape, bool)
-    return Scene(table, frames.time, always, bodies_at(parts, poses), tuple(curves), tuple(marks), plots, frames.cyclic)
+    # Of two discs with pins between them the lower one is shown.
+    bodies = bodies_at(parts, poses, below=(name,) if pins else ())
+    return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
 @dataclass(frozen=True, eq=False)
