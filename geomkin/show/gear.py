@@ -171,10 +171,10 @@ def bodies_at(
 
 
 def contact_marks(places: Complex) -> Iterator[SceneMark]:
-    """Points (contacts, frames) at which flanks touch, mm; nan where they do not."""
-    for place in places:
-        if np.isfinite(place).any():
-            yield SceneMark("point", place, "contact", "contact")
+    """Points (contacts, frames) at which flanks touch, mm; nan where they do not. The first has the name of all."""
+    seen = [place for place in places if np.isfinite(place).any()]
+    for k, place in enumerate(seen):
+        yield SceneMark("point", place, "contact", "" if k else "contact")
 
 
 def _axis(frames: Meshing, place: complex, label: str) -> SceneMark:

@@ -40,7 +40,7 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
     # Of a circle that passes near by, centre and pole may be far away.
     seen = np.isfinite(near(circle.nearest)) & np.isfinite(near(pole, LARGEST_CIRCLE * reach))
     middle = np.where(seen, (centre + pole) / 2, np.nan)
-    centre, pole, bent = near(centre), near(pole), near(path.centre)
+    centre, pole, bent = near(centre), near(pole), near(path.centre, reach / FARTHEST_CENTRE)
     half = circle.tangent * reach / 4
     marks = (
         SceneMark(
@@ -48,8 +48,8 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
         ),
         SceneMark("point", centre, "centre", f"instant centre of the {body}"),
         SceneMark("point", pole, "inflection", "inflection pole"),
-        SceneMark("line", centre - half, "construction", "centrode tangent", vector=2 * half),
-        SceneMark("line", centre, "construction", "centrode normal", vector=pole - centre),
+        SceneMark("line", centre - half, "inflection", "centrode tangent", vector=2 * half),
+        SceneMark("line", centre, "inflection", "centrode normal", vector=pole - centre),
         SceneMark("point", bent, "wanted", "centre of curvature of the path"),
         SceneMark("line", bent, "wanted", "radius of curvature", vector=path.position - bent),
     )

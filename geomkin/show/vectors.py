@@ -33,8 +33,8 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
     low, high = scene.box
     size = max(abs(high - low), float(np.max(motion.linkage.size)))
     marks, right, middle = list(scene.marks), high.real + GAP * size, (low.imag + high.imag) / 2
-    rates: tuple[tuple[Role, Literal[1, 2], str], ...] = ("velocity", 1, "mm/s"), ("acceleration", 2, "mm/s2")
-    for role, order, unit in rates:
+    rates: tuple[tuple[str, Literal[1, 2], str], ...] = ("velocity", 1, "mm/s"), ("acceleration", 2, "mm/s2")
+    for rate, order, unit in rates:
         sides = list(_sides(motion, order))
         ends = np.array([0j, *(z for _, _, tail, tip in sides for row in (tail, tip) for z in row[np.isfinite(row)])])
         if not (extent := float(max(np.ptp(ends.real), np.ptp(ends.imag)))):
@@ -42,12 +42,12 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
         scale = round_scale(extent, size)
         pole = complex(right - scale * ends.real.min(), middle)
         right += scale * np.ptp(ends.real) + GAP * size
-        marks += _polygon(sides, pole, scale, role, f"1 mm is {1 / scale:.3g} {unit}")
+        marks += _polygon(sides, pole, scale, rate, f"1 mm is {1 / scale:.3g} {unit}")
     return replace(scene, marks=tuple(marks))
 
 
 def _sides(motion: Motion, order: Literal[1, 2]) -> Iterator[tuple[str, str, Complex, Complex]]:
-    """Kind, words, tail and tip, (frames,), mm/s or mm/s2 from the pole; nan at frames at which they run off."""
+    """Kind, name of the end, tail and tip, (frames,), mm/s or mm/s2 from the pole; nan where they run off."""
     parts, _, _ = polygon_parts(motion, order, slice(None))
     lengths = [np.abs(part.tip) for part in parts]
     finite = [row[np.isfinite(row)] for row in lengths]
@@ -55,23 +55,23 @@ def _sides(motion: Motion, order: Literal[1, 2]) -> Iterator[tuple[str, str, Com
     for part, length in zip(parts, lengths):
         with np.errstate(invalid="ignore"):
             kept = length <= LONGEST_SIDE * usual
-        words = part.end if part.kind == "absolute" else f"{part.kind}, {part.start} to {part.end}"
         tail, tip = (np.where(kept, z, np.nan) for z in (part.tail, part.tip))
-        yield part.kind, words, tail, tip
+        yield part.kind, part.end, tail, tip
 
 
 def _polygon(
-    sides: list[tuple[str, str, Complex, Complex]], pole: complex, scale: float, role: Role, words: str
+    sides: list[tuple[str, str, Complex, Complex]], pole: complex, scale: float, rate: str, words: str
 ) -> Iterator[SceneMark]:
+    """What the recipe is for, and so in the accent of what is traced; the sides between tips have no names."""
     for kind, name, tail, tip in sides:
         if not np.nanmax(np.abs(tip - tail), initial=0.0):
             continue
         start, side = pole + scale * tail, scale * (tip - tail)
         if kind == "absolute":
-            yield SceneMark("vector", start, role, f"{role} of {name}, {words}", vector=side)
-            yield SceneMark("point", start + side, role, f"hodograph of {name}", trail=True)
+            yield SceneMark("vector", start, "traced", f"{rate} of {name}, {words}", vector=side)
+            yield SceneMark("point", start + side, "traced", f"{rate[0]} {name}", trail=True)
         else:
-            yield SceneMark("line", start, role, f"{role}, {name}", vector=side)
+            yield SceneMark("line", start, "traced", vector=side)
 
 
 @checked

@@ -66,7 +66,7 @@ def test_contacts_lie_on_the_drivers_flanks_and_leave_half_the_play_to_the_other
     pair = PAIRS[which]()
     scene, names = both(pair)
     play = pair.backlash / 2 * np.cos(np.arccos(pair.driver.base_radius / _working_radius(pair)))
-    contacts, count = marks(scene, "point", "contact"), 0
+    contacts, count = marks(scene, "point"), 0
     for frame in frames(scene):
         for mark in contacts:
             if np.isfinite(mark.place[frame]):
@@ -120,7 +120,7 @@ def test_teeth_of_the_gallery_never_overlap(name):
 def test_contacts_of_any_teeth_lie_on_the_mate(name):
     scene, own = recipe(name).scene, recipe(name)
     mate = named(scene, "ring" if own.design.is_ring else "mate")
-    contacts = marks(scene, "point", "contact")
+    contacts = marks(scene, "point")
     for frame in frames(scene):
         touching = [mark.place[frame] for mark in contacts if np.isfinite(mark.place[frame])]
         assert touching
