@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle
 from ..linkage.motion import Motion
 from ..plane.curve import AbstractCurve
-from ..plane.vec import Complex
+from ..plane.vec import Complex, Mask, Real
 from ..scene import Plot, Scene, SceneCurve, SceneMark
 from ..table import Table
 from .linkage import FARTHEST_CENTRE, linkage_scene
@@ -61,7 +61,7 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
         "instant centre, place": ("instant_centre_x", "instant_centre_y"),
     }
     plots = tuple(Plot(title, tuple(told[name] for name in names)) for title, names in shown.items())
-    scene = linkage_scene(motion, table)
+    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.abs(length) < reach))
     return replace(scene, marks=(*scene.marks, *marks), plots=plots)
 
 
@@ -81,6 +81,15 @@ def centrodes_scene(
     """
     curves = [SceneCurve(curve, "centrode", "fixed centrode") for curve in fixed]
     curves += [SceneCurve(curve, "centrode", "moving centrode", body) for curve in moving]
-    scene = linkage_scene(motion, table)
-    touch = SceneMark("point", centre, "contact", "instant centre, where the centrodes touch")
+    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.isfinite(centre)))
+    touch = SceneMark("point", centre, "contact", "instant centre")
     return replace(scene, curves=tuple(curves), marks=(*scene.marks, touch))
+
+
+def _lengths_where(table: Table, kept: Callable[[Real], Mask]) -> Table:
+    """A table whose lengths are left out where they are not kept: near infinity nothing else would be seen in plots."""
+    columns = (
+        replace(c, values=np.where(kept(np.asarray(c.values)), c.values, np.nan)) if c.unit == "mm" else c
+        for c in table.columns
+    )
+    return Table(tuple(columns))

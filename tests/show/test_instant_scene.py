@@ -11,7 +11,10 @@ from .gallery import marks, named, recipe
 @pytest.mark.parametrize("name", ["centrodes", "rolling-ellipses"])
 def test_the_moving_centrode_rolls_on_the_fixed_one(name):
     scene, own = recipe(name).scene, recipe(name)
-    coupler, (touch,) = named(scene, "coupler"), marks(scene, "point", "where the centrodes touch")
+    coupler, (touch,) = (
+        named(scene, "coupler"),
+        [m for m in marks(scene, "point", "instant centre") if m.role == "contact"],
+    )
     fixed = [curve.curve for curve in scene.curves if not curve.body]
     moving = [curve.curve for curve in scene.curves if curve.body == "coupler"]
     assert len(fixed) == len(moving) > 0
