@@ -110,14 +110,12 @@ class AbstractLinkageRecipe(AbstractRecipe):
         motion = move(self.linkage, self.way.frames, other, self.way.speed)
         if not motion.closed.any():
             return {}
-        # Its curves are drawn, and what is plotted is that of the mode asked for.
-        table = Table(self.table.columns[:2])
         # A ground with slots has them where the mode asked for needs them.
         slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
         parts = [part for part in self.parts if not slotted or part.body != slotted]
-        scene = linkage_scene(motion, table, parts, self.stack.layers)
-        marks = tuple(mark for mark in scene.marks if mark.role in ("construction", "traced"))
-        return {f"{joint} on its other side": dataclasses.replace(scene, marks=marks)}
+        # It is there to be seen; what is plotted is that of the mode asked for.
+        table = Table(self.table.columns[:2])
+        return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
     @property
     def judged(self) -> tuple[Check, ...]:

@@ -31,6 +31,7 @@ def linkage_scene(
     layers: Mapping[str, int] | None = None,
     limits: Mapping[str, Limit] | None = None,
     others: Mapping[str, Scene] | None = None,
+    rates: bool = True,
 ) -> Scene:
     """A linkage moving, at the frames of its motion.
 
@@ -38,13 +39,15 @@ def linkage_scene(
     placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
     names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
     linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations and instant
-    centres are marks to be switched on. DesignError for arrays of linkages. Derived here.
+    centres are marks to be switched on, and left out where `rates` is false. DesignError for arrays of linkages.
+    Derived here.
     """
     if motion.linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
     bodies = tuple(_bodies(motion, parts, layers or {}))
     marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *_traced(motion))
-    marks += tuple(_vectors(motion)) + tuple(_centres(motion))
+    if rates:
+        marks += (*_vectors(motion), *_centres(motion))
     around = motion.drive[-1] - motion.drive[0]
     turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
     speed, passed = motion.timing.speed, np.abs(motion.drive - motion.drive[0])
