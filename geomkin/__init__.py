@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from . import plane as plane
     from . import recipe as recipe
     from . import shop as shop
+    from . import show as show
     from . import synthesis as synthesis
     from .build import load as load
     from .build import make as make

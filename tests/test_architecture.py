@@ -21,19 +21,21 @@ MAY = {
     "table": {"plane"},
     "plane": set(),
     "part": {"plane"},
+    "scene": {"plane", "part", "table"},
     "walls": {"plane", "part", "check"},
     **dict.fromkeys(MECHANISMS, GEOMETRY),
-    "export": {"plane", "part", "table", "check"},
+    "export": {"plane", "part", "table", "check", "scene", "web"},
     "synthesis": MECHANISMS | GEOMETRY,
     "judge": MECHANISMS | GEOMETRY | {"synthesis", "check"},
+    "show": MECHANISMS | GEOMETRY | {"synthesis", "part", "scene"},
     "shop": MECHANISMS | GEOMETRY | {"synthesis", "part"},
     # Text only: it knows no mechanism, and of formats their names.
-    "recipe": GEOMETRY | {"part", "check", "walls", "export"},
-    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "part", "check", "judge", "shop", "recipe"},
-    "build": {"part", "table", "check", "export", "recipe", "kinds"},
+    "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
+    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
+    "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "synthesis"}
+    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},

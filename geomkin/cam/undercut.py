@@ -63,22 +63,32 @@ class Undercut:
 
     def lost_lift(self, angle: ArrayLike) -> Real:
         """How far the follower's lift stays below the programme's, mm or rad, at cam angles in rad."""
+        return self._resting(angle)[0]
+
+    def corner(self, angle: ArrayLike) -> Complex:
+        """The corner on which it rests meanwhile, mm, on the ground, at cam angles in rad; nan where it loses none."""
+        return self._resting(angle)[1]
+
+    def _resting(self, angle: ArrayLike) -> tuple[Real, Complex]:
         angle = np.asarray(angle, dtype=float)
         if not self.found:
-            return np.zeros(angle.shape)
+            return np.zeros(angle.shape), np.full(angle.shape, complex(np.nan, np.nan))
         blocks = np.array_split(angle.ravel(), 1 + angle.size * len(self.spans) // BLOCK)
-        return np.concatenate([self._lost(block) for block in blocks]).reshape(angle.shape)
+        lost, corner = zip(*map(self._rest, blocks))
+        return np.concatenate(lost).reshape(angle.shape), np.concatenate(corner).reshape(angle.shape)
 
-    def _lost(self, angle: Real) -> Real:
-        lost = np.zeros(angle.shape)
+    def _rest(self, angle: Real) -> tuple[Real, Complex]:
+        lost, corner = np.zeros(angle.shape), np.full(angle.shape, complex(np.nan, np.nan))
         since = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
         missing = (since < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
         at = angle[missing]
         corners = self.corners * np.exp(1j * self.cam.sense * at)[:, None]
-        rest = self.cam.follower.resting_lift(corners, self.cam.base_radius).max(axis=-1)
+        rest = self.cam.follower.resting_lift(corners, self.cam.base_radius)
         # Where lift is lost it rests on a corner: on a smooth part it would stand where the programme puts it.
-        lost[missing] = np.maximum(self.cam.program.motion(at).lift - rest, 0)
-        return lost
+        lost[missing] = np.maximum(self.cam.program.motion(at).lift - rest.max(axis=-1), 0)
+        highest = np.take_along_axis(corners, rest.argmax(axis=-1)[:, None], axis=-1)[:, 0]
+        corner[missing] = np.where(lost[missing] > 0, highest, corner[missing])
+        return lost, corner
 
     @cached_property
     def worst(self) -> tuple[float, float]:

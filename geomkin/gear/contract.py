@@ -12,6 +12,8 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
+from ..plane.pose import Pose
+from ..plane.vec import Real
 from ..sizes import Length
 
 __all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
@@ -173,6 +175,13 @@ class AbstractInvoluteGear(AbstractGear):
     @abstractmethod
     def tooth(self) -> AbstractTooth:
         """Sizes and curves of the tooth on +y."""
+
+    def tool(self, turn: Real) -> tuple[AbstractCurve, Pose] | None:
+        """Cutting edge of the tool that cuts it, mm, and where that stands when the gear has turned by `turn`, rad.
+
+        Any shape; it rolls on the pitch circle, on the side of +y. None where that is not told.
+        """
+        return None
 
     @property
     def is_undercut(self) -> bool:

@@ -8,8 +8,15 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
+from ..plane.curve import AbstractCurve
+from ..plane.derived import Moved
+from ..plane.joined import Ring
+from ..plane.pose import Pose
+from ..plane.primitives import Arc, Polyline, Segment
+from ..plane.roulettes import Involute
 from ..sizes import check_sizes, quantity, rounded_down
 from .involute import TipRounding, inverse_involute, involute_function, largest_rounding, tip_rounding
+from .tooth import toothed
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,26 @@ class RackCutter:
         """Depth below the reference line where the straight flank ends, modules."""
         return float(self.dedendum - self.tip_radius * (1 - np.sin(self.pressure_angle)))
 
+    def edge(self, module: float, teeth: int, thinning: float = 0.0) -> Polyline:
+        """Its cutting edge along the x axis from left to right, mm, round so many teeth of what it cuts.
+
+        One of them is centred on +y, the middle one where their number is odd. module: mm. thinning: how much thinner
+        they are along the reference line, modules, for which the rack goes to both sides. Open, of straight edges and
+        arcs.
+        """
+        a = self.pressure_angle
+        land = self.corner_side + thinning / 2
+        top = (np.pi / 2 - thinning) / 2 - self.addendum * np.tan(a)
+        # One tooth's right-hand side, downwards: tip, end of the flank, start of the bottom land.
+        flank_end = np.pi / 2 - land - self.tip_radius * np.cos(a) - 1j * self.flank_depth
+        side = np.array([top + 1j * self.addendum, flank_end, np.pi / 2 - land - 1j * self.dedendum])
+        # The rounding turns from the flank's slope to the level: a quarter of it as tan.
+        turn = np.tan((np.pi / 2 - a) / 4)
+        tooth = np.concatenate([-np.conj(side)[::-1], side])
+        places = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
+        bulges = np.tile([turn, 0, 0, 0, turn, 0], teeth)[:-1]
+        return Polyline(module * (places[:, None] + tooth).ravel(), bulges, is_closed=False)
+
 
 @dataclass(frozen=True)
 class PinionCutter:
@@ -129,6 +156,25 @@ class PinionCutter:
     def corner(self) -> TipRounding:
         """The rounding of its tips, modules and rad."""
         return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
+
+    def edge(self, module: float) -> Ring:
+        """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
+
+        module: mm.
+        """
+        corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
+        flank = Moved(Involute(module * self.base_radius, 0.0, corner.roll), Pose(0j, turned))
+        # Its spaces are as deep as its teeth reach out.
+        root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
+        side: list[AbstractCurve] = [flank]
+        if 0 < root < self.base_radius:
+            start = complex(flank.point(0.0))
+            side.insert(0, Segment(start * root / self.base_radius, start))
+        if self.tip_radius:
+            towards = 1j * np.exp(-1j * max(0.0, corner.angle))
+            start, centre = complex(flank.point(corner.roll)), module * corner.radius * towards
+            side.append(Arc(centre, start, float(np.angle(towards / (start - centre)))))
+        return toothed(side, self.teeth, max(0.0, np.pi / self.teeth - self.half_angle_at_base))
 
     def _half_angle(self, radius: float) -> float:
         return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))

@@ -116,26 +116,19 @@ class GearRack(AbstractGear):
     @property
     def outline(self) -> Polyline:
         """The bar as one closed counterclockwise curve of straight edges and arcs, exact."""
-        a, m, rack = self.pressure_angle, self.module, self.rack
-        land = rack.corner_side + self.thinning / m / 2
+        m, rack = self.module, self.rack
+        edge = rack.edge(1.0, self.teeth, self.thinning / m)
         deep = -1j * rack.dedendum
-        # One tooth's right-hand side, downwards: tip, end of the flank, start of the bottom land, modules.
-        flank_end = np.pi / 2 - land - rack.tip_radius * np.cos(a) - 1j * rack.flank_depth
-        side = np.array([self._tip + 1j * rack.addendum, flank_end, np.pi / 2 - land + deep])
-        # The rounding turns from the flank's slope to the level: a quarter of it as tan.
-        turn = np.tan((np.pi / 2 - a) / 4)
-        tooth = np.concatenate([-np.conj(side)[::-1], side])
-        bends = np.array([turn, 0, 0, 0, turn, 0])
         first = -((self.teeth - 1) // 2)
         places = np.pi * (first + np.arange(self.teeth))
-        top = (places[:, None] + tooth).ravel()
         right, left, back = places[-1] + np.pi / 2, places[0] - np.pi / 2, -1j * self.height
         corner = min(CORNER, 0.4 * (self.height - rack.dedendum))
         ends = np.array([right + deep, right + back + 1j * corner, right + back - corner])
         ends = np.append(ends, [left + back + corner, left + back + 1j * corner, left + deep])
         quarter = -np.tan(np.pi / 8)
         # Left to right along the teeth is clockwise: the other way round, with arcs bent the other way.
-        vertices, bulges = np.append(top, ends), np.append(np.tile(bends, self.teeth), [0, quarter, 0, quarter, 0, 0])
+        vertices = np.append(edge.vertices, ends)
+        bulges = np.append(np.asarray(edge.bulges), [0, 0, quarter, 0, quarter, 0, 0])
         keep = np.abs(np.roll(vertices, -1) - vertices) > 1e-12 * self.height
         vertices, bulges = vertices[keep], bulges[keep]
         return Polyline(m * vertices[::-1], -np.roll(bulges[::-1], -1))

@@ -10,6 +10,8 @@ import numpy as np
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.joined import Ring
+from ..plane.pose import Pose
+from ..plane.vec import Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
 from .cutters import PinionCutter
@@ -122,6 +124,13 @@ class RingGear(AbstractInvoluteGear):
     def outline(self) -> Ring:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
         return toothed([with_land([self.root_curve, self.flank], self.tooth.half_land)], self.teeth)
+
+    def tool(self, turn: Real) -> tuple[Ring, Pose]:
+        """The pinion cutter, which turns inside the ring; where teeth are thinned, in the middle of its ways."""
+        cutter = self.cutter
+        turned = np.exp(1j * (turn * self.teeth + np.pi) / cutter.teeth)
+        place = np.full(np.shape(turn), 1j * (self.root_radius - self.module * cutter.outer_radius))
+        return cutter.edge(self.module), Pose(place, turned)
 
     @cached_property
     def tooth(self) -> RingTooth:

@@ -12,12 +12,17 @@ from ..arguments import NUMBER, Sort
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.joined import Ring
+from ..plane.pose import Pose
+from ..plane.primitives import Polyline
+from ..plane.vec import Real
 from ..sizes import SMALLEST, check_sizes, entry, last_fit, quantity, rounded_down
 from .contract import AbstractInvoluteGear
 from .cutters import RackCutter
 from .involute import inverse_involute, involute_function, largest_rounding
 from .tooth import Tooth, outline
 
+# Teeth along the rack that is shown cutting a gear: more run off the picture, fewer end where it still cuts.
+TOOL_TEETH = 7
 # An inch, mm, by definition.
 INCH = 25.4
 # Least chamfer, modules: rounding turns the edge of a smaller one, and a kerf's offset of it never gets smooth.
@@ -192,6 +197,12 @@ class SpurGear(AbstractInvoluteGear):
     def outline(self) -> Ring:
         """The whole gear as one closed counterclockwise curve of exact pieces."""
         return outline(self.tooth)
+
+    def tool(self, turn: Real) -> tuple[Polyline, Pose]:
+        """The rack, round as many teeth as meet it; where teeth are thinned, as it would cut both sides at once."""
+        edge = self.rack.edge(self.module, min(self.teeth, TOOL_TEETH), self.thinning / self.module)
+        height = self.pitch_radius + self.module * self.profile_shift
+        return edge, Pose(1j * height - self.pitch_radius * np.asarray(turn), np.ones(np.shape(turn), complex))
 
     @cached_property
     def tooth(self) -> Tooth:

@@ -20,7 +20,9 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
+from ..scene import Scene
 from ..shop.drawing import PlateStock, engraved
+from ..show.instant import centrodes_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
 from .linkage_tables import Branches, SideOrFollow, branch_of, branches_entry
@@ -85,22 +87,35 @@ class CentrodesRecipe(AbstractRecipe):
             )
         )
 
+    @cached_property
+    def curves(self) -> tuple[list[AbstractCurve], list[AbstractCurve]]:
+        """The fixed centrode and the moving one, each in its runs."""
+        linkage, start = self.linkage.linkage, float(self.centrodes.motion.drive[0])
+        fixed, moving = (
+            [CentrodeCurve(linkage, "coupler", run, moving, self.signs, start) for run in self.runs]
+            for moving in (False, True)
+        )
+        return list(fixed), list(moving)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The moving centrode, on the coupler, rolling on the fixed one."""
+        drawn = np.asarray(self.table["run"]) > 0
+        centre = np.where(drawn, self.centrodes.fixed, np.nan)
+        return centrodes_scene(self.centrodes.motion, self.table, "coupler", *self.curves, centre)
+
     @property
     def judged(self) -> tuple[Check, ...]:
         return (reached(self.centrodes.motion, "driver's turn"), *self.drive.checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        linkage, start = self.linkage.linkage, float(self.centrodes.motion.drive[0])
-        parts = []
+        linkage, parts = self.linkage.linkage, []
         for name, moving, body in (("fixed-centrode", False, "ground"), ("moving-centrode", True, "coupler")):
-            curves: list[AbstractCurve] = [
-                CentrodeCurve(linkage, "coupler", run, moving, self.signs, start) for run in self.runs
-            ]
             places = [z for pin, z in linkage.bodies[body].items() if pin in linkage.pins]
             if not moving:
                 ground = self.centrodes.motion.bodies["ground"]
                 places = [complex(ground.point(z).position[0]) for z in places]
             pins = [Circle(complex(z), self.stock.pin_diameter / 2) for z in places]
-            parts.append(engraved(name, [*curves, *pins], self.stock))
+            parts.append(engraved(name, [*self.curves[moving], *pins], self.stock))
         return tuple(parts)

@@ -17,11 +17,14 @@ from ..linkage.motion import Motion
 from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move
 from ..part import Part
+from ..plane.vec import Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
+from ..scene import Scene, SceneMark
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..show.linkage import linkage_scene
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -56,9 +59,12 @@ class CognatesRecipe(AbstractRecipe):
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The three, each moved to be at the same point at the same moment."""
-        drive, speed = self.drive.frames, self.drive.speed
+        return self._moved(self.drive.frames)
+
+    def _moved(self, drive: Real) -> tuple[Motion, ...]:
         return tuple(
-            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, speed) for c in cognates(self.linkage)
+            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, self.drive.speed)
+            for c in cognates(self.linkage)
         )
 
     @cached_property
@@ -74,15 +80,27 @@ class CognatesRecipe(AbstractRecipe):
 
     @cached_property
     def table(self) -> Table:
-        drive = self.drive.frames
+        return self._told(self.motions)
+
+    def _told(self, motions: tuple[Motion, ...]) -> Table:
+        drive = motions[0].drive
         columns = [Column("drive_angle", "deg", "angle of the given linkage's driver", np.degrees(drive))]
-        for name, motion in zip(NAMES, self.motions):
+        for name, motion in zip(NAMES, motions):
             for body in ("crank", "coupler", "rocker"):
                 angle = np.degrees(np.unwrap(np.angle(motion.bodies[body].direction)))
                 columns.append(Column(f"{name}_{body}_angle", "deg", f"{body} of the {name} linkage from +x", angle))
             track = motion.point("coupler_point").position
             columns += xy_columns(f"{name}_coupler_point", "mm", f"coupler point of the {name} linkage", track)
         return Table(tuple(columns))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Roberts' figure moving; the three tables in one, at its frames."""
+        figure = self.figure
+        table = self.table if len(figure.drive) == len(self.drive.frames) else self._told(self._moved(figure.drive))
+        scene = linkage_scene(figure, table, self.parts, self.stack.layers)
+        point = figure.point("coupler_point").position
+        return replace(scene, marks=(*scene.marks, SceneMark("point", point, "traced", "coupler_point", trail=True)))
 
     @property
     def judged(self) -> tuple[Check, ...]:

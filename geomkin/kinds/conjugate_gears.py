@@ -21,7 +21,9 @@ from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
+from ..show.conjugate import conjugate_scene
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -146,6 +148,11 @@ class ToothedRecipe(AbstractShapedRecipe):
         self.check_points([self.gear.outline])
         return pair_parts(self.gear, self.design, self.stock)
 
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return conjugate_scene(self.design, self.table, self.parts)
+
 
 @dataclass(frozen=True, kw_only=True)
 class StraightSidedGearsRecipe(ToothedRecipe):
@@ -197,3 +204,8 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     def parts(self) -> tuple[Part, ...]:
         self.check_points([])
         return lantern_parts(self.pinion, self.design, self.stock)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh, the pins between the pinion's discs."""
+        return conjugate_scene(self.design, self.table, self.parts, self.pinion.circles)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal
 
@@ -23,7 +23,9 @@ from ..plane.primitives import Circle
 from ..plane.vec import Complex
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
+from ..scene import Scene, SceneMark
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
+from ..show.linkage import linkage_scene
 from ..sizes import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -114,6 +116,17 @@ class AbstractAtlasRecipe(AbstractRecipe):
                     f"{short}_acceleration", "mm/s2", f"its acceleration, {words}", track.acceleration
                 )
         return Table(tuple(columns))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The linkage, and the paths of all points of the grid."""
+        scene = linkage_scene(self.motion, self.table)
+        curves = coupler_curves(self.motion, self.grid.points).reshape(-1, len(self.motion.drive))
+        marks = [
+            SceneMark("point", curves[k], "traced", f"coupler point in {words}", trail=True)
+            for k, (_, words, _) in enumerate(_named(self.grid))
+        ]
+        return replace(scene, marks=(*scene.marks, *marks))
 
     @property
     def judged(self) -> tuple[Check, ...]:

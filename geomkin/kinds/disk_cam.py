@@ -28,12 +28,14 @@ from ..cam.tables import cam_table
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
 from ..errors import DesignError
-from ..judge.cam import cam_checks, most_pressure_angle
+from ..judge.cam import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..recipe.template import example
+from ..scene import Limit, Scene
 from ..shop.cam import CamStock, cam_parts
+from ..show.cam import cam_scene
 from ..sizes import entry
 from ..table import Table
 
@@ -87,6 +89,20 @@ class DiskCamRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         """Cam and follower."""
         return tuple(cam_parts(self.cam, self.stock, self.cut))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Cam and follower in contact."""
+        return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+
+    def _limits(self) -> Mapping[str, tuple[Limit, ...]]:
+        most, roller = most_pressure_angle(self.cam), self.cam.follower.rounding
+        limits = {"pressure_angle": tuple(Limit(side * most, f"at most {most:g} deg") for side in (1.0, -1.0))}
+        if roller:
+            limits["pitch_curvature"] = (Limit(1 / roller, "the roller's own: above it the roller undercuts"),)
+        else:
+            limits["profile_curvature"] = (Limit(1 / LEAST_CONVEX_RADIUS, "sharper edges wear"),)
+        return limits
 
     @property
     def notes(self) -> Mapping[str, object]:

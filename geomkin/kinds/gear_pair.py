@@ -17,7 +17,9 @@ from ..judge.gear import gear_checks, mesh_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
+from ..show.gear import pair_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, mesh_notes
@@ -84,6 +86,11 @@ class GearPairRecipe(AbstractRecipe):
             axes = [0j, complex(self.design.centre_distance)]
             parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
         return tuple(parts)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return pair_scene(self.design, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -22,7 +22,9 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Segment
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
+from ..scene import Scene
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
+from ..show.instant import inflection_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
 from .linkage_tables import Side
@@ -65,8 +67,13 @@ class InflectionCircleRecipe(AbstractRecipe):
         return float(max(sizes.ground, sizes.crank, sizes.coupler, sizes.rocker))
 
     @cached_property
+    def motion(self) -> Motion:
+        """The linkage over the frames of the table."""
+        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
+
+    @cached_property
     def table(self) -> Table:
-        motion = move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
+        motion = self.motion
         circle = inflection_circle(motion, "coupler")
         path = path_curvature(motion, "coupler", self.linkage.coupler_point)
         centre = finite(circle.instant_centre.position)
@@ -82,6 +89,11 @@ class InflectionCircleRecipe(AbstractRecipe):
                 *xy_columns("centre_of_curvature", "mm", "centre of curvature of its path", finite(path.centre)),
             )
         )
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The circle as the linkage moves."""
+        return inflection_scene(self.motion, self.table, "coupler", complex(self.linkage.coupler_point))
 
     @property
     def judged(self) -> tuple[Check, ...]:

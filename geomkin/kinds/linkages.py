@@ -12,7 +12,7 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
-from ..judge.linkage import collision_check, hole_check, linkage_checks
+from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage.limits import driver_limits
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import grashof_type
@@ -21,16 +21,21 @@ from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, Scot
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
 from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
-from ..linkage.solve.branch import Branch
+from ..linkage.solve.branch import Branch, chosen
 from ..linkage.solve.move import move
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
+from ..scene import Limit, Scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..show.linkage import linkage_scene
 from ..sizes import entry
 from ..table import Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry
+
+# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
+MOST_DYADS = 2
 
 
 class AbstractLinkageRecipe(AbstractRecipe):
@@ -81,6 +86,36 @@ class AbstractLinkageRecipe(AbstractRecipe):
     @cached_property
     def table(self) -> Table:
         return motion_table(self.motion)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
+        least = LEAST_TRANSMISSION_ANGLE_DEG
+        limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
+        return linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits, self._others())
+
+    def _others(self) -> dict[str, Scene]:
+        """The same plates with the last of one or two dyads on its other side, if that closes anywhere."""
+        branches = self.motion.branches
+        if not 1 <= len(branches) <= MOST_DYADS:
+            return {}
+        joint, sides = list(branches.items())[-1]
+        if joint in (slider.name for slider in self.motion.linkage.sliders):
+            # The same lever turned half round, whose slot is not there.
+            return {}
+        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
+        told, asked = sides[sides != 0], chosen(self.signs)
+        near = {name: place for name, place in asked.near.items() if name != joint}
+        other = dataclasses.replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
+        motion = move(self.linkage, self.way.frames, other, self.way.speed)
+        if not motion.closed.any():
+            return {}
+        # A ground with slots has them where the mode asked for needs them.
+        slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
+        parts = [part for part in self.parts if not slotted or part.body != slotted]
+        # It is there to be seen; what is plotted is that of the mode asked for.
+        table = Table(self.table.columns[:2])
+        return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
     @property
     def judged(self) -> tuple[Check, ...]:

@@ -15,7 +15,9 @@ from ..judge.gear import gear_checks, planetary_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
+from ..scene import Scene
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
+from ..show.gear import planetary_scene
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown
@@ -81,6 +83,11 @@ class PlanetaryRecipe(AbstractRecipe):
             return parts
         holes = sun.hole_diameter, planet.hole_diameter
         return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """A turn of the carrier."""
+        return planetary_scene(self.gears, self.table, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:

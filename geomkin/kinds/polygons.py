@@ -15,7 +15,7 @@ from ..judge.linkage import LEAST_ANGLE_OF_POLYGONS_DEG
 from ..linkage.body_motion import Body
 from ..linkage.instant.centres import instant_centres
 from ..linkage.instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
-from ..linkage.motion import Motion
+from ..linkage.motion import Motion, motion_table
 from ..linkage.openings import opening
 from ..linkage.solve.move import move
 from ..part import Part
@@ -23,7 +23,9 @@ from ..plane.primitives import Circle
 from ..plane.vec import Complex, rounded
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
+from ..show.vectors import polygons_scene
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Column, Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
@@ -31,6 +33,8 @@ from .linkage_tables import WITH_SLIDER, BodyList, Branches, Side, branch_of, br
 # Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
 # would leave nothing else to be seen.
 REACH = 2.0
+# Step of the driver, deg, in which the polygons are shown moving: smooth to the eye, and a small page.
+STEP_DEG = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +105,16 @@ class PolygonsRecipe(AbstractRecipe):
                 Column("direction", "deg", "its direction from +x", np.degrees(np.angle(values))),
             )
         )
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The polygons over a turn from the position on; where a slide drives, at the position."""
+        motion = self.motion
+        if self.linkage.linkage.driven_slider is None:
+            turn = motion.drive[0] + np.radians(np.arange(0, 360 + STEP_DEG, STEP_DEG))
+            signs = branch_of(self.branch, self.branches)
+            motion = move(self.linkage, turn, signs, self.speed, self.acceleration)
+        return polygons_scene(motion, motion_table(motion))
 
     @property
     def judged(self) -> tuple[Check, ...]:

@@ -15,7 +15,9 @@ from ..judge.gear import gear_checks, mesh_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.gear.gears import GearStock, gear_parts
+from ..show.gear import pair_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, shown
@@ -62,6 +64,11 @@ class RackAndPinionRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
         return (*gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack"))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return pair_scene(self.design, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -14,7 +14,9 @@ from ..judge.gear import gear_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.gear.gears import RingStock, gear_parts
+from ..show.gear import gear_scene
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes
@@ -46,6 +48,11 @@ class RingGearRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [], [self.gear.outline])
         return gear_parts(self.gear, self.stock, "ring")
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The ring round the pinion that cuts it."""
+        return gear_scene(self.gear, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:

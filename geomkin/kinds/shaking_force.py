@@ -24,8 +24,11 @@ from ..linkage.solve.branch import Branch
 from ..part import Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
+from ..scene import Limit, Plot, Role, Scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
+from ..show.linkage import linkage_scene
+from ..show.vectors import force_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -101,6 +104,21 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             columns += xy_columns(f"force_{name}", "N", f"shaking force, counterbalance: {name}", force)
             columns.append(Column(f"force_{name}", "N", f"its size, counterbalance: {name}", np.abs(force)))
         return Table(tuple(columns))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The plates moving, and the force on the ground at the crank's pivot."""
+        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers)
+        roles: dict[str, Role] = {"none": "construction", "given": "traced", "best": "wanted"}
+        forces = {
+            role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
+            for name, role in roles.items()
+        }
+        what = {role: f"shaking force, counterbalance: {name}" for name, role in roles.items()}
+        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
+        plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
+        plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}_N" for name in roles)) for way in "xy"]
+        return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
 
     @property
     def judged(self) -> tuple[Check, ...]:

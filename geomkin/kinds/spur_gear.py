@@ -15,7 +15,9 @@ from ..judge.gear import gear_checks
 from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Scene
 from ..shop.gear.gears import GearStock, gear_parts
+from ..show.gear import gear_scene
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes
@@ -53,6 +55,11 @@ class SpurGearRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
         return gear_parts(self.design, self.stock)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The gear under the rack that cuts it."""
+        return gear_scene(self.design, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -13,6 +13,7 @@ from ..arguments import checked
 from ..brief import one_line
 from ..check import Check
 from ..part import Part
+from ..scene import Scene
 from ..table import Table
 from ..walls import wall_checks
 from .settings import Files
@@ -69,7 +70,7 @@ class AbstractRecipe(ABC):
         return (*self.judged, *walls)
 
     @property
-    def scene(self) -> object | None:
+    def scene(self) -> Scene | None:
         """How it looks moving: None for a kind that shows nothing."""
         return None
 
@@ -132,7 +133,7 @@ class AbstractGoal(AbstractRecipe):
         return self.design.judged
 
     @property
-    def scene(self) -> object | None:
+    def scene(self) -> Scene | None:
         return self.design.scene
 
     @property

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
+from ...plane.vec import Complex
 from ..linkage import Slider
 from ..motion import Motion
 
@@ -85,15 +87,58 @@ def acceleration_polygon(
     return _polygon(motion, frame, 2, size, scale)
 
 
-def _polygon(motion: Motion, frame: int, order: int, size: float, scale: float | None) -> VectorPolygon:
+def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scale: float | None) -> VectorPolygon:
     for field, given in (("size", size), ("scale", scale)):
         if given is not None and not 0 < given < np.inf:
             raise DesignError(field, f"found {given}", "give a number above 0")
     frames = len(motion.drive)
     if not -frames <= frame < frames:
         raise DesignError("frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has so many frames")
+    parts, value, members = polygon_parts(motion, order, frame)
+    if not np.isfinite(np.array(list(value.values()))).all():
+        raise DesignError(
+            "frame", f"frame {frame} is open or at a dead centre", "give a frame that the linkage runs through"
+        )
+    reached = np.array([0j, *(part.tip for part in parts)])
+    least = ROUNDING * float(np.abs(reached).max())
+    if scale is None:
+        scale = round_scale(float(max(np.ptp(reached.real), np.ptp(reached.imag))), size)
+    ground = motion.linkage.ground
+    return VectorPolygon(
+        scale,
+        {name: scale * complex(z) for name, z in value.items()},
+        tuple(
+            Vector(
+                p.kind, p.body, p.start, p.end, scale * complex(p.tail), scale * complex(p.tip), complex(p.tip - p.tail)
+            )
+            for p in parts
+            if np.abs(p.tip - p.tail) > least
+        ),
+        {body: points for body, points in members.items() if body != ground and len(points) > 1},
+    )
+
+
+class PolygonPart(NamedTuple):
+    """One vector of a polygon as `Vector` has it, but its ends in mm/s or mm/s2, and of one frame or of many."""
+
+    kind: str
+    body: str
+    start: str
+    end: str
+    tail: Complex
+    tip: Complex
+
+
+def polygon_parts(
+    motion: Motion, order: Literal[1, 2], frame: int | slice
+) -> tuple[list[PolygonPart], dict[str, Complex], dict[str, tuple[str, ...]]]:
+    """Vectors of the velocity polygon, order 1, or the acceleration polygon, 2, at a frame, or over a slice of them.
+
+    Besides: where each point's vector from the pole ends, and the points of each body. Lengths of 0 are not left out.
+    nan where the linkage is open. Derived here.
+    """
     linkage, ground = motion.linkage, motion.linkage.ground
-    members = {body: dict(points) for body, points in linkage.bodies.items()}
+    members: dict[str, dict[str, Complex | complex]] = {b: dict(points) for b, points in linkage.bodies.items()}
     sliding: list[tuple[Slider, str, str]] = []
     for slider in linkage.sliders:
         point = next(
@@ -105,58 +150,41 @@ def _polygon(motion: Motion, frame: int, order: int, size: float, scale: float |
             under, guide = f"{slider.name} on {slider.along}", motion.bodies[slider.along]
             on_slider = motion.bodies[slider.body].point(slider.point).position[frame]
             local = (on_slider - guide.origin.position[frame]) * np.conj(guide.direction[frame])
-            members[slider.along][under] = complex(local)
+            members[slider.along][under] = local
         sliding.append((slider, under, point))
 
-    value, owner = {POLE: 0j}, {POLE: ground}
+    still = 0 * motion.bodies[ground].origin.velocity[frame]
+    value, owner = {POLE: still}, {POLE: ground}
     for body, points in members.items():
         for name in [n for n in points if n not in owner]:
             at = motion.bodies[body].point(points[name])
-            value[name], owner[name] = complex((at.velocity if order == 1 else at.acceleration)[frame]), body
-    if not np.isfinite(list(value.values())).all():
-        raise DesignError(
-            "frame", f"frame {frame} is open or at a dead centre", "give a frame that the linkage runs through"
-        )
-
-    # kind, body, start, end, from, to
-    parts = [("absolute", body, POLE, name, 0j, value[name]) for name, body in owner.items() if body != ground]
+            value[name], owner[name] = (at.velocity if order == 1 else at.acceleration)[frame], body
+    parts = [
+        PolygonPart("absolute", body, POLE, name, still, value[name]) for name, body in owner.items() if body != ground
+    ]
     for body, points in members.items():
         if body == ground:
             continue
         names = list(points)
         for one, two in zip(names, names[1:] + names[:1] if len(names) > 2 else names[1:]):
-            parts.append(("difference", body, one, two, value[one], value[two]))
+            parts.append(PolygonPart("difference", body, one, two, value[one], value[two]))
             if order == 2:
                 pose = motion.bodies[body]
                 arm = pose.direction[frame] * (points[two] - points[one])
-                knee = value[one] - complex(pose.omega[frame] ** 2 * arm)
-                parts.append(("normal", body, one, two, value[one], knee))
-                parts.append(("tangential", body, one, two, knee, value[two]))
+                knee = value[one] - pose.omega[frame] ** 2 * arm
+                parts.append(PolygonPart("normal", body, one, two, value[one], knee))
+                parts.append(PolygonPart("tangential", body, one, two, knee, value[two]))
     for slider, under, point in sliding:
         knee = value[under]
         if order == 2 and slider.along != ground:
-            knee = knee + complex(motion.slide(slider.name).coriolis[frame])
-            parts.append(("coriolis", slider.body, under, point, value[under], knee))
-        parts.append(("sliding", slider.body, under, point, knee, value[point]))
-
-    reached = np.array([0j, *(tip for *_, tip in parts)])
-    least = ROUNDING * float(np.abs(reached).max())
-    if scale is None:
-        scale = _round_scale(float(max(np.ptp(reached.real), np.ptp(reached.imag))), size)
-    return VectorPolygon(
-        scale,
-        {name: scale * z for name, z in value.items()},
-        tuple(
-            Vector(kind, body, start, end, scale * tail, scale * tip, tip - tail)
-            for kind, body, start, end, tail, tip in parts
-            if abs(tip - tail) > least
-        ),
-        {body: tuple(points) for body, points in members.items() if body != ground and len(points) > 1},
-    )
+            knee = knee + motion.slide(slider.name).coriolis[frame]
+            parts.append(PolygonPart("coriolis", slider.body, under, point, value[under], knee))
+        parts.append(PolygonPart("sliding", slider.body, under, point, knee, value[point]))
+    return parts, value, {body: tuple(points) for body, points in members.items()}
 
 
-def _round_scale(extent: float, size: float) -> float:
-    """1, 2 or 5 times a power of 10: what a person can read a drawing by."""
+def round_scale(extent: float, size: float) -> float:
+    """1, 2 or 5 times a power of 10, by which an extent comes within a size: what a person can read a drawing by."""
     if extent == 0:
         raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale")
     largest = size / extent

@@ -1,0 +1,173 @@
+"""A mechanism as it looks moving: the parts that are cut, where they are at each frame, and what is drawn with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from .arguments import check_fields
+from .brief import one_line
+from .errors import DesignError
+from .part import Part
+from .plane.curve import AbstractCurve
+from .plane.vec import Complex, Mask, Real
+from .table import Column, Table
+
+# What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
+Role = Literal[
+    "traced",  # what a point draws, or a part is wanted for: the one accent
+    "wanted",  # what was asked for: the second accent
+    "construction",  # thin lines that explain: pitch circles, centre lines, image poles
+    "pitch",  # pitch curve of a cam, pitch circles of gears
+    "contact",  # where bodies touch, and the path on which they do
+    "centrode",
+    "inflection",
+    "centre",  # instant centres
+    "velocity",
+    "acceleration",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneBody:
+    """A body: the very parts that are cut of it, and its frame at each frame of the scene.
+
+    origin: (frames,) complex, mm; direction: (frames,) unit complex, of the body's x axis; nan where the mechanism
+    cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what lies over
+    what. A body may have no parts. fixed: the ground, which is hatched.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    origin: Complex
+    direction: Complex
+    layer: int = 0
+    fixed: bool = False
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneCurve:
+    """A curve drawn on a body, in that body's frame, mm; on the ground's x and y where `body` is ""."""
+
+    curve: AbstractCurve
+    role: Role
+    label: str = ""
+    body: str = ""
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneMark:
+    """A point that is drawn at each frame.
+
+    sort: "pin" and "fixed pin" are small circles, "slide" a block along `direction`, "point" a dot; a point leaves a
+    trail of where it was, in dashes of equal steps of the drive, when `trail` is true. "vector" is an arrow from
+    `place` to `place + vector`, in mm that show what `label` says; "line" one without a head, "circle" one of radius
+    `radius` about `place`. place, vector: (frames,) complex, mm; direction: (frames,) unit complex; radius: (frames,)
+    mm; nan where there is none.
+    """
+
+    sort: Literal["pin", "fixed pin", "slide", "point", "vector", "line", "circle"]
+    place: Complex
+    role: Role = "construction"
+    label: str = ""
+    trail: bool = False
+    vector: Complex | None = None
+    direction: Complex | None = None
+    radius: Real | None = None
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A line across a plot: the limit of a check."""
+
+    value: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Columns of the scene's table that are drawn in one plot, by their headers; all of one unit."""
+
+    title: str
+    columns: tuple[str, ...]
+    limits: tuple[Limit, ...] = ()
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A mechanism moving.
+
+    table: what the plots show; a row for each frame, its first column what the slider drives. time: (frames,) s, at
+    the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
+    last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
+    as its other assembly mode; shown beside it, on the same drive.
+    """
+
+    table: Table
+    time: Real
+    closed: Mask
+    bodies: tuple[SceneBody, ...]
+    curves: tuple[SceneCurve, ...] = ()
+    marks: tuple[SceneMark, ...] = ()
+    plots: tuple[Plot, ...] = ()
+    cyclic: bool = True
+    others: dict[str, Scene] = field(default_factory=dict)
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        frames = len(self.drive.values)
+        rows = {f"time and {name}": len(row) for name, row in (("drive", self.time), ("closed", self.closed))}
+        rows |= {f"body {b.name}": len(row) for b in self.bodies for row in (b.origin, b.direction)}
+        rows |= {
+            f"mark {m.label or m.sort}": len(row)
+            for m in self.marks
+            for row in (m.place, m.vector, m.direction, m.radius)
+            if row is not None
+        }
+        for what, length in rows.items():
+            if length != frames:
+                raise DesignError(
+                    "table", f"found {frames} rows, but {length} frames of {what}", "give as many of each"
+                )
+        known = self.table.to_columns()
+        for plot in self.plots:
+            if lacking := [name for name in plot.columns if name not in known]:
+                raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+
+    @property
+    def drive(self) -> Column:
+        """What is driven: the table's first column."""
+        return self.table.columns[0]
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner, mm, of where all pins, slides, traced points and bodies' origins go."""
+        kept = [mark for mark in self.marks if mark.sort in ("pin", "fixed pin", "slide") or mark.trail]
+        rows = [mark.place for mark in kept] + [body.origin for body in self.bodies]
+        places = np.concatenate([*rows, np.zeros(1, dtype=complex)])
+        places = places[np.isfinite(places)]
+        return (
+            complex(places.real.min(), places.imag.min()),
+            complex(places.real.max(), places.imag.max()),
+        )

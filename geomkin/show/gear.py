@@ -1,0 +1,193 @@
+"""Gears as scenes: in mesh, on a rack, planets round a sun, under the tool that cuts them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from ..arguments import checked
+from ..gear.contract import AbstractInvoluteGear
+from ..gear.pair import GearPair
+from ..gear.planetary import PlanetarySet
+from ..gear.rack import RackPair
+from ..part import Part
+from ..plane.pose import Pose
+from ..plane.primitives import Circle, Segment
+from ..plane.vec import Complex, Real
+from ..scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark
+from ..table import Column, Table, finite
+from .line_of_action import LineOfAction
+from .meshing import MOST_PITCHES, Meshing, meshing
+
+
+@checked
+def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
+    """A gear turning by a pitch, or by a turn where its plate shows that it turns, under the tool that cuts it.
+
+    The tool rolls on the pitch circle. parts: as `gear_parts` gives them, of one body. Derived here.
+    """
+    name = parts[0].body if parts else "gear"
+    frames = meshing(0.0, [(gear.teeth, parts)])
+    turn = 2 * np.pi / gear.teeth * frames.passed
+    poses = {name: Pose(np.zeros(turn.shape, complex), np.exp(1j * turn))}
+    curves = [SceneCurve(Circle(0j, radius), role, f"{circle} circle") for circle, role, radius in _circles(gear)]
+    # A rack of few teeth would run off: it looks the same, but for its ends, when it begins anew with each pitch.
+    if tool := gear.tool(2 * np.pi / gear.teeth * (frames.frame % frames.steps / frames.steps)):
+        edge, poses["tool"] = tool
+        curves.append(SceneCurve(edge, "contact", "cutting edge of the tool", "tool"))
+    table = Table((Column(f"{name}_turn", "deg", f"turn of the {name}", np.degrees(turn)),))
+    marks = (_axis(frames, 0j, f"axis of the {name}"),)
+    return _scene(table, frames, bodies_at(parts, poses), curves, marks, ())
+
+
+def _circles(gear: AbstractInvoluteGear) -> Iterator[tuple[str, Role, float]]:
+    yield "tip", "construction", gear.tip_radius
+    yield "pitch", "pitch", gear.pitch_radius
+    yield "base", "construction", gear.base_radius
+    yield "root", "construction", gear.root_radius
+
+
+@checked
+def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
+    """Two gears in mesh, or a pinion and its rack, over as many pitches as it takes to follow a pair of flanks.
+
+    The driver turns counterclockwise. Teeth stand in the middle of spaces, as the pair's `poses` have them, and
+    contacts are those of the driver's own flanks: the play that the pair has is seen half on either side. parts: of
+    bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis. Derived
+    here.
+    """
+    name, other = pair.names
+    gear, line, (start, end) = pair.driver, LineOfAction(pair), pair.contact_lengths
+    frames, before = _frames(pair, parts)
+    roll = (start + gear.base_pitch * (frames.passed - before)) / gear.base_radius
+    poses = dict(zip(pair.names, pair.poses(roll + line.flank_turn)))
+    poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, 1j))
+    curves = (
+        *line.circles(),
+        SceneCurve(line.between(min(0.0, start), max(end, 2 * line.pitch_point)), "construction", "line of action"),
+        SceneCurve(line.between(start, end), "contact", "path of contact"),
+    )
+    marks = [_axis(frames, 0j, f"axis of the {name}")]
+    if isinstance(pair, GearPair):
+        marks.append(_axis(frames, complex(np.asarray(poses[other].origin)[0]), f"axis of the {other}"))
+    marks += contact_marks(line.place(start + gear.base_pitch * frames.all_since))
+    plots = (
+        Plot("specific sliding", (f"{name}_sliding", f"{other}_sliding")),
+        Plot("pairs of flanks in contact", ("pairs",)),
+        Plot("place of contact on the line of action", ("along_mm",)),
+    )
+    columns = (*_turns(pair, roll), *_contact(pair, frames))
+    return _scene(Table(columns), frames, bodies_at(parts, poses), curves, marks, plots)
+
+
+def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, int]:
+    """Frames, and pitches that the driver turns before its flank touches at last in the middle of a rack."""
+    if isinstance(pair, GearPair):
+        teeth = zip(pair.names, (pair.first.teeth, pair.second.teeth))
+        return meshing(pair.contact_ratio, [(z, [p for p in parts if p.body == name]) for name, z in teeth]), 0
+    # As far as teeth of the rack meet the pinion, from one end to the other, and no farther than a turn.
+    once = meshing(pair.contact_ratio, [])
+    pitches = min(MOST_PITCHES, pair.pinion.teeth, pair.rack.teeth - once.followed - 1)
+    frames = Meshing(pair.contact_ratio, max(once.followed, pitches), False)
+    return frames, frames.pitches // 2
+
+
+def _turns(pair: GearPair | RackPair, roll: Real) -> Iterator[Column]:
+    (name, other), own = pair.names, roll - np.tan(pair.driver.pressure_angle)
+    words = "turn since a flank's pitch point was on the line of action"
+    yield Column(f"{name}_turn", "deg", words, np.degrees(own))
+    if isinstance(pair, RackPair):
+        yield Column(f"{other}_way", "mm", "way of the rack since", own * pair.driver.pitch_radius)
+    else:
+        yield Column(f"{other}_turn", "deg", f"turn of the {other} since", np.degrees(own / pair.ratio))
+
+
+def _contact(pair: GearPair | RackPair, frames: Meshing) -> Iterator[Column]:
+    """Of the pair of flanks that is followed."""
+    gear = pair.driver
+    along = pair.contact_lengths[0] + gear.base_pitch * frames.since
+    yield Column("along", "mm", f"place of a contact on the line of action, from the {pair.names[0]}", along)
+    yield Column(f"{pair.names[0]}_radius", "mm", "radius of that contact", np.hypot(gear.base_radius, along))
+    for name, sliding in zip(pair.names, pair.sliding(along)):
+        yield Column(f"{name}_sliding", "", f"specific sliding of the {name} there", finite(sliding))
+    yield Column("pairs", "", "pairs of flanks in contact", np.isfinite(frames.all_since).sum(axis=0))
+
+
+@checked
+def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = ()) -> Scene:
+    """A sun that drives planets in a ring that stands still, at the rows of a table.
+
+    table: `sun_angle`, deg, and `time`. parts: of the bodies sun, planet, ring and carrier; each planet is one.
+    Derived here.
+    """
+    turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
+    sun, planets, ring = gears.poses(turn)
+    # It stands still but for whole pitches, by which its place as seen from a planet jumps.
+    ring = Pose(ring.origin, np.full(turn.shape, np.asarray(ring.direction)[0]))
+    still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
+    names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
+    poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
+    bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), ("carrier", "ring"))
+    away, (inner, outer) = 1j * gears.inner.centre_distance, (LineOfAction(p) for p in (gears.inner, gears.outer))
+    start, end = (complex(away - np.conj(outer.place(z))) for z in gears.outer.contact_lengths)
+    curves = [
+        SceneCurve(Circle(0j, gears.inner.working_radii[0]), "pitch", "pitch circle of the sun"),
+        SceneCurve(Circle(0j, gears.outer.working_radii[1]), "pitch", "pitch circle of the ring"),
+        SceneCurve(Circle(0j, abs(away)), "construction", "way of the planets"),
+        *(SceneCurve(Circle(0j, gears.inner.working_radii[1]), "pitch", f"pitch circle of {n}", n) for n in names),
+        # Seen along the first arm both contacts stay on their lines; the ring's is that of a planet turning back.
+        SceneCurve(inner.between(*gears.inner.contact_lengths), "contact", "contact of sun and planet", "carrier"),
+        SceneCurve(Segment(start, end), "contact", "contact of planet and ring", "carrier"),
+    ]
+    marks = [SceneMark("fixed pin", still, "construction", "axis of the sun")]
+    marks += [
+        SceneMark("pin", np.asarray(pose.origin), "construction", f"axis of {n}") for n, pose in zip(names, planets)
+    ]
+    headers = [column.header for column in table.columns if column.name in ("carrier_angle", "planet_angle")]
+    plots = (Plot("angles", tuple(headers)),) if headers else ()
+    time = np.asarray(table["time"], dtype=float)
+    return Scene(table, time, np.ones(turn.shape, bool), bodies, tuple(curves), tuple(marks), plots)
+
+
+def bodies_at(
+    parts: Sequence[Part],
+    poses: Mapping[str, Pose],
+    called: Mapping[str, str] | None = None,
+    below: Collection[str] = ("ground",),
+) -> tuple[SceneBody, ...]:
+    """Bodies with their parts at their poses; the ground only where it has any. Those that stand still are fixed.
+
+    called: what parts call a body, where that is another name. below: those that lie under the others.
+    """
+    found = []
+    for name, pose in poses.items():
+        held = tuple(part for part in parts if part.body == (called or {}).get(name, name))
+        if held or name != "ground":
+            origin, direction = np.asarray(pose.origin), np.asarray(pose.direction)
+            still = bool((direction == direction[0]).all() and (origin == origin[0]).all())
+            found.append(SceneBody(name, held, origin, direction, 0 if name in below else 1, still))
+    return tuple(found)
+
+
+def contact_marks(places: Complex) -> Iterator[SceneMark]:
+    """Points (contacts, frames) at which flanks touch, mm; nan where they do not. The first has the name of all."""
+    seen = [place for place in places if np.isfinite(place).any()]
+    for k, place in enumerate(seen):
+        yield SceneMark("point", place, "contact", "" if k else "contact")
+
+
+def _axis(frames: Meshing, place: complex, label: str) -> SceneMark:
+    return SceneMark("fixed pin", np.full(frames.frame.shape, place), "construction", label)
+
+
+def _scene(
+    table: Table,
+    frames: Meshing,
+    bodies: tuple[SceneBody, ...],
+    curves: Iterable[SceneCurve],
+    marks: Iterable[SceneMark],
+    plots: tuple[Plot, ...],
+) -> Scene:
+    always = np.ones(frames.frame.shape, bool)
+    return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)

@@ -1,0 +1,185 @@
+"""A linkage as a scene: its plates where they go, pins and slides, traced points, instant centres, vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from ..arguments import checked
+from ..errors import DesignError
+from ..linkage.instant.centres import instant_centres
+from ..linkage.motion import Motion
+from ..part import Part
+from ..plane.vec import Complex
+from ..scene import Limit, Plot, Scene, SceneBody, SceneMark
+from ..table import Column, Table
+
+# Share of the linkage's size that the longest arrow of a kind is drawn with: longer ones cover the links.
+LONGEST_ARROW = 0.5
+# Bodies of which all instant centres are shown: of more, only those on the ground, for nobody finds one among dozens.
+ALL_CENTRES = 6
+# Instant centres farther away than so many times the linkage's size are left out: nobody would look there.
+FARTHEST_CENTRE = 3.0
+
+
+@checked
+def linkage_scene(
+    motion: Motion,
+    table: Table,
+    parts: Sequence[Part] = (),
+    layers: Mapping[str, int] | None = None,
+    limits: Mapping[str, Limit] | None = None,
+    others: Mapping[str, Scene] | None = None,
+    rates: bool = True,
+) -> Scene:
+    """A linkage moving, at the frames of its motion.
+
+    table: `motion_table(motion)`, or another of its frames, for the plots. parts: as `link_parts` gives them, each
+    placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
+    names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
+    linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations and instant
+    centres are marks to be switched on, and left out where `rates` is false. DesignError for arrays of linkages.
+    Derived here.
+    """
+    if motion.linkage.many:
+        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    bodies = tuple(_bodies(motion, parts, layers or {}))
+    marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *_traced(motion))
+    if rates:
+        marks += (*_vectors(motion), *_centres(motion))
+    around = motion.drive[-1] - motion.drive[0]
+    turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
+    speed, passed = motion.timing.speed, np.abs(motion.drive - motion.drive[0])
+    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
+    # Of a speed that changes no time is told: then it is shown in two seconds.
+    time = passed / np.abs(speed) if steady else np.linspace(0, 2, len(passed))
+    return Scene(
+        table,
+        time,
+        motion.closed,
+        bodies,
+        (),
+        marks,
+        tuple(_plots(table, limits or {})),
+        turns and around != 0,
+        dict(others or {}),
+    )
+
+
+def _bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, int]) -> Iterator[SceneBody]:
+    ground = motion.linkage.ground
+    for name, body in motion.bodies.items():
+        own = [part for part in parts if part.body == name and part.count == 1]
+        place, fixed = (body.origin.position, body.direction), name == ground
+        # What else moves with a body, as a bridge of the ground or a counterweight, has a layer of its own.
+        for part in own[1:]:
+            yield SceneBody(part.name, (part,), *place, layers.get(part.name, 0), fixed)
+        yield SceneBody(name, tuple(own[:1]), *place, layers.get(own[0].name if own else name, 0), fixed)
+
+
+def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
+    """Bodies that nothing is cut of, as lines from their first point to the others."""
+    for name, points in motion.linkage.bodies.items():
+        if name in with_parts or name == motion.linkage.ground or len(points) < 2:
+            continue
+        places = [motion.bodies[name].point(z).position for z in points.values()]
+        for place in places[1:]:
+            yield SceneMark("line", places[0], "construction", name, vector=place - places[0])
+
+
+def _joints(motion: Motion) -> Iterator[SceneMark]:
+    linkage = motion.linkage
+    for pin, bodies in linkage.pins.items():
+        sort = "fixed pin" if linkage.ground in bodies else "pin"
+        yield SceneMark(sort, motion.point(pin).position, "construction", pin)  # type: ignore[arg-type]
+    for slider in linkage.sliders:
+        place = motion.bodies[slider.body].point(slider.point).position
+        line = motion.bodies[slider.along].direction * slider.direction
+        yield SceneMark("slide", place, "construction", slider.name, direction=line)
+
+
+def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Complex]]:
+    """Points that are no pins, nor lie at one: name, place, velocity, acceleration."""
+    for body, points in motion.linkage.bodies.items():
+        pins = [z for name, z in points.items() if name in motion.linkage.pins]
+        for name, z in points.items():
+            if body != motion.linkage.ground and not any(z == pin for pin in pins):
+                track = motion.point(name)
+                yield name, track.position, track.velocity, track.acceleration
+
+
+def _traced(motion: Motion) -> Iterator[SceneMark]:
+    for name, place, _, _ in _free_points(motion):
+        yield SceneMark("point", place, "traced", name, trail=True)
+
+
+def _vectors(motion: Motion) -> Iterator[SceneMark]:
+    """Velocities and accelerations of moving pins and free points, each kind at a scale of its own."""
+    tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
+    for pin, bodies in motion.linkage.pins.items():
+        if motion.linkage.ground not in bodies:
+            point = motion.point(pin)
+            tracks[pin] = point.position, point.velocity, point.acceleration
+    size = float(np.max(motion.linkage.size))
+    for k, (role, unit) in enumerate((("velocity", "mm/s"), ("acceleration", "mm/s2")), 1):
+        largest = max((_largest(track[k]) for track in tracks.values()), default=0.0)
+        if not largest:
+            continue
+        # Near a limit rates grow beyond all measure: what is usual sets the scale, what is more is cut off.
+        usual = max(float(np.nanpercentile(np.abs(_finite(track[k])), 95)) for track in tracks.values())
+        scale = LONGEST_ARROW * size / (usual or largest)
+        for name, track in tracks.items():
+            arrow = _finite(track[k]) * scale
+            length = np.abs(arrow)
+            arrow = arrow * np.minimum(1, 1.5 * LONGEST_ARROW * size / np.where(length > 0, length, 1))
+            yield SceneMark("vector", track[0], role, f"{name} {role}, 1 mm is {1 / scale:.3g} {unit}", vector=arrow)  # type: ignore[arg-type]
+
+
+def _centres(motion: Motion) -> Iterator[SceneMark]:
+    size, joints = float(np.max(motion.linkage.size)), set()
+    for pin, bodies in motion.linkage.pins.items():
+        joints |= {frozenset((one, two)) for one in bodies for two in bodies if one != two} if pin else set()
+    some = len(motion.bodies) > ALL_CENTRES
+    for pair, centre in instant_centres(motion).items():
+        if frozenset(pair) in joints or (some and motion.linkage.ground not in pair):
+            continue
+        place = np.where(np.abs(centre.position) < FARTHEST_CENTRE * size, centre.position, np.nan)
+        if np.isfinite(place).any():
+            yield SceneMark("point", place, "centre", f"instant centre of {' and '.join(pair)}")
+
+
+def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
+    """Columns that belong together, by the ends of their names; the most telling first."""
+    named = {column.header: column for column in table.columns[1:] if column.name != "time"}
+
+    def of(title: str, *ends: str, without: str = "") -> Iterator[Plot]:
+        found = {h: c.name for h, c in named.items() if c.name.endswith(ends) and c.name != without}
+        found = {h: name for h, name in found.items() if np.isfinite(table[h]).any()}
+        if found:
+            yield Plot(title, tuple(found), tuple(limits[name] for name in found.values() if name in limits))
+
+    points = [c.name[:-2] for c in named.values() if c.name.endswith("_x") and not _is_rate(c)]
+    for point in points:
+        yield from of(f"{point.replace('_', ' ')}, place", f"{point}_x", f"{point}_y")
+    yield from of("angles", "_angle", without="transmission_angle")
+    yield from of("transmission angle", "transmission_angle")
+    yield from of("angular velocities", "_omega")
+    yield from of("angular accelerations", "_alpha")
+    yield from of("sliding, place", "_displacement")
+    for point in points:
+        yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
+        yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
+    yield from of("mechanical advantage", "_mechanical_advantage")
+
+
+def _is_rate(column: Column) -> bool:
+    return column.name.endswith(("_velocity_x", "_acceleration_x", "_coriolis_x"))
+
+
+def _finite(values: Complex) -> Complex:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _largest(values: Complex) -> float:
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

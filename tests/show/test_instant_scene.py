@@ -1,0 +1,83 @@
+"""Centrodes roll, inflection circles hold points without curvature, polygons end where the velocities do."""
+
+import numpy as np
+import pytest
+
+from geomkin.linkage.instant.polygons import velocity_polygon
+
+from .gallery import marks, named, recipe
+
+
+@pytest.mark.parametrize("name", ["centrodes", "rolling-ellipses"])
+def test_the_moving_centrode_rolls_on_the_fixed_one(name):
+    scene, own = recipe(name).scene, recipe(name)
+    coupler, (touch,) = (
+        named(scene, "coupler"),
+        [m for m in marks(scene, "point", "instant centre") if m.role == "contact"],
+    )
+    fixed = [curve.curve for curve in scene.curves if not curve.body]
+    moving = [curve.curve for curve in scene.curves if curve.body == "coupler"]
+    assert len(fixed) == len(moving) > 0
+    drive, met = own.centrodes.motion.drive, 0
+    for one, two in zip(fixed, moving):
+        inside = np.flatnonzero((drive >= one.breaks[0]) & (drive <= one.breaks[-1]))[:: max(1, len(drive) // 40)]
+        pose = coupler.origin[inside], coupler.direction[inside]
+        place = one.point(drive[inside])
+        np.testing.assert_allclose(pose[0] + pose[1] * two.point(drive[inside]), place, atol=1e-6)
+        np.testing.assert_allclose(touch.place[inside], place, atol=1e-6)
+        # No slip: both are run through at one velocity.
+        np.testing.assert_allclose(pose[1] * two.velocity(drive[inside]), one.velocity(drive[inside]), rtol=1e-6)
+        met += len(inside)
+    assert met > 10
+
+
+def test_pins_of_the_inflection_circle_go_straight():
+    scene = recipe("inflection-circle").scene
+    (circle,) = marks(scene, "circle", "inflection")
+    pole = marks(scene, "point", "inflection pole")[0].place
+    centre = marks(scene, "point", "instant centre of the coupler")[0].place
+    near = np.isfinite(pole) & np.isfinite(centre)
+    assert near.any()
+    for place in (pole, centre):
+        np.testing.assert_allclose(np.abs(place - circle.place)[near], circle.radius[near], rtol=1e-9)
+    (bend,) = marks(scene, "line", "radius of curvature")
+    told, known = scene.table["path_curvature"], np.isfinite(bend.vector)
+    np.testing.assert_allclose(np.abs(bend.vector[known]) * np.abs(told[known]), 1, rtol=1e-9)
+
+
+def test_polygons_start_at_the_position_asked_for_and_are_those_that_are_cut():
+    scene, own = recipe("polygons").scene, recipe("polygons")
+    assert scene.drive.values[0] == pytest.approx(own.position) and scene.cyclic
+    cut = velocity_polygon(own.motion)
+    sides = {
+        mark.label.split(",")[0]: mark for mark in marks(scene, "vector", "1 mm is") if "velocity of" in mark.label
+    }
+    absolute = [v for v in cut.vectors if v.kind == "absolute"]
+    ratios = [sides[f"velocity of {v.end}"].vector[0] / v.tip for v in absolute]
+    assert len(ratios) > 1
+    np.testing.assert_allclose(ratios, ratios[0], rtol=1e-9)
+    # One pole for all.
+    assert np.ptp([sides[f"velocity of {v.end}"].place[0].real for v in absolute]) < 1e-9
+
+
+def test_curves_of_an_atlas_are_those_of_its_table():
+    scene, own = recipe("coupler-atlas").scene, recipe("coupler-atlas")
+    traced = {mark.label: mark for mark in marks(scene, "point", "coupler point in row") if mark.trail}
+    assert len(traced) == own.grid.rows * own.grid.columns
+    place = traced["coupler point in row 2, column 1"].place
+    np.testing.assert_array_equal(place, own.table["r2c1_x"] + 1j * own.table["r2c1_y"])
+
+
+def test_cognates_stay_on_one_curve():
+    scene, own = recipe("cognates").scene, recipe("cognates")
+    (pen,) = (mark for mark in scene.marks if mark.trail and mark.label == "coupler_point")
+    np.testing.assert_allclose(pen.place, own.table["left_coupler_point_x"] + 1j * own.table["left_coupler_point_y"])
+
+
+def test_shaking_forces_are_drawn_at_one_scale():
+    scene, own = recipe("shaking-force").scene, recipe("shaking-force")
+    arrows = marks(scene, "vector", "shaking force")
+    scales = [np.abs(a.vector).max() / own.table[f"force_{n}"].max() for a, n in zip(arrows, ("none", "given", "best"))]
+    assert len(scales) == 3
+    np.testing.assert_allclose(scales, scales[0])
+    assert scene.plots[0].columns == ("force_none_N", "force_given_N", "force_best_N")

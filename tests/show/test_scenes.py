@@ -1,0 +1,67 @@
+"""Every recipe of the gallery has a scene: a row for each frame, and the very parts that are cut."""
+
+import numpy as np
+import pytest
+
+from .gallery import NAMES, named, recipe
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_scene_has_a_row_for_each_frame(name):
+    scene = recipe(name).scene
+    frames = len(scene.drive.values)
+    assert frames > 50 and np.all(np.diff(scene.time) > 0) and np.all(np.diff(scene.drive.values) > 0)
+    for body in scene.bodies:
+        assert body.origin.shape == body.direction.shape == (frames,)
+        np.testing.assert_allclose(np.abs(body.direction[scene.closed]), 1, atol=1e-12)
+    for mark in scene.marks:
+        rows = [row for row in (mark.place, mark.vector, mark.direction, mark.radius) if row is not None]
+        assert all(row.shape == (frames,) for row in rows)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bodies_hold_the_parts_that_are_cut(name):
+    own = recipe(name)
+    for scene in (own.scene, *own.scene.others.values()):
+        names = [body.name for body in scene.bodies]
+        assert len(set(names)) == len(names)
+        held = [part for body in scene.bodies for part in body.parts]
+        assert all(any(part is cut for cut in own.parts) for part in held)
+        assert all(curve.body in ("", *names) for curve in scene.curves)
+    held = {id(part) for body in own.scene.bodies for part in body.parts}
+    # Spacers stand between the layers, out of sight.
+    assert all(id(part) in held for part in own.parts if part.body and part.name != "spacer")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_goes_round_comes_back(name):
+    """Bodies that are no wheels stand at the last frame where they did at the first."""
+    scene = recipe(name).scene
+    wheels = {"first", "second", "pinion", "gear", "mate", "ring", "tool", "sun"}
+    for body in scene.bodies if scene.cyclic else ():
+        if body.name not in wheels and not body.name.startswith("planet"):
+            assert abs(body.direction[-1] - body.direction[0]) < 1e-9
+            assert abs(body.origin[-1] - body.origin[0]) < 1e-6
+
+
+def test_the_other_assembly_mode_is_shown_on_the_same_drive():
+    scene = recipe("crank-rocker").scene
+    (other,) = scene.others.values()
+    assert np.array_equal(other.drive.values, scene.drive.values) and other.closed.all()
+
+    def side(shown):
+        crank, rocker = named(shown, "coupler").origin, named(shown, "rocker")
+        return np.sign(np.imag(np.conj(rocker.origin - crank) * (rocker.direction)))
+
+    assert np.all(side(scene) == -side(other))
+
+
+def test_a_linkage_of_many_dyads_is_shown_as_it_is_alone():
+    assert recipe("walking-leg").scene.others == {}
+
+
+def test_what_moves_with_a_body_is_not_fixed():
+    scene = recipe("shaking-force").scene
+    weight, crank = named(scene, "counterweight"), named(scene, "crank")
+    assert not weight.fixed and np.array_equal(weight.direction, crank.direction)
+    assert named(scene, "ground").fixed
