@@ -16,8 +16,9 @@ from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import direction_deg, rounded
+from ..plane.vec import Complex, direction_deg, rounded
 from ..recipe.settings import Drive, Files
+from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
@@ -176,19 +177,35 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
         return (*super().parts, engraved("poses", self.marks(plate), plate))
 
+    @cached_property
+    def seen(self) -> Complex:
+        """Places of the poses, and of the pins at the first, mm."""
+        motion = move(self.guide.linkage, self.guide.drive[:1], self.guide.branch)
+        pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
+        return np.array([*(z for z, _ in self.wanted.pairs), *pins])
+
+    @property
+    def extent(self) -> float:
+        """The longer side of what holds them, mm."""
+        return float(max(np.ptp(self.seen.real), np.ptp(self.seen.imag)))
+
+    @property
+    def axes(self) -> list[AbstractCurve]:
+        """The poses as the body's axes, x longer than y."""
+        ahead = [(z, AXIS * self.extent * np.exp(1j * angle)) for z, angle in self.wanted.pairs]
+        return [Polyline(np.array([z + axis, z, z + 1j * SHORTER * axis]), is_closed=False) for z, axis in ahead]
+
+    @property
+    def shown(self) -> Sequence[SceneCurve]:
+        labels = [f"pose {k + 1}" for k in range(len(self.wanted.pairs))]
+        return [SceneCurve(curve, "wanted", label) for curve, label in zip(self.axes, labels)]
+
     def marks(self, plate: PlateStock) -> list[AbstractCurve]:
         """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
-        pairs, guide = self.wanted.pairs, self.guide
-        places = np.array([z for z, _ in pairs])
+        pairs, guide, seen, extent = self.wanted.pairs, self.guide, self.seen, self.extent
         motion = move(guide.linkage, guide.drive[:1], guide.branch)
-        marks: list[AbstractCurve] = skeleton(motion, 0, plate)
-        pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
-        seen = np.array([*places, *pins])
+        marks: list[AbstractCurve] = [*skeleton(motion, 0, plate), *self.axes]
         middle = complex(np.ptp(seen.real) / 2 + seen.real.min(), np.ptp(seen.imag) / 2 + seen.imag.min())
-        extent = max(np.ptp(seen.real), np.ptp(seen.imag))
-        for place, angle in pairs:
-            axis = AXIS * extent * np.exp(1j * angle)
-            marks.append(Polyline(np.array([place + axis, place, place + 1j * SHORTER * axis]), is_closed=False))
         if len(pairs) == 3:
             room = (0.5 + ROOM) * extent
             for curve in rectification(pairs).circles:

@@ -16,6 +16,7 @@ from ..errors import DesignError
 from ..judge.linkage import MOST_ERROR_OF_FUNCTION
 from ..plane.vec import Real
 from ..recipe.settings import Drive, Files
+from ..scene import Limit, Plot
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, SMALLEST, AsWritten, check_sizes, entry, quantity
 from ..synthesis.expression import NAMED, Expression, named_function
@@ -214,6 +215,16 @@ class AbstractFunctionRecipe(AbstractLinkageGoal):
                 Column("reached", self.unit, "output that is reached, in the turn of the wanted one", self.reached),
                 Column("error", self.unit, "output reached less wanted", self.reached - wanted, float(np.ptp(wanted))),
             )
+        )
+
+    @property
+    def plotted(self) -> Sequence[Plot]:
+        names = {column.name: column.header for column in self.table.columns}
+        _, most = self.largest_error
+        limits = tuple(Limit(side * most, "the most that is not too large") for side in (1, -1))
+        return (
+            Plot("error of the output", (names["error"],), limits),
+            Plot("output", (names["wanted"], names["reached"])),
         )
 
     @property

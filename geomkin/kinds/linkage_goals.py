@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,7 @@ from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank
 from ..recipe.recipe import AbstractGoal
 from ..recipe.settings import Drive, Files, Stroke, Turn
+from ..scene import Plot, Scene, SceneCurve
 from ..shop.linkage.plates import LinkStock
 from ..sizes import check_sizes, quantity
 from ..synthesis.found import Found
@@ -86,6 +87,24 @@ class AbstractLinkageGoal(AbstractGoal):
     def judged(self) -> tuple[Check, ...]:
         advice = f"it has a defect of {', '.join(self.found.defects)}" if self.found.defects else ""
         return (Check("defects", len(self.found.defects), "at most", 0, "", advice), *super().judged)
+
+    @property
+    def shown(self) -> Sequence[SceneCurve]:
+        """What was wanted, as curves to be drawn with the mechanism."""
+        return ()
+
+    @property
+    def plotted(self) -> Sequence[Plot]:
+        """Plots of the goal's own columns, which come first."""
+        return ()
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The linkage that was found, moving, with what was wanted of it."""
+        found = self.design.scene
+        assert found is not None
+        curves, plots = (*found.curves, *self.shown), (*self.plotted, *found.plots)
+        return replace(found, table=self.table, curves=curves, plots=plots)
 
     @property
     def notes(self) -> Mapping[str, object]:
