@@ -19,6 +19,7 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..scene import Plot, Scene, SceneCurve, SceneMark
 from ..shop.drawing import PlateStock, engraved
 from ..sizes import FARTHEST, AsWritten, check_sizes, entry, quantity
 from ..synthesis.burmester import Burmester, BurmesterCurve, burmester_curves
@@ -34,6 +35,8 @@ MISSED = 1e-6
 AXIS, DASH, SHORTER = 0.06, 0.02, 0.5
 # Places of a piece by which its length is told: dashes and rows are even to a thousandth.
 SEEN = 2000
+# Time that the wandering pivot is shown in, s: slow enough to follow by eye.
+WANDER = 12.0
 
 
 @dataclass(frozen=True)
@@ -151,15 +154,44 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         advice = "poses so close together leave the curves to rounding; set them farther apart"
         return (Check("largest miss of a pose by a dyad, to its length", missed, "at most", MISSED, "", advice),)
 
+    @property
+    def at_first(self) -> Pose:
+        """The body's frame at the first pose."""
+        place, angle = self.wanted.pairs[0]
+        return Pose(place, complex(np.exp(1j * angle)))
+
+    @property
+    def axes(self) -> list[AbstractCurve]:
+        """The poses as the body's axes, x longer than y."""
+        ahead = [(z, AXIS * self.reach * np.exp(1j * angle)) for z, angle in self.wanted.pairs]
+        return [Polyline(np.array([z + axis, z, z + SHORTER * 1j * axis]), is_closed=False) for z, axis in ahead]
+
+    @cached_property
+    def scene(self) -> Scene:
+        """A pivot that wanders along the centre-point curve, with its pin at each of the poses."""
+        fixed, count = self.dyads[1], len(self.dyads[1])
+        curves = [
+            SceneCurve(curve, "traced", "centre points" if not k else "") for k, curve in enumerate(self.design.fixed)
+        ]
+        moving = [Moved(piece, self.at_first) for piece in self.design.moving]
+        curves += [SceneCurve(c, "pitch", "circle points, at pose 1" if not k else "") for k, c in enumerate(moving)]
+        curves += [SceneCurve(curve, "wanted", f"pose {k + 1}") for k, curve in enumerate(self.axes)]
+        marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in self.pins]
+        marks += [SceneMark("pin", pins, "construction") for pins in self.pins]
+        marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
+        names = {column.name: column.header for column in self.table.columns}
+        plots = (
+            Plot("pivot on the ground", (names["fixed_x"], names["fixed_y"])),
+            Plot("length of the crank", (names["length"],)),
+        )
+        time, closed = np.linspace(0, WANDER, count), np.ones(count, dtype=bool)
+        return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)
+
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        (first, angle), reach = self.wanted.pairs[0], self.reach
-        at_first = Pose(first, complex(np.exp(1j * angle)))
-        marks: list[AbstractCurve] = list(self.design.fixed)
-        marks += [Moved(dash, at_first) for piece in self.design.moving for dash in _dashes(piece, DASH * reach)]
-        for place, turn in self.wanted.pairs:
-            axis = AXIS * reach * np.exp(1j * turn)
-            marks.append(Polyline(np.array([place + axis, place, place + SHORTER * 1j * axis]), is_closed=False))
+        reach = self.reach
+        dashes = [dash for piece in self.design.moving for dash in _dashes(piece, DASH * reach)]
+        marks: list[AbstractCurve] = [*self.design.fixed, *(Moved(dash, self.at_first) for dash in dashes), *self.axes]
         for pole in poles(self.wanted.pairs).values():
             at = complex(pole.position)
             if abs(at - self.wanted.middle) <= reach:
