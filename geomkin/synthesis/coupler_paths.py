@@ -56,6 +56,19 @@ def points_of(x: Real, cranks: Real, branch: Real, slides: bool) -> Complex:
     return points
 
 
+def along(x: Real, cranks: Real, branch: Real, slides: bool) -> tuple[Complex, Complex]:
+    """Coupler points (s, n) and their derivatives by the crank's angle; nan where a linkage is open."""
+    d, a, b = (x[:, k, None] for k in (GROUND, CRANK, COUPLER))
+    crank, coupler = closing(x, cranks, branch, slides)
+    arm = (x[:, ARM_X] + 1j * x[:, ARM_Y])[:, None]
+    rocker = 1j * np.ones_like(crank) if slides else a * crank + b * coupler - d
+    with np.errstate(invalid="ignore", divide="ignore"):
+        swing = -a * dot(rocker, 1j * crank) / (b * dot(rocker, 1j * coupler))
+    turn = np.exp(1j * x[:, TURN, None])
+    origin = (x[:, ORIGIN_X] + 1j * x[:, ORIGIN_Y])[:, None]
+    return origin + turn * (a * crank + arm * coupler), turn * (1j * a * crank + 1j * arm * coupler * swing)
+
+
 def paths(x: Real, cranks: Real, branch: Real, slides: bool) -> Paths:
     """Coupler points and all first derivatives, by implicit differentiation of the loop. Derived here."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
@@ -84,20 +97,25 @@ def paths(x: Real, cranks: Real, branch: Real, slides: bool) -> Paths:
     return Paths(origin + placed, by_size, by_crank, *folding(x, cranks, slides))
 
 
-def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
-    """Cosine of the transmission angle (s, n), with its sign, and its derivatives by sizes (s, n, 9) and by crank.
+def folded(x: Real, cranks: Real, slides: bool) -> Real:
+    """Cosine of the transmission angle (s, n), with its sign; beyond 1 to either side the linkage does not close."""
+    d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
+    if slides:
+        sine: Real = (d - a * np.sin(cranks)) / b
+        return sine
+    cosine: Real = (b**2 + c**2 - (d - a) ** 2 - 2 * a * d * (1 - np.cos(cranks))) / (2 * b * c)
+    return cosine
 
-    Beyond 1 to either side the linkage does not close.
-    """
+
+def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
+    """The same with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     cos, sin = np.cos(cranks), np.sin(cranks)
+    value = folded(x, cranks, slides)
     by_size = np.zeros((*cranks.shape, 9))
     if slides:
-        value = (d - a * sin) / b
         by_size[..., GROUND], by_size[..., CRANK], by_size[..., COUPLER] = 1 / b, -sin / b, -value / b
         return value, by_size, -a * cos / b
-    square = (d - a) ** 2 + 2 * a * d * (1 - cos)
-    value = (b**2 + c**2 - square) / (2 * b * c)
     by_size[..., GROUND], by_size[..., CRANK] = (a * cos - d) / (b * c), (d * cos - a) / (b * c)
     by_size[..., COUPLER], by_size[..., ROCKER] = 1 / c - value / b, 1 / b - value / c
     return value, by_size, -a * d * sin / (b * c)

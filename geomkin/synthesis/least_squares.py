@@ -46,6 +46,10 @@ class Residuals(Protocol):
 
     def __call__(self, which: Whole, x: Real, t: Real) -> Linearised: ...
 
+    def settled(self, which: Whole, x: Real, t: Real) -> Real:
+        """Local unknowns nearer to the best ones at these shared ones; t itself will do."""
+        ...
+
 
 def least_squares(
     residuals: Residuals, x: Real, t: Real, low: Real, high: Real, steps: int, watch: Watch | None = None
@@ -75,6 +79,7 @@ def least_squares(
             )
             now = _some(now, going)
         new_x, new_t, promised = _step(now, x, t, low[which], high[which], damping)
+        new_t = residuals.settled(which, new_x, new_t)
         new = residuals(which, new_x, new_t)
         new_sums = new.sums
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -84,7 +89,7 @@ def least_squares(
         still = np.where(better & (gained < GAIN), still + 1, np.where(better, 0, still))
         cube = (2 * np.clip(ratio, -1, 1.5) - 1) ** 3
         damping = np.where(
-            better, np.maximum(damping * np.maximum(1 / 3, 1 - cube), LEAST_DAMPED), damping * growth
+            better, np.maximum(damping * np.maximum(1 / 3, 1 - cube), LEAST_DAMPED), np.minimum(damping * growth, 1e20)
         )
         growth = np.where(better, 2.0, np.minimum(2 * growth, 1e3))
         x, t = np.where(better[:, None], new_x, x), np.where(better[:, None], new_t, t)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from ..plane.vec import Complex, Mask, Real, Whole
+from ..plane.vec import Complex, Mask, Real, Whole, dot
 from ..progress import Watch
-from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, TURN, folding, paths, points_of
+from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
 from .least_squares import Linearised, least_squares
 
 # Weight of a limit that is passed, in units of the points' own sum of squares. Smaller lets the search wander far
@@ -16,9 +17,17 @@ from .least_squares import Linearised, least_squares
 WEIGHT = 10.0
 # Rounds of least squares, after each of which the limits' multipliers are set anew, and steps in each. Fewer rounds
 # leave a limit passed by what shows in the sixth digit.
-ROUNDS, STEPS = 12, 25
+ROUNDS, STEPS = 14, 25
+# How many of the starts go on after which rounds: fewer lose some that are slow at first, more take longer.
+KEPT = MappingProxyType({0: 80, 2: 32, 10: 12})
+# Rounds in which what was found for some of the points is brought to the least squares of all.
+REFINED = 6
+# Steps of the last round: fewer leave some in a long valley.
+LAST = 150
 # By how much a limit may be passed in the end, in its own units. Smaller refuses linkages that stand on it.
 PASSED = 1e-7
+# Times that a crank is moved towards the nearest point of its path after each step.
+SETTLED = 1
 # Cranks at which a closed path is looked at for the point nearest to a wanted one: fewer take a wrong loop for it.
 LOOKS = 96
 
@@ -51,6 +60,13 @@ class PathTask:
         """Whether the crank's angles are unknown."""
         return self.turns is None
 
+    def thinned(self, most: int) -> PathTask:
+        """The same with no more than so many of the points, evenly chosen: the first one and the last are."""
+        if len(self.wanted) <= most:
+            return self
+        chosen = np.unique(np.linspace(0, len(self.wanted) - 1, most).round().astype(int))
+        return replace(self, wanted=self.wanted[chosen], turns=None if self.turns is None else self.turns[chosen])
+
     def cranks(self, x: Real, t: Real) -> Real:
         """The crank's angles (s, n) at the points."""
         return t if self.turns is None else x[:, START, None] + self.turns
@@ -67,8 +83,8 @@ class PathTask:
         """By how much each of s linkages passes the limits, at most; infinite where one does not close."""
         at, inside = self.extremes(cranks)
         most = np.cos(self.least_transmission)
-        ends = np.where(inside, np.abs(folding(x, np.broadcast_to(at, inside.shape), self.slides)[0]), 0.0)
-        here = np.abs(folding(x, cranks, self.slides)[0])
+        ends = np.where(inside, np.abs(folded(x, np.broadcast_to(at, inside.shape), self.slides)), 0.0)
+        here = np.abs(folded(x, cranks, self.slides))
         lengths = np.log(x[:, self.links])
         ratio = lengths.max(axis=1) - lengths.min(axis=1) - np.log(self.largest_ratio)
         worst = np.maximum(np.maximum(ends.max(axis=1), here.max(axis=1)) - most, ratio)
@@ -127,6 +143,18 @@ class Fit:
         rest_by[:, 2:, task.links] = self.weight * links_by_size * long[..., None]
         return Linearised(blocks, by_shared, local if task.free else None, rest, rest_by)
 
+    def settled(self, which: Whole, x: Real, t: Real) -> Real:
+        """Cranks nearer to where each point is nearest to its path: the valleys of the search then are less bent."""
+        if not self.task.free:
+            return t
+        x = _whole(x)
+        for _ in range(SETTLED):
+            point, by_crank = along(x, t, self.branch[which], self.task.slides)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = dot(by_crank, self.task.wanted - point) / np.abs(by_crank) ** 2
+            t = t + np.where(np.abs(step) < 0.2, step, 0.0)
+        return t
+
     def update(self, x: Real, t: Real) -> None:
         """New multipliers, after a round."""
         x = _whole(x)
@@ -155,34 +183,48 @@ def squares(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
     return np.where(np.isfinite(total), total, np.inf)
 
 
-def polished(
-    task: PathTask, x: Real, t: Real, branch: Real, keep: tuple[int, int], watch: Watch
-) -> tuple[Real, Real, Real]:
-    """The starts x (s, 10), t (s, n) brought to their least squares within the limits: x, t and branch, best first.
-
-    keep: how many of them go on after the first round, and after the third.
-    """
+def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+    """The starts x (s, 10), t (s, n) brought to their least squares within the limits: x, t and branch, best first."""
     shared = 9 if task.free else 10
     low, high = task.low[:shared], task.high[:shared]
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(ROUNDS):
-        x, t, sums = least_squares(fit, x, t, low, high, STEPS, watch)
-        watch.tell((k + 1) / ROUNDS)
+        x, t, sums = least_squares(fit, x, t, low, high, STEPS if k < ROUNDS - 1 else LAST, watch)
+        watch.tell(0.3 + 0.7 * (k + 1) / ROUNDS)
         if watch.over():
             break
-        if k in (0, 2):
-            best = np.argsort(sums, kind="stable")[: keep[0 if k == 0 else 1]]
+        if k in KEPT:
+            best = np.argsort(sums, kind="stable")[: KEPT[k]]
             fit, x, t, sums = fit.some(best), x[best], t[best], sums[best]
         if task.free and task.closed:
             t = nearest(task, _whole(x), t, fit.branch)
         if k < ROUNDS - 2:
             fit.update(x, t)
-    x = _whole(x)
-    total = squares(task, x, t, fit.branch)
-    fine = task.passed(x, task.cranks(x, t)) <= PASSED
-    best = np.argsort(np.where(fine, total, np.inf), kind="stable")
-    best = best[np.isfinite(total[best]) & fine[best]]
-    return x[best], t[best], fit.branch[best]
+    return sorted_out(task, _whole(x), t, fit.branch)
+
+
+def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+    """The same of few starts that are all but there, as those that were found for fewer points."""
+    shared = 9 if task.free else 10
+    fit, x = Fit(task, branch), x[:, :shared]
+    for k in range(REFINED):
+        x, t, _ = least_squares(fit, x, t, task.low[:shared], task.high[:shared], STEPS, watch)
+        if watch.over():
+            break
+        if task.free and task.closed:
+            t = nearest(task, _whole(x), t, fit.branch)
+        if k < REFINED - 2:
+            fit.update(x, t)
+    return sorted_out(task, _whole(x), t, fit.branch)
+
+
+def sorted_out(task: PathTask, x: Real, t: Real, branch: Real) -> tuple[Real, Real, Real]:
+    """Those within the limits, the best first."""
+    total = squares(task, x, t, branch)
+    fine = np.isfinite(total) & (task.passed(x, task.cranks(x, t)) <= PASSED)
+    best = np.argsort(total, kind="stable")
+    best = best[fine[best]]
+    return x[best], t[best], branch[best]
 
 
 def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..plane.vec import Complex, Real
+from ..progress import Watch
 from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, START, TURN, closing
 from .path_fits import PathTask
 from .random_linkages import random_linkages
@@ -17,7 +18,7 @@ STARTS = 96
 AT_ONCE = 10_000
 
 
-def timed_starts(task: PathTask, rng: np.random.Generator) -> tuple[Real, Real]:
+def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real]:
     """Linkages (s, 10) and branches (s,), the best of many.
 
     The coupler point is z + g B + h (C - B) with B, C the pins of a linkage of crank 1: linear in the complex z, g, h,
@@ -25,7 +26,10 @@ def timed_starts(task: PathTask, rng: np.random.Generator) -> tuple[Real, Real]:
     """
     turns = np.zeros(0) if task.turns is None else task.turns
     found, scores, branches = [], [], []
-    for _ in range(SCORED // AT_ONCE):
+    for k in range(SCORED // AT_ONCE):
+        if watch.over():
+            break
+        watch.tell(0.3 * k * AT_ONCE / SCORED)
         x = np.zeros((AT_ONCE, 10))
         x[:, [GROUND, CRANK, COUPLER, ROCKER]] = random_linkages(task, rng, AT_ONCE)
         low, high = task.low[START], task.high[START]
@@ -39,6 +43,8 @@ def timed_starts(task: PathTask, rng: np.random.Generator) -> tuple[Real, Real]:
         found.append(fitted[best])
         scores.append(score[best])
         branches.append(branch[best])
+    if not found:
+        return np.zeros((0, 10)), np.zeros(0)
     x, score, branch = (np.concatenate(rows) for rows in (found, scores, branches))
     best = np.argsort(score, kind="stable")[:STARTS]
     return x[best], branch[best]
