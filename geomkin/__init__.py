@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from .plane.measure import curvature as curvature
     from .plane.measure import length as length
     from .plane.measure import nearest as nearest
+    from .synthesis.path import path_generator as path_generator
     from .table import Column as Column
     from .table import Table as Table
 else:

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .found import Found as Found
+    from .path import path_generator as path_generator
+    from .path_found import PathFound as PathFound
 else:
     from ..lazy import attach
 
