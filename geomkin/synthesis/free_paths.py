@@ -15,7 +15,10 @@ from .timed_paths import linear_fit
 
 # Curves tried, so many at a time; those whose points are fitted as well; those that are improved. Fewer curves miss
 # rare shapes such as narrow eights; more take longer.
-TRIED, AT_ONCE, FITTED, STARTS = 64_000, 4_000, 2_000, 200
+TRIED, AT_ONCE, FITTED, STARTS = 80_000, 4_000, 4_000, 400
+# Linkages whose lengths, as logarithms, and arms differ by no more are of one kind. Larger leaves kinds out, smaller
+# lets one kind crowd out the others.
+NEAR = 0.3
 # Points of an open path that are few.
 FEW = 6
 # Cranks at which a curve is worked out, and places at equal lengths of it that are compared.
@@ -51,18 +54,36 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
             good &= task.passed(x, cranks) < 0.05
         x, cranks, branch, path = x[good], cranks[good], branch[good], path[good]
         if len(x):
-            placed, score, t = _closed(task, x, path) if task.closed else _open(task, x, path, cranks)
+            placed, score, of = _closed(task, x, path) if task.closed else _open(task, x, path, cranks)
             best = np.argsort(score, kind="stable")[: FITTED * AT_ONCE // tried]
-            rows.append((placed[best], t(best), branch[best], score[best]))
+            rows.append((placed[best], of(best), branch[best], score[best]))
     if not rows:
         return np.zeros((0, 10)), np.zeros((0, len(task.wanted))), np.zeros(0)
-    x, t, branch, _ = (np.concatenate(column) for column in zip(*rows))
-    if task.closed:
-        t = nearest(task, x, t, branch)
+    x, cranks, branch, _ = (np.concatenate(column) for column in zip(*rows))
+    t = nearest(task, x, cranks, branch) if task.closed else cranks
     crank, coupler = closing(x, t, branch, task.slides)
     fitted, score = linear_fit(task, x, crank, coupler)
-    best = np.argsort(score, kind="stable")[:STARTS]
-    return fitted[best], t[best], branch[best]
+    chosen = _unlike(fitted, branch, score, STARTS if len(task.wanted) > FEW else STARTS // 2)
+    return fitted[chosen], t[chosen], branch[chosen]
+
+
+def _unlike(x: Real, branch: Real, score: Real, count: int) -> Whole:
+    """The best of each kind: many that are near each other would all come to the same linkage."""
+    traits = np.concatenate(
+        [
+            np.log(np.abs(x[:, : ROCKER + 1]) + 1e-9),
+            x[:, [ARM_X, ARM_Y]] / np.abs(x[:, COUPLER, None]),
+            branch[:, None],
+        ],
+        axis=1,
+    )
+    left: Whole = np.argsort(score, kind="stable")
+    chosen: list[int] = []
+    left = left[np.isfinite(score[left])]
+    while len(left) and len(chosen) < count:
+        chosen.append(int(left[0]))
+        left = left[np.abs(traits[left] - traits[left[0]]).max(axis=1) > NEAR]
+    return np.array(chosen, dtype=int)
 
 
 def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
@@ -93,7 +114,7 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
     target[0], curves[:, 0] = 0, 0
     power = np.einsum("sn,sn->s", np.conj(curves), curves).real
     back = np.roll(curves[:, ::-1], 1, axis=1)
-    both = np.stack([np.fft.ifft(np.conj(v) * target, axis=1) * PLACES for v in (curves, back)], axis=1).reshape(len(x), -1)
+    both = np.concatenate([np.fft.ifft(np.conj(v) * target, axis=1) * PLACES for v in (curves, back)], axis=1)
     best = np.take_along_axis(both, np.argmax(np.abs(both), axis=1)[:, None], axis=1)[:, 0]
     with np.errstate(invalid="ignore", divide="ignore"):
         score = np.nan_to_num(1 - np.abs(best) ** 2 / (power * np.sum(np.abs(target) ** 2)), nan=np.inf)
@@ -101,9 +122,7 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
     return placed, score, lambda rows: np.zeros((len(rows), len(task.wanted)))
 
 
-def _open(
-    task: PathTask, x: Real, path: Complex, cranks: Real
-) -> tuple[Real, Real, Callable[[Whole], Real]]:
+def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
     """The same of paths from end to end."""
     target, shares = _evenly(task.wanted[None], True)
     even, reached = _evenly(path, True)

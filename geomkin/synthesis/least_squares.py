@@ -74,9 +74,8 @@ def least_squares(
             break
         if going.sum() <= 0.8 * len(going) or step == 0:
             best_x[which], best_t[which], best[which] = x, t, sums
-            which, x, t, sums, damping, growth, still = (
-                row[going] for row in (which, x, t, sums, damping, growth, still)
-            )
+            x, t, sums, damping, growth = (row[going] for row in (x, t, sums, damping, growth))
+            which, still = which[going], still[going]
             now = _some(now, going)
         new_x, new_t, promised = _step(now, x, t, low[which], high[which], damping)
         new_t = residuals.settled(which, new_x, new_t)

@@ -29,9 +29,10 @@ def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Rea
     where the curve meets that equation again there is another solution: derived here, as is all that is random.
     """
     problem = _Nine(points)
-    found, keys = np.zeros((0, 8)), np.zeros((0, 3), dtype=complex)
+    found: Real = np.zeros((0, 8))
+    keys: Complex = np.zeros((0, 3), dtype=complex)
     for turn in range(TURNS):
-        fresh = np.zeros((0, 8))
+        fresh: Real = np.zeros((0, 8))
         for _ in range(STARTS // AT_ONCE):
             size = np.exp(rng.normal(0, 0.7, (AT_ONCE, 4)))
             places = size * (rng.normal(size=(AT_ONCE, 4)) + 1j * rng.normal(size=(AT_ONCE, 4)))
@@ -42,7 +43,8 @@ def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Rea
             fresh, keys = problem.new(problem.solved(problem.followed(fresh, watch), 40, watch), keys)
             watch.tell((turn + min(1.0, len(found) / 64)) / TURNS)
         found = np.concatenate([found, fresh])
-    return found + np.tile([points[0].real, points[0].imag], 4)
+    placed: Real = found + np.tile([points[0].real, points[0].imag], 4)
+    return placed
 
 
 class _Nine:
@@ -160,8 +162,8 @@ class _Nine:
         for k, three in enumerate(np.stack([pivot, other_pivot, third], axis=1)):
             # Symmetric functions: the three come in any order.
             key = np.array([three.sum(), (three**2).sum(), (three**3).sum()])
-            near = np.abs(keys - key) < 1e-4 * (1 + np.abs(three).max()) ** np.arange(1, 4)
-            if np.isfinite(key).all() and not near.all(axis=1).any():
+            off: Real = np.abs(keys - key) / (1 + np.abs(three).max()) ** np.arange(1, 4)
+            if np.isfinite(key).all() and not (off.max(axis=1, initial=0.0) < 1e-4).any():
                 keys = np.concatenate([keys, key[None]])
                 kept.append(k)
         return x[kept], keys

@@ -4,20 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
 from ..arguments import Positive, Reals, Sort, between, checked, is_real, numbers, whole_between
-from ..errors import DesignError, shown
+from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Real, Whole
 from ..progress import Watch
 from ..sizes import FARTHEST, SMALLEST
-from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, START, TURN, along
-from .coupler_paths import folded, points_of
+from .coupler_paths import (
+    ARM_X,
+    ARM_Y,
+    COUPLER,
+    CRANK,
+    GROUND,
+    ORIGIN_X,
+    ORIGIN_Y,
+    ROCKER,
+    TURN,
+    along,
+    points_of,
+)
 from .free_paths import free_starts
 from .nine_points import reached, through_nine
 from .path_bounds import bound_all_links, bounds_of
@@ -50,13 +61,15 @@ Angles = Annotated[
 Bounds = Annotated[
     Mapping[str, tuple[float, float]],
     Sort(
-        lambda value: isinstance(value, Mapping)
-        and all(
-            isinstance(name, str)
-            and isinstance(pair, (tuple, list, np.ndarray))
-            and np.shape(pair) == (2,)
-            and all(is_real(v) and abs(v) <= FARTHEST for v in pair)
-            for name, pair in value.items()
+        lambda value: (
+            isinstance(value, Mapping)
+            and all(
+                isinstance(name, str)
+                and isinstance(pair, (tuple, list, np.ndarray))
+                and np.shape(pair) == (2,)
+                and all(is_real(v) and abs(v) <= FARTHEST for v in pair)
+                for name, pair in value.items()
+            )
         ),
         f"a table of names, each with its least and its greatest value within {FARTHEST:g} of 0",
     ),
@@ -64,9 +77,9 @@ Bounds = Annotated[
 PathPoints = Annotated[
     Complex,
     Sort(
-        lambda value: np.ndim(value) == 1
-        and numbers(value) is not None
-        and bool((np.abs(np.asarray(value)) <= FARTHEST).all()),
+        lambda value: (
+            np.ndim(value) == 1 and numbers(value) is not None and bool((np.abs(np.asarray(value)) <= FARTHEST).all())
+        ),
         f"a row of points as complex numbers x + yj, in mm, within {FARTHEST:g} of 0",
     ),
 ]
@@ -123,7 +136,9 @@ def path_generator(
             turns=turns,
             closed=closed,
             slides=slides,
-            least_transmission=np.radians((STUCK_DEG if held else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)),
+            least_transmission=np.radians(
+                (STUCK_DEG if held else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)
+            ),
             largest_ratio=(ANY_RATIO if held else LONGEST_RATIO) if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
@@ -151,7 +166,8 @@ def _turns(drive_deg: Real, count: int) -> Real:
     steps = np.diff(drive_deg)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise DesignError("drive_deg", "the angles neither all rise nor all fall", "give them in order")
-    return np.radians(drive_deg - drive_deg[0])
+    turns: Real = np.radians(drive_deg - drive_deg[0])
+    return turns
 
 
 @dataclass(eq=False, kw_only=True)
@@ -190,7 +206,9 @@ class _Search:
             x, t, branch = self.searched(rng, watch)
             cranks = task.cranks(x, t)
             found += [
-                one for row in range(len(x)) if (one := self.made(x[row], cranks[row], np.full(len(t[0]), branch[row])))
+                one
+                for row in range(len(x))
+                if (one := self.made(x[row], cranks[row], np.full(len(t[0]), int(branch[row]))))
             ]
         self.cut = watch.cut
         unit = MET * len(self.points) * self.size**2
@@ -224,12 +242,16 @@ class _Search:
         """Of each three cognates through nine points the one that is best."""
         found = []
         for row in through_nine(self.task.wanted, rng, watch):
-            three = [one for x in _cognates(row, complex(self.task.wanted[0])) if (one := self.made(x, *reached(x, self.task.wanted)))]
+            three = [
+                one
+                for x in _cognates(row, complex(self.task.wanted[0]))
+                if (one := self.made(x, *reached(x, self.task.wanted)))
+            ]
             if three:
                 found.append(min(three, key=lambda one: (len(one.defects), -_or_0(one.transmission_angle_deg))))
         return [one for one in found if one.square_error <= 1e-16 * self.size**2]
 
-    def made(self, x: Real, cranks: Real, branch: Real) -> PathFound | None:
+    def made(self, x: Real, cranks: Real, branch: Whole) -> PathFound | None:
         """The linkage x (10,) at its cranks (n,), in mm; None for one that cannot be told in mm."""
         task, size = self.task, self.size
         way = way_through(task, x, cranks, branch)
@@ -238,7 +260,7 @@ class _Search:
         turn = float(np.degrees(x[TURN]))
         # As it is told: within half a turn, or within its bounds.
         turn = turn if "ground_angle_deg" in self.bounded else (turn + 180.0) % 360.0 - 180.0
-        placed = {
+        placed: dict[str, Any] = {
             "crank": float(x[CRANK]) * size,
             "coupler": float(x[COUPLER]) * size,
             "coupler_point": complex(x[ARM_X], x[ARM_Y]) * size,
@@ -298,9 +320,11 @@ def _alike(one: PathFound, other: PathFound) -> bool:
 
     def sizes(found: PathFound) -> list[complex]:
         lengths = [abs(length) for length in found.lengths.values()]
-        return [*lengths, found.coupler_point, found.linkage.origin]  # type: ignore[attr-defined, list-item]
+        return [*lengths, found.coupler_point, found.linkage.origin]  # type: ignore[attr-defined]
 
-    return all(abs(a - b) <= SAME * max(abs(a), abs(b), 1e-3 * one.lengths["crank"]) for a, b in zip(sizes(one), sizes(other)))
+    return all(
+        abs(a - b) <= SAME * max(abs(a), abs(b), 1e-3 * one.lengths["crank"]) for a, b in zip(sizes(one), sizes(other))
+    )
 
 
 def _for_all(task: PathTask, few: PathTask, x: Real, t: Real, branch: Real) -> Real:

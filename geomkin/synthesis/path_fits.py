@@ -19,13 +19,15 @@ WEIGHT = 10.0
 # leave a limit passed by what shows in the sixth digit.
 ROUNDS, STEPS = 14, 25
 # How many of the starts go on after which rounds: fewer lose some that are slow at first, more take longer.
-KEPT = MappingProxyType({0: 80, 2: 32, 10: 12})
+KEPT = MappingProxyType({0: 160, 2: 64, 6: 30, 10: 12})
 # Rounds in which what was found for some of the points is brought to the least squares of all.
 REFINED = 6
 # Steps of the last round: fewer leave some in a long valley.
 LAST = 150
 # By how much a limit may be passed in the end, in its own units. Smaller refuses linkages that stand on it.
-PASSED = 1e-7
+PASSED = 1e-11
+# Steps that bring back what is outside by no more than so much: more is another linkage, which was not improved.
+RESTORED, FAR_OUTSIDE = 8, 1e-3
 # Times that a crank is moved towards the nearest point of its path after each step.
 SETTLED = 1
 # Cranks at which a closed path is looked at for the point nearest to a wanted one: fewer take a wrong loop for it.
@@ -105,7 +107,7 @@ class Fit:
         self.pairs = np.array([ones[i] - ones[j] for i in range(links) for j in range(links) if i != j])
 
     def limits(self, which: Whole, x: Real, cranks: Real) -> tuple[Real, Real, Real, Real, Real, Real, Real]:
-        """What passes a limit, with its multiplier, and the derivatives: at points by sizes and crank, at ends, links."""
+        """What passes limits, with multipliers, and its derivatives: at points by size and crank, at ends, of links."""
         task = self.task
         most = np.cos(task.least_transmission) ** 2
         value, by_size, by_crank = folding(x, cranks, task.slides)
@@ -219,12 +221,40 @@ def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tup
 
 
 def sorted_out(task: PathTask, x: Real, t: Real, branch: Real) -> tuple[Real, Real, Real]:
-    """Those within the limits, the best first."""
+    """Those within the limits, or brought there by a hair, the best first."""
+    x = np.array([_within(task, *row) for row in zip(x, t, branch)]).reshape(x.shape)
+    fit = Fit(task, branch)
+    for _ in range(4):
+        t = fit.settled(np.arange(len(x)), x, t)
     total = squares(task, x, t, branch)
     fine = np.isfinite(total) & (task.passed(x, task.cranks(x, t)) <= PASSED)
     best = np.argsort(total, kind="stable")
     best = best[fine[best]]
     return x[best], t[best], branch[best]
+
+
+def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
+    """The linkage x (10,) moved by the least that brings it within the limits, of which rounds leave it outside."""
+    fit = Fit(task, np.array([branch]))
+    low, high = task.low + 0.0, task.high
+    for _ in range(RESTORED):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points, by_size, _, ends, ends_by, links, links_by = fit.limits(
+                np.zeros(1, dtype=int), x[None], task.cranks(x[None], t[None])
+            )
+        by_links = np.zeros((links.shape[1], 9))
+        by_links[:, task.links] = links_by[0]
+        passed = np.concatenate([points[0], ends[0], links[0]])
+        by = np.concatenate([by_size[0], ends_by[0], by_links])
+        outside = passed > 0
+        if not outside.any() or not np.isfinite(by[outside]).all() or passed.max() > FAR_OUTSIDE:
+            break
+        # What stands on a bound stays there.
+        by = by[outside] * ((x[:9] > low[:9]) & (x[:9] < high[:9]))
+        aim = np.where(passed > 0, passed + 1e-12, 0.0)[outside]
+        x = x.copy()
+        x[:9] = np.clip(x[:9] - np.linalg.lstsq(by, aim, rcond=1e-9)[0], low[:9], high[:9])
+    return x
 
 
 def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:

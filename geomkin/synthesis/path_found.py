@@ -52,9 +52,7 @@ class PathFound(Found):
     def is_usable(self) -> bool:
         """Whether it has no defect, a transmission angle of 30 deg and more, and a ratio of links of 10 and less."""
         angle, ratio = self.transmission_angle_deg, self.ratio
-        return (
-            not self.defects and angle >= USABLE_DEG * (1 - ROUNDED) and bool(ratio <= USABLE_RATIO * (1 + ROUNDED))
-        )
+        return not self.defects and angle >= USABLE_DEG * (1 - ROUNDED) and bool(ratio <= USABLE_RATIO * (1 + ROUNDED))
 
     @cached_property
     def usable(self) -> PathFound | None:

@@ -82,7 +82,9 @@ def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
         return 1
     crank, coupler = (
         np.array([v[0, 0] for v in pair])
-        for pair in zip(*(closing(x[None], np.array([[q]]), np.array([float(s)]), False) for q, s in zip(cranks, branch)))
+        for pair in zip(
+            *(closing(x[None], np.array([[q]]), np.array([float(s)]), False) for q, s in zip(cranks, branch))
+        )
     )
     rocker = a * crank + b * coupler - d
     # The sign at a joint that is not adjacent to the shortest link.
