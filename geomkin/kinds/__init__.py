@@ -56,6 +56,7 @@ KINDS = Kinds({
     "centrodes": "centrodes:CentrodesRecipe",
     "polygons": "polygons:PolygonsRecipe",
     "shaking-force": "shaking_force:ShakingForceRecipe",
+    "path-generator": "path_generator:PathGeneratorRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

@@ -6,6 +6,7 @@ if TYPE_CHECKING:
     from .found import Found as Found
     from .path import path_generator as path_generator
     from .path_found import PathFound as PathFound
+    from .path_points import svg_path_points as svg_path_points
 else:
     from ..lazy import attach
 

@@ -162,8 +162,9 @@ class _Nine:
         for k, three in enumerate(np.stack([pivot, other_pivot, third], axis=1)):
             # Symmetric functions: the three come in any order.
             key = np.array([three.sum(), (three**2).sum(), (three**3).sum()])
-            off: Real = np.abs(keys - key) / (1 + np.abs(three).max()) ** np.arange(1, 4)
-            if np.isfinite(key).all() and not (off.max(axis=1, initial=0.0) < 1e-4).any():
+            size = 1 + float(np.abs(three).max())
+            off: Real = np.abs(keys - key) / size ** np.arange(1, 4)
+            if np.isfinite(key).all() and not np.any(off.max(axis=1, initial=0.0) < 1e-4):
                 keys = np.concatenate([keys, key[None]])
                 kept.append(k)
         return x[kept], keys
@@ -172,7 +173,7 @@ class _Nine:
 def _solved(system: Real, right: Real) -> Real:
     """Solutions (s, 8) of systems (s, 8, 8), each row scaled; nan for those that are singular."""
     scale = np.linalg.norm(system, axis=2)
-    scaled = np.where(np.isfinite(system).all(axis=(1, 2))[:, None, None], system / scale[:, :, None], np.eye(8))
+    scaled = np.where(np.isfinite(system).all(axis=(1, 2), keepdims=True), system / scale[:, :, None], np.eye(8))
     try:
         return np.linalg.solve(scaled, (right / scale)[..., None])[..., 0]
     except np.linalg.LinAlgError:

@@ -13,10 +13,9 @@ import geomkin as gk
 LENGTHS = ("ground", "crank", "coupler", "rocker")
 PLACES = ("coupler_point_x", "coupler_point_y", "origin_x", "origin_y")
 # Kunjur and Krishnamurty 1997: eighteen points, timed by 20 deg.
-K18 = np.array(
-    [0.5 + 1.1j, 0.4 + 1.1j, 0.3 + 1.1j, 0.2 + 1j, 0.1 + 0.9j, 0.05 + 0.75j, 0.02 + 0.6j, 0.5j, 0.4j]
-    + [0.03 + 0.3j, 0.1 + 0.25j, 0.15 + 0.2j, 0.2 + 0.3j, 0.3 + 0.4j, 0.4 + 0.5j, 0.5 + 0.7j, 0.6 + 0.9j, 0.6 + 1j]
-)
+K18_X = [0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02, 0, 0, 0.03, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.6]
+K18_Y = [1.1, 1.1, 1.1, 1, 0.9, 0.75, 0.6, 0.5, 0.4, 0.3, 0.25, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9, 1]
+K18 = np.array(K18_X) + 1j * np.array(K18_Y)
 K18_BOUNDS = dict.fromkeys(LENGTHS, (0, 50))
 # Cabrera and others 2002: six points of a line, untimed, and five with times about a given pivot.
 LINE6 = 20 + 1j * np.arange(20, 46, 5)
