@@ -49,7 +49,7 @@ class WantedPath:
         default=None,
     )
     svg: str | None = entry("the text of an SVG path, as M 0 0 L 10 5; one unit is 1 mm, y goes down", default=None)
-    count: int = quantity("points that are taken of an SVG path", default=60, at_least=3, at_most=2000, whole=True)
+    count: int = quantity("points that are taken of an SVG path", default=60, at_least=3, at_most=1000, whole=True)
     closed: bool = entry("whether they lie on a closed curve, in any order, which a full turn draws", default=False)
     slides: bool = entry("whether a slider-crank is wanted instead of a four-bar", default=False)
     drive_deg: tuple[Annotated[float, AsWritten()], ...] | None = entry(

@@ -10,15 +10,12 @@ from ..plane.vec import Complex, Real, Whole
 from ..progress import Watch
 from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, TURN, closing, points_of
 from .path_fits import PathTask, nearest
-from .random_linkages import random_linkages
+from .random_linkages import random_linkages, unlike
 from .timed_paths import linear_fit
 
 # Curves tried, so many at a time; those whose points are fitted as well; those that are improved. Fewer curves miss
 # rare shapes such as narrow eights; more take longer.
 TRIED, AT_ONCE, FITTED, STARTS = 80_000, 4_000, 4_000, 400
-# Linkages whose lengths, as logarithms, and arms differ by no more are of one kind. Larger leaves kinds out, smaller
-# lets one kind crowd out the others.
-NEAR = 0.3
 # Points of an open path that are few.
 FEW = 6
 # Cranks at which a curve is worked out, and places at equal lengths of it that are compared.
@@ -63,27 +60,8 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
     t = nearest(task, x, cranks, branch) if task.closed else cranks
     crank, coupler = closing(x, t, branch, task.slides)
     fitted, score = linear_fit(task, x, crank, coupler)
-    chosen = _unlike(fitted, branch, score, STARTS if len(task.wanted) > FEW else STARTS // 2)
+    chosen = unlike(fitted, branch, score, STARTS if len(task.wanted) > FEW else STARTS // 2)
     return fitted[chosen], t[chosen], branch[chosen]
-
-
-def _unlike(x: Real, branch: Real, score: Real, count: int) -> Whole:
-    """The best of each kind: many that are near each other would all come to the same linkage."""
-    traits = np.concatenate(
-        [
-            np.log(np.abs(x[:, : ROCKER + 1]) + 1e-9),
-            x[:, [ARM_X, ARM_Y]] / np.abs(x[:, COUPLER, None]),
-            branch[:, None],
-        ],
-        axis=1,
-    )
-    left: Whole = np.argsort(score, kind="stable")
-    chosen: list[int] = []
-    left = left[np.isfinite(score[left])]
-    while len(left) and len(chosen) < count:
-        chosen.append(int(left[0]))
-        left = left[np.abs(traits[left] - traits[left[0]]).max(axis=1) > NEAR]
-    return np.array(chosen, dtype=int)
 
 
 def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:

@@ -199,3 +199,23 @@ def reached(sizes: Real, wanted: Complex) -> tuple[Real, Whole]:
     pin, end = (np.take_along_axis(v, best[None], axis=0)[0] for v in (pins, ends))
     side = np.where((np.conj(ground - pin) * (end - pin)).imag >= 0, 1, -1)
     return np.angle(pin), side
+
+
+def with_cognates(places: Real, point: complex) -> list[Real]:
+    """A linkage by its pins and pivots (8,) and its cognates as rows (10,), as in `linkage.cognates`."""
+    pin, pivot, other, other_pivot = (complex(z) for z in places.view(complex))
+    crank, coupler, rocker, ground = pin - pivot, other - pin, other - other_pivot, other_pivot - pivot
+    share = (point - pin) / coupler
+    third = pivot + share * ground
+    rest = 1 - share
+    links = (
+        (pivot, ground, crank, coupler, rocker),
+        (pivot, share * ground, share * coupler, share * crank, share * rocker),
+        (third, rest * ground, rest * crank, -rest * rocker, -rest * coupler),
+    )
+    rows = []
+    for origin, d, a, b, c in links:
+        arm = (point - origin - a) * np.conj(b) / abs(b)
+        lengths = [abs(d), abs(a), abs(b), abs(c)]
+        rows.append(np.array([*lengths, arm.real, arm.imag, origin.real, origin.imag, np.angle(d), 0.0]))
+    return rows

@@ -24,7 +24,7 @@ COMMAND = re.compile(r"[\s,]*([a-zA-Z])")
 
 
 @checked
-def svg_path_points(path: str, count: Annotated[int, whole_between(3, 2000)] = 60) -> tuple[Complex, bool]:
+def svg_path_points(path: str, count: Annotated[int, whole_between(3, 1000)] = 60) -> tuple[Complex, bool]:
     """So many points (count,), mm, at equal lengths along a path's first run, and whether it closes.
 
     path: the text of the attribute `d` of an SVG path; one unit is 1 mm, and y goes up where it goes down in SVG. Of an

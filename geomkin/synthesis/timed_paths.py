@@ -8,12 +8,12 @@ from ..plane.vec import Complex, Real
 from ..progress import Watch
 from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, START, TURN, closing
 from .path_fits import PathTask
-from .random_linkages import random_linkages
+from .random_linkages import random_linkages, unlike
 
 # Linkages scored, and those of them that are improved, in the first round and after. Fewer miss the best of
 # problems with many valleys; more take longer and find no better one.
 SCORED = 60_000
-STARTS = 96
+STARTS = 140
 # As many at a time: more do not fit into a processor's memory, fewer wait for Python.
 AT_ONCE = 10_000
 
@@ -39,15 +39,15 @@ def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tupl
         good = np.isfinite(coupler).all(axis=1) & (task.passed(x, x[:, START, None] + turns) < 0.05)
         x, branch, crank, coupler = x[good], branch[good], crank[good], coupler[good]
         fitted, score = linear_fit(task, x, crank, coupler)
-        best = np.argsort(score, kind="stable")[:STARTS]
+        best = np.argsort(score, kind="stable")[: 4 * STARTS]
         found.append(fitted[best])
         scores.append(score[best])
         branches.append(branch[best])
     if not found:
         return np.zeros((0, 10)), np.zeros(0)
     x, score, branch = (np.concatenate(rows) for rows in (found, scores, branches))
-    best = np.argsort(score, kind="stable")[:STARTS]
-    return x[best], branch[best]
+    chosen = unlike(x, branch, score, STARTS)
+    return x[chosen], branch[chosen]
 
 
 def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tuple[Real, Real]:
