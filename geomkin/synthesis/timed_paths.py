@@ -14,6 +14,8 @@ from .random_linkages import random_linkages, unlike
 # problems with many valleys; more take longer and find no better one.
 SCORED = 60_000
 STARTS = 140
+# Points that are few: so many more starts are then improved in the same time, and more valleys need them.
+FEW, MORE = 12, 300
 # As many at a time: more do not fit into a processor's memory, fewer wait for Python.
 AT_ONCE = 10_000
 
@@ -39,14 +41,14 @@ def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tupl
         good = np.isfinite(coupler).all(axis=1) & (task.passed(x, x[:, START, None] + turns) < 0.05)
         x, branch, crank, coupler = x[good], branch[good], crank[good], coupler[good]
         fitted, score = linear_fit(task, x, crank, coupler)
-        best = np.argsort(score, kind="stable")[: 4 * STARTS]
+        best = np.argsort(score, kind="stable")[:MORE]
         found.append(fitted[best])
         scores.append(score[best])
         branches.append(branch[best])
     if not found:
         return np.zeros((0, 10)), np.zeros(0)
     x, score, branch = (np.concatenate(rows) for rows in (found, scores, branches))
-    chosen = unlike(x, branch, score, STARTS)
+    chosen = unlike(x, branch, score, STARTS if len(task.wanted) > FEW else MORE)
     return x[chosen], branch[chosen]
 
 
