@@ -1,4 +1,4 @@
-"""Starts for timed paths: hundreds of thousands of linkages scored in closed form."""
+"""Starts for timed paths: tens of thousands of linkages scored in closed form."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGI
 from .path_fits import PathTask
 from .random_linkages import random_linkages, unlike
 
-# Linkages scored, and those of them that are improved, in the first round and after. Fewer miss the best of
+# Linkages scored, and those of them that are improved. Fewer miss the best of
 # problems with many valleys; more take longer and find no better one.
 SCORED = 60_000
 STARTS = 140
