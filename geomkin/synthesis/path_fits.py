@@ -10,7 +10,7 @@ import numpy as np
 from ..plane.vec import Complex, Mask, Real, Whole, dot
 from ..progress import Watch
 from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
-from .least_squares import Linearised, least_squares
+from .bounded_least_squares import Linearised, least_squares
 
 # Weight of a limit that is passed, in units of the points' own sum of squares. Smaller lets the search wander far
 # beyond the limits before it turns back, larger makes it creep along them.
