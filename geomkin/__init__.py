@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from .synthesis.dyads import dyads_through as dyads_through
     from .synthesis.function import function_generator as function_generator
     from .synthesis.guidance import body_guides as body_guides
+    from .synthesis.path import path_generator as path_generator
     from .synthesis.rockers import crank_rocker as crank_rocker
     from .table import Column as Column
     from .table import Table as Table

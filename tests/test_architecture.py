@@ -46,7 +46,7 @@ ALONE = {
     "ezdxf": {"export/dxf.py"},
     "trimesh": {"export/stl.py"},
     "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/schema.py", "recipe/settings.py", "sizes.py"},
-    "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py"},
+    "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py", "kinds/path_files.py"},
     "click": {"commands.py", "cli.py"},
     "highspy": {"cam/program/least_peak.py"},
 }

@@ -63,6 +63,7 @@ KINDS = Kinds({
     "body-guidance": "body_guidance:BodyGuidanceRecipe",
     "function-generator": "function_generators:FunctionGeneratorRecipe",
     "slider-function-generator": "function_generators:SliderFunctionGeneratorRecipe",
+    "path-generator": "path_generator:PathGeneratorRecipe",
     "disk-cam": "disk_cam:DiskCamRecipe",
     "spur-gear": "spur_gear:SpurGearRecipe",
     "ring-gear": "ring_gear:RingGearRecipe",

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from .infinitesimal import StateFourBar as StateFourBar
     from .infinitesimal import acceleration_state_four_bar as acceleration_state_four_bar
     from .infinitesimal import velocity_state_four_bar as velocity_state_four_bar
+    from .path import path_generator as path_generator
+    from .path_found import PathFound as PathFound
+    from .path_points import svg_path_points as svg_path_points
     from .precision_points import chebyshev_points as chebyshev_points
     from .rockers import CrankRocker as CrankRocker
     from .rockers import crank_rocker as crank_rocker

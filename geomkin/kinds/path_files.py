@@ -1,0 +1,108 @@
+"""Points of a path in a file beside the recipe: a CSV of x and y, or the first path of an SVG drawing."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import DesignError, printable, shown
+from ..plane.vec import Complex
+from ..sizes import FARTHEST
+from ..synthesis.path import MOST_POINTS
+from ..synthesis.path_points import svg_path_points
+
+# Bytes of a file at most. A larger one is something else by mistake.
+LARGEST = 10_000_000
+PATH = re.compile(r"<path\b[^>]*?\sd\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class FileName:
+    """The name of a file that lies beside a recipe or below; without a folder, as from a script, anywhere."""
+
+    name: str
+    # Where a text lay is no part of what it says: the same recipe read from two folders is equal.
+    folder: str | Path | None = field(default=None, compare=False)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
+        """A recipe gives the name alone; the folder comes with the context it is validated in."""
+        from pydantic_core import core_schema
+
+        return core_schema.with_info_after_validator_function(
+            lambda name, info: cls(name, (info.context or {}).get("folder", ".")),
+            core_schema.str_schema(strict=True),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.name),
+        )
+
+    @property
+    def text(self) -> str:
+        """What stands in it, as UTF-8."""
+        try:
+            home = Path(self.folder or ".").resolve()
+            path = (home / self.name).resolve()
+            if self.folder is not None and not path.is_relative_to(home):
+                problem = f"found {shown(self.name)}, which lies outside the folder that names it"
+                raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
+            if not path.is_file():
+                raise FileNotFoundError(0, "it is no file")
+            with path.open("rb") as file:
+                content = file.read(LARGEST + 1)
+            if len(content) > LARGEST:
+                raise OSError(0, f"it is larger than {LARGEST:,} bytes")
+            return content.decode("utf-8-sig")
+        except DesignError:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:
+            # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
+            told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
+            reason = (error.strerror if isinstance(error, OSError) else None) or told
+            problem = f"{printable(self.name)} cannot be read ({reason})"
+            raise DesignError("file", problem, "give a CSV or an SVG file") from None
+
+    def points(self, count: int) -> tuple[Complex, bool]:
+        """The points, of a drawing so many, and whether it closes: what a CSV does not tell."""
+        text = self.text
+        if self.name.lower().endswith(".svg"):
+            found = PATH.search(text)
+            if found is None:
+                raise DesignError("file", f"{printable(self.name)} has no path", "give a drawing with a path in it")
+            return as_field("file", found.group(1) or found.group(2) or "", count)
+        return _rows(text, printable(self.name)), False
+
+
+def as_field(name: str, path: str, count: int) -> tuple[Complex, bool]:
+    """Points of a path's text, refused under the name of the field that holds it."""
+    try:
+        return svg_path_points(path, count)
+    except DesignError as error:
+        raise DesignError(name, f"its path {error.problem}", error.remedy) from None
+
+
+def _rows(text: str, name: str) -> Complex:
+    """The rows of two numbers; a first line of words is their heading."""
+    count = text.count("\n")
+    if count > MOST_POINTS + 1:
+        raise DesignError("file", f"{name} has {count:,} lines", f"give at most {MOST_POINTS:,} points")
+    try:
+        lines = [line for line in csv.reader(text.splitlines()) if "".join(line).strip()]
+    except csv.Error as error:
+        raise DesignError("file", f"{name} is not CSV ({error})", "give a CSV file") from None
+    points = []
+    for k, line in enumerate(lines, 1):
+        try:
+            x, y = (float(cell) for cell in line)
+        except ValueError:
+            if k == 1:
+                continue
+            problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
+            raise DesignError("file", problem, "give two numbers in each row: x and y in mm") from None
+        if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
+            raise DesignError("file", f"row {k} of {name} holds {x:g}, {y:g}", f"give places within {FARTHEST:g} of 0")
+        points.append(complex(x, y))
+    return np.array(points, dtype=complex)

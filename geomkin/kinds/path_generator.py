@@ -1,0 +1,242 @@
+"""Recipe of a linkage whose coupler point goes through given points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+
+from ..check import Check
+from ..errors import DesignError
+from ..linkage.coupler.curves import CouplerCurve
+from ..linkage.solve.move import move
+from ..part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Segment
+from ..plane.vec import Complex, Real
+from ..recipe.settings import Drive, Files
+from ..shop.drawing import PlateStock, engraved, skeleton
+from ..shop.linkage.plates import LinkStock
+from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
+from ..synthesis.path import path_generator
+from ..synthesis.path_found import PathFound
+from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
+from .path_files import FileName, as_field
+
+# mm: arms of the crosses that stand for wanted points on the drawing. Longer ones run into each other.
+CROSS = 1.0
+# How far a point may be from its place, as a share of the width of all: a path that is farther away is not the one
+# that was wanted. Derived here, of paths laid over each other by eye.
+NEAR = 0.05
+
+Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WantedPath:
+    """The points, by one of points, file and svg, and how they are to be met."""
+
+    points: tuple[Annotated[complex, PointXY()], ...] | None = entry(
+        "the points, [x, y] in mm each",
+        default=None,
+        example=(0j, 20 + 1j, 40 + 0j, 60 + 10j, 30 + 22j),
+    )
+    file: FileName | None = entry(
+        "a CSV file of x and y in mm, or an SVG drawing, whose first path is taken: beside the recipe or below",
+        default=None,
+    )
+    svg: str | None = entry("the text of an SVG path, as M 0 0 L 10 5; one unit is 1 mm, y goes down", default=None)
+    count: int = quantity("points that are taken of an SVG path", default=60, at_least=3, at_most=1000, whole=True)
+    closed: bool = entry("whether they lie on a closed curve, in any order, which a full turn draws", default=False)
+    slides: bool = entry("whether a slider-crank is wanted instead of a four-bar", default=False)
+    drive_deg: tuple[Annotated[float, AsWritten()], ...] | None = entry(
+        "the crank's angles at the points, rising or falling, of which the differences count; any where left out",
+        default=None,
+    )
+    step_deg: float | None = quantity(
+        "the same from point to point in equal steps", "deg", default=None, at_least=-180, at_most=180
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise DesignError("points", f"of points, file and svg found {found}", "give one of them")
+        if self.drive_deg is not None and self.step_deg is not None:
+            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them")
+
+    @cached_property
+    def places(self) -> Complex:
+        """The points, mm."""
+        if self.file is not None:
+            return self.file.points(self.count)[0]
+        if self.svg is not None:
+            return as_field("svg", self.svg, self.count)[0]
+        return np.array(self.points, dtype=complex)
+
+    @property
+    def turns_deg(self) -> Real | None:
+        """The crank's angles, deg; None where they are free."""
+        if self.step_deg is not None:
+            return self.step_deg * np.arange(len(self.places))
+        return None if self.drive_deg is None else np.array(self.drive_deg, dtype=float)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathLimits:
+    """What the linkage must keep; what is left out is 5 deg and a ratio of 100, or none where all links are bounded."""
+
+    least_transmission_angle_deg: float | None = quantity(
+        "least transmission angle over the way", "deg", default=None, at_least=0, at_most=89, example=30
+    )
+    largest_ratio: float | None = quantity(
+        "longest link over the shortest", default=None, at_least=1, at_most=1e6, example=10
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathBounds:
+    """Sizes and places between two limits, [low, high]; they hold exactly."""
+
+    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None)
+    offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None)
+    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None)
+    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None)
+    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None)
+    coupler_point_x: Pair | None = entry(
+        "least and greatest x of the coupler point in the coupler's frame, mm", default=None
+    )
+    coupler_point_y: Pair | None = entry(
+        "least and greatest y of the coupler point in the coupler's frame, mm", default=None
+    )
+    origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None)
+    origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None)
+    ground_angle_deg: Pair | None = entry(
+        "least and greatest direction of the ground line or of the slide line, deg", default=None
+    )
+    start_deg: Pair | None = entry(
+        "least and greatest first angle of the crank from the ground line, deg", default=None
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    @property
+    def given(self) -> dict[str, Pair] | None:
+        """Those that are given."""
+        named = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: pair for name, pair in named.items() if pair is not None} or None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathGeneratorRecipe(AbstractLinkageGoal):
+    """The four-bar or slider-crank whose coupler point goes through given points, and a drawing of both paths."""
+
+    kind: Literal["path-generator"] = "path-generator"
+    wanted: WantedPath
+    limits: PathLimits = entry("what the linkage must keep", default=PathLimits())
+    bounds: PathBounds = entry("limits of sizes and places", default=PathBounds())
+    search: Search = entry("how long to look, and from where", default=Search())
+    choose: int = choose_entry()
+    drive: Drive = entry("how the driver turns", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    advice: ClassVar[str] = "Without limits the best linkage is often one that jams: see `usable` in summary.json."
+
+    @cached_property
+    def best(self) -> PathFound:
+        """The best linkage, which knows the others."""
+        wanted = self.wanted
+        return path_generator(
+            wanted.places,
+            wanted.turns_deg,
+            wanted.closed,
+            self.limits.least_transmission_angle_deg,
+            self.limits.largest_ratio,
+            self.bounds.given,
+            self.search.seed,
+            self.search.seconds,
+            wanted.slides,
+        )
+
+    @property
+    def ranked(self) -> Sequence[PathFound]:
+        return self.best.ranked
+
+    @property
+    def chosen(self) -> PathFound:
+        """The one that is made, with what a path search tells of it."""
+        # Asked for first: it refuses a number that none has.
+        _ = self.found
+        return self.ranked[self.choose - 1]
+
+    @property
+    def way(self) -> tuple[float, float]:
+        """A whole turn where the path is closed, else from the first point to the last."""
+        return (0.0, 360.0) if self.wanted.closed else super().way
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        wide = float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
+        advice = "give more room by wider bounds, lower limits or fewer points"
+        far = Check(
+            "largest distance of a point from the path",
+            self.chosen.largest_distance,
+            "at most",
+            NEAR * wide,
+            "mm",
+            advice,
+        )
+        return (far, *super().judged)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
+        found = self.chosen
+        marks: list[AbstractCurve] = [
+            Segment(z - CROSS * arm, z + CROSS * arm) for z in self.wanted.places.tolist() for arm in (1, 1j)
+        ]
+        span = (float(np.radians(self.way[0])), float(np.radians(self.way[1])))
+        if not found.defects and span[1] > span[0]:
+            marks.append(CouplerCurve(found.linkage, "coupler_point", found.branch, span))
+        at = move(found.linkage, np.array([found.drive[0]]), found.branch)
+        return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        best, usable = self.best, self.best.usable
+        cognates = [
+            {
+                **{name: _ten(getattr(one.linkage, name)) for name in ("ground", "crank", "coupler", "rocker")},
+                "driver": one.linkage.driver,
+                "coupler_point_mm": _pair(complex(one.linkage.coupler_point)),
+                "origin_mm": _pair(one.linkage.origin),
+                "ground_angle_deg": _ten(one.linkage.ground_angle_deg),
+            }
+            for one in self.chosen.cognates
+        ]
+        told: dict[str, object] = {
+            "points": len(self.wanted.places),
+            "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
+            "cut_short": best.cut_short,
+            "drive_at_points_deg": [_ten(q) for q in self.chosen.drive_deg],
+            "usable": None if usable is None else usable.summary(),
+            "cognates": cognates,
+        }
+        return told | dict(super().notes)
+
+
+def _ten(value: float) -> float:
+    return float(f"{value:.10g}")
+
+
+def _pair(z: complex) -> list[float]:
+    return [_ten(z.real), _ten(z.imag)]

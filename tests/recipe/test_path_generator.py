@@ -1,0 +1,97 @@
+"""The recipe that finds a linkage for a path: what it reads, makes and refuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.build import check_recipe
+from tests.texts import parse, template_of
+
+FIVE = """
+kind = "path-generator"
+[wanted]
+points = [[30, 30], [27.59, 33.63], [23.72, 36.63], [18.90, 38.62], [13.55, 39.43]]
+step_deg = 15
+[bounds]
+origin_x = [0, 0]
+origin_y = [0, 0]
+"""
+SVG = '<svg xmlns="http://www.w3.org/2000/svg"><g><path id="a" d="M 0 0 L 40 0 L 40 30 Z"/><path d="M 1 1"/></g></svg>'
+
+
+def test_it_is_made_and_what_it_found_runs_by_itself(tmp_path):
+    made = gk.make(gk.load(FIVE).called("five"), tmp_path)
+    folder = tmp_path / "five"
+    assert {"five.dxf", "five.csv", "five.svg", "path.stl", "crank.stl", "five.found.toml"} <= {
+        p.name for p in made.files
+    }
+    told = json.loads((folder / "summary.json").read_text())
+    assert told["found"]["square_error_mm2"] < 1e-4 and told["points"] == 5 and told["method"] != "least squares"
+    assert told["ranked"][0] == told["found"] and len(told["cognates"]) == 3 and not told["cut_short"]
+    assert told["usable"]["transmission_angle_deg"] >= 30 - 1e-6 and told["usable"]["ratio"] <= 10 + 1e-6
+    first = made.checks[0]
+    assert first.name == "largest distance of a point from the path" and first.passed and first.value < 0.01
+    # Another road: the found recipe, loaded and moved to the drives that are told.
+    found = gk.load(folder / "five.found.toml")
+    drive = np.radians(told["drive_at_points_deg"])
+    track = gk.move(found.linkage, drive, found.branch).point("coupler_point").position
+    wanted = np.array([30 + 30j, 27.59 + 33.63j, 23.72 + 36.63j, 18.90 + 38.62j, 13.55 + 39.43j])
+    assert np.abs(track - wanted).max() == pytest.approx(first.value, abs=1e-6)
+    assert found.drive.start_deg == pytest.approx(told["drive_at_points_deg"][0])
+    assert found.drive.end_deg == pytest.approx(told["drive_at_points_deg"][-1])
+
+
+def test_points_come_from_files_and_texts(tmp_path):
+    rows = "x_mm, y_mm\n0,0\n10,2\n\n20,3\n30,2.5\n"
+    (tmp_path / "path.csv").write_text("\ufeff" + rows)
+    (tmp_path / "shape.svg").write_text(SVG)
+    recipe = tmp_path / "a.toml"
+    recipe.write_text('kind = "path-generator"\nwanted = { file = "path.csv" }\n')
+    assert gk.load(recipe).wanted.places == pytest.approx([0, 10 + 2j, 20 + 3j, 30 + 2.5j])
+    recipe.write_text('kind = "path-generator"\nwanted = { file = "shape.svg", count = 12, closed = true }\n')
+    places = gk.load(recipe).wanted.places
+    assert len(places) == 12 and places[1] == 10 and places[5] == pytest.approx(40 - 10j)
+    recipe.write_text(
+        'kind = "path-generator"\nwanted = { svg = "M 0 0 L 40 0 L 40 30 Z", count = 12, closed = true }\n'
+    )
+    assert gk.load(recipe).wanted.places == pytest.approx(places)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message"),
+    [
+        ("", "of points, file and svg found none; give one of them"),
+        ('svg = "M 0 0 L 1 1", points = [[0, 0]]', "of points, file and svg found points and svg; give one of them"),
+        ('file = "none.csv"', "wanted.file: none.csv cannot be read .it is no file.; give a CSV or an SVG file"),
+        ('file = "../outside.csv"', "wanted.file: .*lies outside the folder"),
+        ('file = "bad.csv"', "wanted.file: row 2 of bad.csv holds 'a,b'; give two numbers in each row"),
+        ('file = "empty.svg"', "wanted.file: empty.svg has no path"),
+        ('svg = "M 0 0 L 1"', "wanted.svg: its path at character 9 holds"),
+        ("points = [[0, 0], [1, 1]]", "wanted.points: found 2; give from 3 to 1,000 points"),
+        (
+            "points = [[0, 0], [1, 1], [2, 0]], drive_deg = [0, 1, 2], step_deg = 3",
+            "step_deg: is given, and drive_deg too",
+        ),
+        ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 0", "neither all rise nor all fall"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_its_key(tmp_path, wanted, message):
+    (tmp_path / "bad.csv").write_text("1,2\na,b\n")
+    (tmp_path / "empty.svg").write_text("<svg/>")
+    (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
+    with pytest.raises(gk.RecipeError, match=message):
+        check_recipe(gk.load(tmp_path / "a.toml"))
+
+
+def test_another_one_is_chosen_and_one_too_many_refused():
+    second = gk.load(FIVE.replace("[bounds]", "[search]\nseed = 1\n[bounds]") + "").design
+    assert second.linkage.crank > 0
+    with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
+        check_recipe(gk.load(FIVE.replace('"path-generator"', '"path-generator"\nchoose = 900')))
+
+
+def test_its_template_is_one_that_can_be_read():
+    recipe = parse(template_of("path-generator"))
+    assert len(recipe.wanted.places) == 5

@@ -1,0 +1,259 @@
+"""Linkages found for paths: known ones given back, published problems met, each moved by the solver of all linkages."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.progress import Watch, shown
+from geomkin.synthesis.coupler_paths import paths
+from geomkin.synthesis.nine_points import through_nine
+from tests.speed.synthesis_path import FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
+
+CRANK_ROCKER = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
+TURN = np.linspace(0, 2 * np.pi, 30, endpoint=False)
+
+
+def moved(found):
+    """Where the coupler point is at the drives that were found, by the general solver."""
+    motion = gk.move(found.linkage, found.drive, found.branch)
+    return motion.point("coupler_point").position
+
+
+def traced(linkage, drive, branch=1):
+    return gk.move(linkage, drive, branch).point("coupler_point").position
+
+
+def far(points, found, frames=72001):
+    """Sum of squared distances from a fine trace of the whole turn: brute force."""
+    path = traced(found.linkage, np.linspace(0, 2 * np.pi, frames), found.branch)
+    return np.sum(np.abs(points[:, None] - path).min(axis=1) ** 2)
+
+
+def sound(found, span):
+    """Looked at finely, it closes over the whole span with the transmission angle that is told."""
+    motion = gk.move(found.linkage, np.linspace(*span, 4001), found.branch)
+    least = np.degrees(gk.least_transmission_angle(motion))
+    return motion.closed.all() and found.transmission_angle_deg - 1e-6 <= least <= found.transmission_angle_deg + 0.01
+
+
+@pytest.mark.parametrize("slides", [False, True])
+def test_derivatives_are_those_of_differences(slides):
+    x = np.array([[10.0 if slides else 100, 30, 90, 70, 40, 25, 5, -7, 0.3, 0]])
+    cranks, branch = np.linspace(0.2, 6, 7)[None], np.array([-1.0])
+    here = paths(x, cranks, branch, slides)
+    for k in range(9):
+        if slides and k == 3:
+            continue
+        step = np.zeros((1, 10))
+        step[0, k] = 1e-5
+        ahead, back = (paths(x + s * step, cranks, branch, slides) for s in (1, -1))
+        assert (ahead.point - back.point) / 2e-5 == pytest.approx(here.by_size[..., k], abs=1e-6)
+        assert (ahead.folding - back.folding) / 2e-5 == pytest.approx(here.folding_by_size[..., k], abs=1e-8)
+    ahead, back = (paths(x, cranks + s * 1e-6, branch, slides) for s in (1, -1))
+    assert (ahead.point - back.point) / 2e-6 == pytest.approx(here.by_crank, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_eighteen_timed_points(seed):
+    found = gk.path_generator(K18, 20.0 * np.arange(18), bounds=K18_BOUNDS, seed=seed)
+    assert found.square_error <= 0.00902889
+    assert np.sum(np.abs(moved(found) - K18) ** 2) == pytest.approx(found.square_error, rel=1e-9)
+    assert np.degrees(np.diff(found.drive)) == pytest.approx(20) and not found.defects and found.least_squares
+    assert sound(found, (found.drive[0], found.drive[-1]))
+    usable = found.usable
+    # With 30 deg it stands on that limit, and is a little worse.
+    assert 0.00902889 < usable.square_error < 0.0091152 and usable.transmission_angle_deg == pytest.approx(30, abs=1e-6)
+    assert usable.at_limits == ("a transmission angle of 30 deg",)
+    assert len(found.cognates) == 3
+
+
+def test_six_points_of_a_line_within_bounds():
+    found = gk.path_generator(LINE6, bounds=LINE6_BOUNDS)
+    assert np.sum(np.abs(moved(found) - LINE6) ** 2) <= 1e-20 and not found.least_squares
+    for one in found.ranked:
+        assert all(0 < length <= 60 for length in one.lengths.values())
+        places = np.array([one.linkage.origin, one.coupler_point])
+        assert (np.abs(places.real) <= 60).all() and (np.abs(places.imag) <= 60).all()
+        if not one.defects:
+            steps = np.diff(one.drive)
+            assert (steps > 0).all() or (steps < 0).all()
+            assert sound(one, sorted((one.drive[0], one.drive[-1])))
+
+
+def test_five_timed_points_about_a_given_pivot():
+    found = gk.path_generator(FIVE, [30, 45, 60, 75, 90], bounds=FIVE_BOUNDS)
+    assert found.square_error <= 7.4158e-7 and np.degrees(found.drive) == pytest.approx([30, 45, 60, 75, 90])
+    assert np.sum(np.abs(moved(found) - FIVE) ** 2) == pytest.approx(found.square_error, rel=1e-6)
+    assert found.linkage.origin == pytest.approx(0, abs=1e-12) and found.linkage.ground_angle_deg == 0
+
+
+def test_a_bound_that_is_in_the_way_is_stood_upon():
+    free = gk.path_generator(K18, 20.0 * np.arange(18))
+    held = gk.path_generator(K18, 20.0 * np.arange(18), bounds={"crank": (0.1, 0.25)})
+    assert free.linkage.crank > 0.3 and held.linkage.crank <= 0.25 * (1 + 1e-12)
+    assert held.square_error > free.square_error
+
+
+@pytest.mark.campaign
+def test_nine_points_have_nearly_all_their_linkages():
+    found = gk.path_generator(NINE, seconds=100)
+    met = [one for one in found.ranked if one.square_error < 1e-16]
+    assert 57 <= len(met) <= 64 and [not one.defects for one in met].count(True) == 1 and not found.defects
+    assert np.abs(moved(found) - NINE).max() < 1e-8
+    for one in met:
+        sides = [traced(one.linkage, one.drive, side) for side in (1, -1)]
+        assert np.abs(np.array(sides) - NINE).min(axis=0).max() < 1e-6
+    # No two draw the same curve: the three cognates of one have the same pivots.
+    pivots = [{complex(np.round(c.linkage.origin, 6)) for c in one.cognates} for one in met]
+    assert len({frozenset(three) for three in pivots}) == len(met)
+
+
+def test_a_few_linkages_through_nine_points(monkeypatch):
+    monkeypatch.setattr("geomkin.synthesis.nine_points.TURNS", 1)
+    monkeypatch.setattr("geomkin.synthesis.nine_points.STARTS", 2000)
+    monkeypatch.setattr("geomkin.synthesis.nine_points.FOLLOWED", 60)
+    rows = through_nine(NINE - NINE.mean(), np.random.default_rng(0), Watch(60, ""))
+    assert len(rows) > 5
+    first = NINE[0] - NINE.mean()
+    for pin, pivot, other, other_pivot in rows.view(complex):
+        # By another road: the distance of the two pins must be kept, whichever way the coupler is turned.
+        turns = np.exp(1j * np.linspace(0, 2 * np.pi, 40001))
+        for point in NINE - NINE.mean():
+            off = [
+                np.abs(point + turns * (a - first) - b) - abs(a - b) for a, b in ((pin, pivot), (other, other_pivot))
+            ]
+            size = 1e-3 * (1 + max(abs(pin - first), abs(other - first)))
+            assert np.abs(off).max(axis=0).min() < size
+
+
+def test_a_known_closed_path_gives_its_linkage_back():
+    points = traced(CRANK_ROCKER, TURN[np.random.default_rng(1).permutation(30)])
+    found = gk.path_generator(points, closed=True)
+    assert found.square_error < 1e-15 and far(points, found) < 0.01
+    given = sorted([90.0, 30, 80, 70])
+    three = [sorted(one.lengths.values()) for one in found.ranked]
+    assert any(lengths == pytest.approx(given, rel=1e-5) for lengths in three) or any(
+        sorted(c.linkage.__dict__[n] for n in ("ground", "crank", "coupler", "rocker"))
+        == pytest.approx(given, rel=1e-5)
+        for c in found.cognates
+    )
+    assert sound(found, (0, 2 * np.pi))
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("slides", [False, True])
+def test_random_closed_paths_give_their_linkages_back(slides):
+    rng = np.random.default_rng(7)
+    for _ in range(3):
+        n = int(rng.integers(20, 140))
+        arm = complex(*rng.uniform(-60, 60, 2))
+        linkage = (
+            gk.SliderCrank(30, rng.uniform(60, 120), rng.uniform(-20, 20), arm)
+            if slides
+            else gk.FourBar(100, rng.uniform(15, 35), rng.uniform(75, 90), rng.uniform(65, 80), arm)
+        )
+        points = traced(linkage, rng.uniform(0, 2 * np.pi, n)) * np.exp(1j * rng.uniform(0, 6)) + 50
+        found = gk.path_generator(points, closed=True, slides=slides, seconds=60)
+        size = np.abs(points - points.mean()).max()
+        assert found.largest_distance < 1e-6 * size
+
+
+@pytest.mark.campaign
+def test_random_open_paths_are_met():
+    rng = np.random.default_rng(8)
+    for _ in range(3):
+        arm = complex(*rng.uniform(-60, 60, 2))
+        linkage = gk.FourBar(100, rng.uniform(15, 35), rng.uniform(75, 90), rng.uniform(65, 80), arm)
+        start = rng.uniform(0, 6)
+        points = traced(linkage, np.sort(rng.uniform(start, start + rng.uniform(1, 5), 60)))
+        found = gk.path_generator(points, seconds=60)
+        assert found.largest_distance < 1e-3 * np.abs(points - points.mean()).max() and not found.defects
+        assert np.sum(np.abs(moved(found) - points) ** 2) == pytest.approx(found.square_error, abs=1e-10)
+
+
+def test_limits_hold_over_the_whole_turn_of_a_closed_path():
+    points = 30 * np.cos(TURN) + 10j * np.sin(TURN)
+    found = gk.path_generator(points, closed=True, least_transmission_angle_deg=50, largest_ratio=5)
+    assert found.transmission_angle_deg >= 50 - 1e-6 and found.ratio <= 5 * (1 + 1e-8)
+    assert found.at_limits and sound(found, (0, 2 * np.pi)) and found.usable is found
+    # Brute force: the fine trace of the whole turn is no nearer than the error says, and hardly farther.
+    assert far(points, found) == pytest.approx(found.square_error, rel=1e-4)
+
+
+def test_slider_cranks():
+    known = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j, ground_angle_deg=-20)
+    turns = np.arange(0, 300, 30.0)
+    points = traced(known, np.radians(turns + 40))
+    found = gk.path_generator(points, turns, slides=True)
+    assert isinstance(found.linkage, gk.SliderCrank) and found.square_error < 1e-18
+    assert np.abs(moved(found) - points).max() < 1e-8 and found.cognates == ()
+    assert (found.linkage.crank, found.linkage.coupler) == pytest.approx((30, 90), rel=1e-6)
+    assert abs(found.linkage.offset) == pytest.approx(12, rel=1e-5)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e6])
+def test_size_and_place_do_not_matter(size):
+    plain = gk.path_generator(K18, 20.0 * np.arange(18))
+    other = gk.path_generator(size * (K18 + 3 - 2j), 20.0 * np.arange(18))
+    assert other.square_error == pytest.approx(size**2 * plain.square_error, rel=1e-6)
+
+
+def test_the_same_seed_gives_the_same_answer_and_progress_is_told():
+    told = []
+    with shown(lambda share, what: told.append((share, what))):
+        one = gk.path_generator(K18, 20.0 * np.arange(18), seed=4)
+    other = gk.path_generator(K18, 20.0 * np.arange(18), seed=4, seconds=60)
+    assert one.linkage == other.linkage and not one.cut_short
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares) and shares[-1] == 1 and told[0][1] == "linkages for the path"
+    assert dataclasses.replace(one, ranked=()).ranked == () and one.ranked[0].linkage == one.linkage
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"points": [1 + 1j] * 5}, "points: all are the same; give points apart from each other"),
+        ({"points": [0, 1j]}, "points: found 2; give from 3 to 1,000 points"),
+        ({"points": np.arange(3000) * 1j}, "points: found 3,000; give from 3 to 1,000 points"),
+        ({"points": [0, 1j, np.nan]}, "points: found .*; give a row of points as complex numbers"),
+        ({"drive_deg": [0, 20]}, "drive_deg: found 2 angles for 6 points; give one for each point"),
+        ({"drive_deg": [0, 1, 2, 2, 3, 4]}, "drive_deg: the angles neither all rise nor all fall; give them in order"),
+        ({"seconds": 1e-9}, "seconds: found 1e-09 s, too short for any answer; give 10 or more"),
+        ({"bounds": {"crunk": (0, 1)}}, "bounds: found 'crunk'; give any of ground, crank"),
+        ({"bounds": {"start_deg": (0, 1)}}, "bounds: found 'start_deg'; .* start_deg needs drive_deg"),
+        ({"bounds": {"crank": (2, 1)}}, "bounds: crank from 2 to 1 is no range; give the lower one first"),
+        ({"bounds": {"rocker": (0, 1)}, "slides": True}, "bounds: found 'rocker'; give any of offset, crank"),
+        ({"bounds": {"crank": (-3, 0)}}, "bounds: crank is at most 0 mm; give a length above 0"),
+        ({"least_transmission_angle_deg": 90}, "least_transmission_angle_deg: found 90; give a number from 0 to 89"),
+    ],
+)
+def test_what_cannot_be_is_refused(asked, message):
+    with pytest.raises(gk.DesignError, match=message):
+        gk.path_generator(**{"points": LINE6} | asked)
+
+
+def test_points_of_svg_paths():
+    points, closed = gk.synthesis.svg_path_points("M 0 0 h 30 v -40 z", 12)
+    assert closed and points[0] == 0 and np.abs(points).max() <= 50 + 1e-9
+    assert points == pytest.approx(
+        np.array(
+            [0, 10, 20, 30, 30 + 10j, 30 + 20j, 30 + 30j, 30 + 40j, *(np.array([0.8, 0.6, 0.4, 0.2]) * (30 + 40j))]
+        )
+    )
+    # A circle by two arcs, without gaps between flags: clockwise as it is seen, since y goes down.
+    circle, closed = gk.synthesis.svg_path_points("M10,0a10 10 0 11-20 0 10 10 0 1120 0", 8)
+    assert (
+        closed
+        and np.abs(circle) == pytest.approx(10)
+        and np.unwrap(np.angle(circle))[-1] == pytest.approx(-7 * np.pi / 4, abs=1e-3)
+    )
+    # Cubic and quadratic, smooth on, against their definition.
+    line, closed = gk.synthesis.svg_path_points("M0 0 C 0 -10 10 -10 10 0 S 20 10 20 0", 3)
+    assert not closed and line == pytest.approx([0, 10, 20], abs=1e-9)
+    line, _ = gk.synthesis.svg_path_points("M0 0 Q 5 -10 10 0 T 20 0", 3)
+    assert line == pytest.approx([0, 10, 20], abs=1e-9)
+    for text in ("", "L 1 1", "M 0 0 L", "M 0 0 L 1 1 X 3", "M 0 0", "M 0 0 z 3 3", "M 0 0 L 1e400 0", "M 1 1 M 2 2"):
+        with pytest.raises(gk.DesignError, match="path"):
+            gk.synthesis.svg_path_points(text)
