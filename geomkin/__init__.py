@@ -72,11 +72,11 @@ if TYPE_CHECKING:
     from .plane.measure import curvature as curvature
     from .plane.measure import length as length
     from .plane.measure import nearest as nearest
-    from .synthesis.dyads import dyads_through as dyads_through
-    from .synthesis.function import function_generator as function_generator
-    from .synthesis.guidance import body_guides as body_guides
-    from .synthesis.path import path_generator as path_generator
-    from .synthesis.rockers import crank_rocker as crank_rocker
+    from .synthesis.function.function import function_generator as function_generator
+    from .synthesis.guidance.dyads import dyads_through as dyads_through
+    from .synthesis.guidance.guidance import body_guides as body_guides
+    from .synthesis.path.path import path_generator as path_generator
+    from .synthesis.rockers.crank_rockers import crank_rocker as crank_rocker
     from .table import Column as Column
     from .table import Table as Table
 else:

@@ -22,10 +22,10 @@ from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..synthesis.displacement_poles import poles
-from ..synthesis.filemon_waldron import rectification
-from ..synthesis.guidance import BodyGuide, body_guides
-from ..synthesis.guide_groups import KINDS, Kind
+from ..synthesis.guidance.displacement_poles import poles
+from ..synthesis.guidance.filemon_waldron import rectification
+from ..synthesis.guidance.guidance import BodyGuide, body_guides
+from ..synthesis.guidance.guide_groups import KINDS, Kind
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 

@@ -22,9 +22,9 @@ from ..recipe.settings import Files
 from ..scene import Plot, Scene, SceneCurve, SceneMark
 from ..shop.drawing import PlateStock, engraved
 from ..sizes import FARTHEST, AsWritten, check_sizes, entry, quantity
-from ..synthesis.burmester import Burmester, BurmesterCurve, burmester_curves
-from ..synthesis.displacement_poles import poles
-from ..synthesis.poses import placed
+from ..synthesis.guidance.burmester import Burmester, BurmesterCurve, burmester_curves
+from ..synthesis.guidance.displacement_poles import poles
+from ..synthesis.guidance.poses import placed
 from ..table import Column, Table, xy_columns
 
 # Reach of the drawing, in sizes of the poses, where it is left out: more, and the poses are a dot on the plate.

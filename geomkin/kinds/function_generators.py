@@ -19,10 +19,10 @@ from ..recipe.settings import Drive, Files
 from ..scene import Limit, Plot
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, SMALLEST, AsWritten, check_sizes, entry, quantity
-from ..synthesis.expression import NAMED, Expression, named_function
-from ..synthesis.function import function_generator, slider_function_generator
-from ..synthesis.function_results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
-from ..synthesis.wanted_function import Function
+from ..synthesis.function.expression import NAMED, Expression, named_function
+from ..synthesis.function.function import function_generator, slider_function_generator
+from ..synthesis.function.results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
+from ..synthesis.function.wanted import Function
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 

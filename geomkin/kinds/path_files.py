@@ -13,8 +13,8 @@ import numpy as np
 from ..errors import DesignError, printable, shown
 from ..plane.vec import Complex
 from ..sizes import FARTHEST
-from ..synthesis.path import MOST_POINTS
-from ..synthesis.path_points import svg_path_points
+from ..synthesis.path.path import MOST_POINTS
+from ..synthesis.path.points import svg_path_points
 
 # Bytes of a file at most. A larger one is something else by mistake.
 LARGEST = 10_000_000

@@ -21,8 +21,8 @@ from ..recipe.settings import Drive, Files
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
-from ..synthesis.path import path_generator
-from ..synthesis.path_found import PathFound
+from ..synthesis.path.path import path_generator
+from ..synthesis.path.results import PathFound
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 from .path_files import FileName, as_field
 

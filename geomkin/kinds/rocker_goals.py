@@ -13,9 +13,9 @@ from ..plane.vec import rounded
 from ..recipe.settings import Drive, Files
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from ..synthesis.double_rockers import DoubleRocker, double_rocker
-from ..synthesis.families import RATIO, Family
-from ..synthesis.rockers import CrankRocker, check_turn, crank_rocker
+from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
+from ..synthesis.rockers.double_rockers import DoubleRocker, double_rocker
+from ..synthesis.rockers.families import RATIO, Family
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 # deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what

@@ -11,7 +11,7 @@ from ..check import Check
 from ..recipe.settings import Drive, Files
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
-from ..synthesis.strokes import StrokeCrank, check_turn, slider_crank_stroke
+from ..synthesis.rockers.strokes import StrokeCrank, check_turn, slider_crank_stroke
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 from .rocker_goals import (
     MISSED_DEG,

@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 import geomkin as gk
-from geomkin.synthesis.constraint import pairs_of_least
+from geomkin.synthesis.guidance.constraint import pairs_of_least
 from tests.synthesis.known import apart, known_linkages
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import body_guides
-from geomkin.synthesis.guide_search import Displacements
+from geomkin.synthesis.guidance.guide_search import Displacements
 from tests.synthesis import driving
 
 KINDS = ("four-bar", "crank-slider", "slider-crank", "elliptic-trammel")

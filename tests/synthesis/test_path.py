@@ -7,8 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.progress import Watch, shown
-from geomkin.synthesis.coupler_paths import paths
-from geomkin.synthesis.nine_points import through_nine
+from geomkin.synthesis.path.coupler_paths import paths
+from geomkin.synthesis.path.nine_points import through_nine
 from tests.speed.synthesis_path import FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
 
 CRANK_ROCKER = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
@@ -111,9 +111,9 @@ def test_nine_points_have_nearly_all_their_linkages():
 
 
 def test_a_few_linkages_through_nine_points(monkeypatch):
-    monkeypatch.setattr("geomkin.synthesis.nine_points.TURNS", 1)
-    monkeypatch.setattr("geomkin.synthesis.nine_points.STARTS", 2000)
-    monkeypatch.setattr("geomkin.synthesis.nine_points.FOLLOWED", 60)
+    monkeypatch.setattr("geomkin.synthesis.path.nine_points.TURNS", 1)
+    monkeypatch.setattr("geomkin.synthesis.path.nine_points.STARTS", 2000)
+    monkeypatch.setattr("geomkin.synthesis.path.nine_points.FOLLOWED", 60)
     rows = through_nine(NINE - NINE.mean(), np.random.default_rng(0), Watch(60, ""))
     assert len(rows) > 5
     first = NINE[0] - NINE.mean()

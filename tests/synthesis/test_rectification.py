@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import rectification
-from geomkin.synthesis.guides import FourBars, SliderCranks
+from geomkin.synthesis.guidance.guides import FourBars, SliderCranks
 from tests.synthesis import driving
 
 

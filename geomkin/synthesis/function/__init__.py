@@ -1,0 +1,1 @@
+"""Linkages whose output follows a function of their input."""

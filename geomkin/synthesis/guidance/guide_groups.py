@@ -1,0 +1,155 @@
+"""What is asked of guides, and the linkages that come into question, by how they are come by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args
+
+import numpy as np
+
+from ...brief import one_line
+from ...errors import DesignError
+from ...progress import Watch
+from .dyads import Dyads, dyads_through
+from .guide_dyads import ALONG, best_pairs, held_pins, those_inside
+from .guide_search import Displacements, Search, pair_of
+from .guides import AbstractGuides, usable
+from .poses import Poses
+
+Kind = Literal["four-bar"] | Literal["crank-slider"] | Literal["slider-crank"] | Literal["elliptic-trammel"]
+# Linkages that are listed of a search without end: more are like those before.
+LISTED = 12
+# The longest link over the shortest, where a search may choose: more are hard to build. The library's own, as the
+# optimum of a search without such a limit may run to pins that all but meet.
+LARGEST_RATIO = 10.0
+# Half of the side of the region, in extents of the poses' origins and near poles; the next if nothing sound is found.
+ROOMS = 1.0, 3.0, 9.0
+# Extents from their middle within which a pole is near. Larger, and one far pole makes a region of little else.
+NEAR = 3.0
+# Dyads of each sort that are paired where poses are met by least squares alone: the nearest. There is no end of others.
+NEAREST = 8
+KINDS: tuple[Kind, ...] = tuple(get_args(one)[0] for one in get_args(Kind))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Asked:
+    """What is asked of the search."""
+
+    body: Displacements
+    kinds: Sequence[Kind]
+    shuttle: bool
+    region: tuple[complex, complex] | None
+    least_angle: float
+    largest_ratio: float | None
+    rng: np.random.Generator
+    watch: Watch
+
+    __repr__ = one_line
+
+    def slides(self, kind: Kind) -> bool:
+        """Whether a slide drives."""
+        return kind == "slider-crank" or (kind == "elliptic-trammel" and self.shuttle)
+
+    @cached_property
+    def room(self) -> tuple[complex, complex]:
+        """Corners of the region."""
+        if self.region is not None:
+            low, high = (complex(z) for z in self.region)
+            if not (low.real < high.real and low.imag < high.imag):
+                raise DesignError("region", f"found corners {low:g} and {high:g}", "give the lower left one first")
+            return low, high
+        origins, directions = self.body.origins, self.body.directions
+        middle = origins.mean()
+        extent = float(np.abs(origins - middle).max())
+        if extent == 0:
+            raise DesignError("poses", "all have one origin, so no region can be told", "give the region")
+        places = [*origins]
+        for j in range(len(origins)):
+            turn = directions[j] - directions[:j]
+            with np.errstate(all="ignore"):
+                poles = (directions[j] * origins[:j] - directions[:j] * origins[j]) / turn
+            places += [pole for pole in poles if abs(pole - middle) <= NEAR * extent]
+        xs, ys = np.real(places), np.imag(places)
+        centre = complex(xs.min() + xs.max(), ys.min() + ys.max()) / 2
+        half = max(np.ptp(xs), np.ptp(ys))
+        return centre - half * (1 + 1j), centre + half * (1 + 1j)
+
+    def search(self, kind: Kind, room: float) -> Search:
+        """The search through three poses, in a region so many times as large."""
+        low, high = self.room
+        middle, half = 0.5 * (low + high), 0.5 * room * (high - low)
+        low, high = middle - half, middle + half
+        ratio = LARGEST_RATIO if self.largest_ratio is None else self.largest_ratio
+        return Search(
+            kind=kind,
+            slides=self.slides(kind),
+            body=self.body,
+            low=low,
+            high=high,
+            least_angle=self.least_angle,
+            largest_ratio=ratio,
+        )
+
+
+# What is ranked: linkages of one kind.
+Group = tuple[Kind, AbstractGuides]
+
+
+def searched(ask: Asked) -> list[Group]:
+    """Through three poses, pins anywhere in the region."""
+    groups: list[Group] = []
+    for kind in ask.kinds:
+        # A region that nobody asked for may be too small.
+        for room in ROOMS if ask.region is None else ROOMS[:1]:
+            search = ask.search(kind, room)
+            sound, bad = search.run(ask.rng, ask.watch)
+            if len(sound) or ask.watch.over():
+                break
+        sound = sound[search.distinct(sound, LISTED)]
+        groups.append((kind, search.made(np.concatenate([sound, bad]))))
+    return groups
+
+
+def of_chosen(ask: Asked, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None) -> list[Group]:
+    """With the two points that were given, either link driving."""
+    body, kind = ask.body, ask.kinds[0]
+    if moving is not None and fixed is not None:
+        raise DesignError("fixed_points", "are given besides moving_points", "give one of them")
+    if fixed is not None and kind != "four-bar":
+        raise DesignError("fixed_points", f"are given of {kind}, which has not two", "give moving_points")
+    if len(body.origins) > 3:
+        poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
+        pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))
+        return of_dyads(ask, dyads_through(poses, fixed=pivots, moving=pins))
+    z = body.at_first(np.array(fixed)) if fixed is not None else body.pins_of(np.array(moving))
+    if not np.isfinite(z).all():
+        raise DesignError("fixed_points", "one is seen in one line by the body", "give another")
+    # Of a slider-crank the second is the slider's; of the others either may drive.
+    orders = [z] if kind in ("crank-slider", "slider-crank") else [z, z[::-1]]
+    return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
+
+
+def along_curves(ask: Asked, poses: Poses) -> list[Group]:
+    """Through four poses: pairs of dyads along the Burmester curves."""
+    groups: list[Group] = []
+    dyads = held_pins(ask.body, dyads_through(poses, count=ALONG))
+    for room in ROOMS if ask.region is None else ROOMS[:1]:
+        searches = [ask.search(kind, room) for kind in ask.kinds]
+        held = those_inside(dyads, searches[0].low, searches[0].high)
+        groups = [(s.kind, best_pairs(s, held, LISTED, ask.rng, ask.watch)) for s in searches]  # type: ignore[misc]
+        if any(guides.defects.none.any() for _, guides in groups) or ask.watch.over():
+            break
+    return groups
+
+
+def of_dyads(ask: Asked, dyads: Dyads) -> list[Group]:
+    """Every two dyads whose pins sit on the body, as linkages of the kinds that they can make."""
+    held = held_pins(ask.body, dyads, None if len(ask.body.origins) <= 5 else NEAREST)
+    groups: list[Group] = [(kind, held.paired(kind, ask.slides(kind), *held.each(kind))) for kind in ask.kinds]
+    if ask.region is None:
+        return groups
+    low, high = ask.room
+    kept = [(kind, guides, np.flatnonzero(usable(guides, low, high))) for kind, guides in groups]
+    return [(kind, held.paired(kind, ask.slides(kind), *(n[k] for n in held.each(kind)))) for kind, _, k in kept]

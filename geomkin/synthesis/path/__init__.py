@@ -1,0 +1,1 @@
+"""Linkages whose coupler point goes through given points."""

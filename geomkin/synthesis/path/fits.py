@@ -1,0 +1,268 @@
+"""Linkages fitted to a path: the residuals, the limits they are held within, and rounds of least squares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from ...plane.vec import Complex, Mask, Real, Whole, dot
+from ...progress import Watch
+from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
+from .least_squares import Linearised, least_squares
+
+# Weight of a limit that is passed, in units of the points' own sum of squares. Smaller lets the search wander far
+# beyond the limits before it turns back, larger makes it creep along them.
+WEIGHT = 10.0
+# Rounds of least squares, after each of which the limits' multipliers are set anew, and steps in each. Fewer rounds
+# leave a limit passed by what shows in the sixth digit.
+ROUNDS, STEPS = 14, 25
+# How many of the starts go on after which rounds: fewer lose some that are slow at first, more take longer.
+KEPT = MappingProxyType({0: 160, 2: 64, 6: 30, 10: 12})
+# Rounds in which what was found for some of the points is brought to the least squares of all.
+REFINED = 6
+# Steps of the last round: fewer leave some in a long valley.
+LAST = 150
+# By how much a limit may be passed in the end, in its own units. Smaller refuses linkages that stand on it.
+PASSED = 1e-11
+# Steps that bring back what is outside by no more than so much: more is another linkage, which was not improved.
+RESTORED, FAR_OUTSIDE = 8, 1e-3
+# Times that a crank is moved towards the nearest point of its path after each step.
+SETTLED = 1
+# Cranks at which a closed path is looked at for the point nearest to a wanted one: fewer take a wrong loop for it.
+LOOKS = 96
+
+
+@dataclass(frozen=True, eq=False)
+class PathTask:
+    """What a path search is to do, in its own units: wanted points about 0, the mean of their squares 1.
+
+    turns: (n,) the crank's angles at the points from the first on, rad; None where they are free. closed: the crank
+    turns fully. slides: a slider-crank. least_folding: least transmission angle, rad, above 0. largest_ratio: of two
+    links, inf for any. low, high: (10,) bounds in the order of `coupler_paths.NAMES`.
+    """
+
+    wanted: Complex
+    turns: Real | None
+    closed: bool
+    slides: bool
+    least_transmission: float
+    largest_ratio: float
+    low: Real
+    high: Real
+
+    @property
+    def links(self) -> tuple[int, ...]:
+        """Places of the links' lengths; an offset is none."""
+        return (CRANK, COUPLER) if self.slides else (GROUND, CRANK, COUPLER, ROCKER)
+
+    @property
+    def free(self) -> bool:
+        """Whether the crank's angles are unknown."""
+        return self.turns is None
+
+    def thinned(self, most: int) -> PathTask:
+        """The same with no more than so many of the points, evenly chosen: the first one and the last are."""
+        if len(self.wanted) <= most:
+            return self
+        chosen = np.unique(np.linspace(0, len(self.wanted) - 1, most).round().astype(int))
+        return replace(self, wanted=self.wanted[chosen], turns=None if self.turns is None else self.turns[chosen])
+
+    def cranks(self, x: Real, t: Real) -> Real:
+        """The crank's angles (s, n) at the points."""
+        return t if self.turns is None else x[:, START, None] + self.turns
+
+    def extremes(self, cranks: Real) -> tuple[Real, Mask]:
+        """Cranks (2,) at which the transmission angle is least or greatest, and whether each way (s, 2) has them."""
+        at = np.array([np.pi / 2, -np.pi / 2]) if self.slides else np.array([0.0, np.pi])
+        if self.closed:
+            return at, np.ones((len(cranks), 2), dtype=bool)
+        low, high = cranks.min(axis=1)[:, None], cranks.max(axis=1)[:, None]
+        return at, at + 2 * np.pi * np.ceil((low - at) / (2 * np.pi)) < high
+
+    def passed(self, x: Real, cranks: Real) -> Real:
+        """By how much each of s linkages passes the limits, at most; infinite where one does not close."""
+        at, inside = self.extremes(cranks)
+        most = np.cos(self.least_transmission)
+        ends = np.where(inside, np.abs(folded(x, np.broadcast_to(at, inside.shape), self.slides)), 0.0)
+        here = np.abs(folded(x, cranks, self.slides))
+        lengths = np.log(x[:, self.links])
+        ratio = lengths.max(axis=1) - lengths.min(axis=1) - np.log(self.largest_ratio)
+        worst = np.maximum(np.maximum(ends.max(axis=1), here.max(axis=1)) - most, ratio)
+        return np.where(np.isnan(worst), np.inf, worst)
+
+
+class Fit:
+    """Residuals of s linkages of given branches (s,), with multipliers of the limits: an augmented Lagrangian."""
+
+    def __init__(self, task: PathTask, branch: Real):
+        self.task, self.branch = task, branch
+        n, links = len(task.wanted), len(task.links)
+        self.at_points = np.zeros((len(branch), n))
+        self.at_ends = np.zeros((len(branch), 2))
+        self.at_links = np.zeros((len(branch), links * (links - 1)))
+        self.weight = np.sqrt(WEIGHT * n)
+        ones = np.eye(links)
+        self.pairs = np.array([ones[i] - ones[j] for i in range(links) for j in range(links) if i != j])
+
+    def limits(self, which: Whole, x: Real, cranks: Real) -> tuple[Real, Real, Real, Real, Real, Real, Real]:
+        """What passes limits, with multipliers, and its derivatives: at points by size and crank, at ends, of links."""
+        task = self.task
+        most = np.cos(task.least_transmission) ** 2
+        value, by_size, by_crank = folding(x, cranks, task.slides)
+        points = value**2 - most + self.at_points[which]
+        at, inside = task.extremes(cranks)
+        end, end_by_size, _ = folding(x, np.broadcast_to(at, inside.shape), task.slides)
+        # An end that the way does not reach has passed nothing.
+        ends = np.where(inside, end**2 - most + self.at_ends[which], -1.0)
+        lengths = x[:, task.links]
+        links = np.log(lengths) @ self.pairs.T - np.log(task.largest_ratio) + self.at_links[which]
+        by = 2 * value[..., None] * by_size, 2 * value * by_crank, 2 * end[..., None] * end_by_size
+        return points, *by[:2], ends, by[2], links, self.pairs / lengths[:, None, :]
+
+    def __call__(self, which: Whole, x: Real, t: Real) -> Linearised:
+        task, shared = self.task, 9 if self.task.free else 10
+        x = _whole(x)
+        cranks = task.cranks(x, t)
+        moved = paths(x, cranks, self.branch[which], task.slides)
+        off = moved.point - task.wanted
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points, by_size, by_crank, ends, ends_by_size, links, links_by_size = self.limits(which, x, cranks)
+        here = points > 0
+        blocks = np.stack([off.real, off.imag, self.weight * np.where(here, points, 0.0)], axis=-1)
+        blocks[~np.isfinite(moved.point)] = np.nan
+        by_shared = np.zeros((*off.shape, 3, shared))
+        by_shared[:, :, 0, :9], by_shared[:, :, 1, :9] = moved.by_size.real, moved.by_size.imag
+        by_shared[:, :, 2, :9] = self.weight * by_size * here[..., None]
+        local = np.stack([moved.by_crank.real, moved.by_crank.imag, self.weight * by_crank * here], axis=-1)
+        if not task.free:
+            by_shared[..., START] = local
+        reached, long = ends > 0, links > 0
+        rest = self.weight * np.concatenate([np.where(reached, ends, 0.0), np.where(long, links, 0.0)], axis=1)
+        rest_by = np.zeros((*rest.shape, shared))
+        rest_by[:, :2, :9] = self.weight * ends_by_size * reached[..., None]
+        rest_by[:, 2:, task.links] = self.weight * links_by_size * long[..., None]
+        return Linearised(blocks, by_shared, local if task.free else None, rest, rest_by)
+
+    def settled(self, which: Whole, x: Real, t: Real) -> Real:
+        """Cranks nearer to where each point is nearest to its path: the valleys of the search then are less bent."""
+        if not self.task.free:
+            return t
+        x = _whole(x)
+        for _ in range(SETTLED):
+            point, by_crank = along(x, t, self.branch[which], self.task.slides)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = dot(by_crank, self.task.wanted - point) / np.abs(by_crank) ** 2
+            t = t + np.where(np.abs(step) < 0.2, step, 0.0)
+        return t
+
+    def update(self, x: Real, t: Real) -> None:
+        """New multipliers, after a round."""
+        x = _whole(x)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points, _, _, ends, _, links, _ = self.limits(np.arange(len(x)), x, self.task.cranks(x, t))
+        self.at_points, self.at_ends, self.at_links = (
+            np.maximum(np.nan_to_num(v, nan=0.0, posinf=0.0, neginf=0.0), 0.0) for v in (points, ends, links)
+        )
+
+    def some(self, which: Whole) -> Fit:
+        """The same of some of the linkages."""
+        fit = Fit(self.task, self.branch[which])
+        fit.at_points, fit.at_ends, fit.at_links = (v[which] for v in (self.at_points, self.at_ends, self.at_links))
+        return fit
+
+
+def _whole(x: Real) -> Real:
+    """Ten numbers a linkage: where the crank's angles are free, it has no start."""
+    return x if x.shape[1] == 10 else np.concatenate([x, np.zeros((len(x), 1))], axis=1)
+
+
+def squares(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
+    """Sums of squared distances (s,); infinite where one does not close."""
+    off = np.abs(points_of(x, task.cranks(x, t), branch, task.slides) - task.wanted) ** 2
+    total = off.sum(axis=1)
+    return np.where(np.isfinite(total), total, np.inf)
+
+
+def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+    """The starts x (s, 10), t (s, n) brought to their least squares within the limits: x, t and branch, best first."""
+    shared = 9 if task.free else 10
+    low, high = task.low[:shared], task.high[:shared]
+    fit, x = Fit(task, branch), x[:, :shared]
+    for k in range(ROUNDS):
+        x, t, sums = least_squares(fit, x, t, low, high, STEPS if k < ROUNDS - 1 else LAST, watch)
+        watch.tell(0.3 + 0.7 * (k + 1) / ROUNDS)
+        if watch.over():
+            break
+        if k in KEPT:
+            best = np.argsort(sums, kind="stable")[: KEPT[k]]
+            fit, x, t, sums = fit.some(best), x[best], t[best], sums[best]
+        if task.free and task.closed:
+            t = nearest(task, _whole(x), t, fit.branch)
+        if k < ROUNDS - 2:
+            fit.update(x, t)
+    return sorted_out(task, _whole(x), t, fit.branch)
+
+
+def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+    """The same of few starts that are all but there, as those that were found for fewer points."""
+    shared = 9 if task.free else 10
+    fit, x = Fit(task, branch), x[:, :shared]
+    for k in range(REFINED):
+        x, t, _ = least_squares(fit, x, t, task.low[:shared], task.high[:shared], STEPS, watch)
+        if watch.over():
+            break
+        if task.free and task.closed:
+            t = nearest(task, _whole(x), t, fit.branch)
+        if k < REFINED - 2:
+            fit.update(x, t)
+    return sorted_out(task, _whole(x), t, fit.branch)
+
+
+def sorted_out(task: PathTask, x: Real, t: Real, branch: Real) -> tuple[Real, Real, Real]:
+    """Those within the limits, or brought there by a hair, the best first."""
+    x = np.array([_within(task, *row) for row in zip(x, t, branch)]).reshape(x.shape)
+    fit = Fit(task, branch)
+    for _ in range(4):
+        t = fit.settled(np.arange(len(x)), x, t)
+    total = squares(task, x, t, branch)
+    fine = np.isfinite(total) & (task.passed(x, task.cranks(x, t)) <= PASSED)
+    best = np.argsort(total, kind="stable")
+    best = best[fine[best]]
+    return x[best], t[best], branch[best]
+
+
+def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
+    """The linkage x (10,) moved by the least that brings it within the limits, of which rounds leave it outside."""
+    fit = Fit(task, np.array([branch]))
+    low, high = task.low + 0.0, task.high
+    for _ in range(RESTORED):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points, by_size, _, ends, ends_by, links, links_by = fit.limits(
+                np.zeros(1, dtype=int), x[None], task.cranks(x[None], t[None])
+            )
+        by_links = np.zeros((links.shape[1], 9))
+        by_links[:, task.links] = links_by[0]
+        passed = np.concatenate([points[0], ends[0], links[0]])
+        by = np.concatenate([by_size[0], ends_by[0], by_links])
+        outside = passed > 0
+        if not outside.any() or not np.isfinite(by[outside]).all() or passed.max() > FAR_OUTSIDE:
+            break
+        # What stands on a bound stays there.
+        by = by[outside] * ((x[:9] > low[:9]) & (x[:9] < high[:9]))
+        aim = np.where(passed > 0, passed + 1e-12, 0.0)[outside]
+        x = x.copy()
+        x[:9] = np.clip(x[:9] - np.linalg.lstsq(by, aim, rcond=1e-9)[0], low[:9], high[:9])
+    return x
+
+
+def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
+    """The crank's angles (s, n) at the points of closed paths that are nearest to the wanted ones, roughly."""
+    looks = 2 * np.pi * np.arange(LOOKS) / LOOKS
+    path = points_of(x, np.broadcast_to(looks, (len(x), LOOKS)), branch, task.slides)
+    far = np.abs(path[:, None, :] - task.wanted[None, :, None])
+    at = np.argmin(np.where(np.isfinite(far), far, np.inf), axis=2)
+    found = np.take_along_axis(far, at[..., None], axis=2)[..., 0]
+    now = np.abs(points_of(x, t, branch, task.slides) - task.wanted)
+    return np.where(found < now, looks[at], t)

@@ -1,0 +1,221 @@
+"""All four-bars through nine points of a path that random starts and the curves between them lead to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...plane.vec import Complex, Mask, Real, Whole
+from ...progress import Watch
+
+# Rounds of random starts, starts in each, and steps of each. After each round the curves from what is new are followed.
+# Fewer find fewer of the real linkages: these find 59 to 61 of the 64 of a published problem.
+TURNS, STARTS, STEPS = 2, 8_000, 150
+# As many starts at a time, and steps after which the worse of them are given up.
+AT_ONCE, SIFTED = 2_000, (30, 60)
+# Steps along a curve, of which each is first so long and at most so long, as shares of where it stands; farther away
+# than so much it is left. More steps and a farther limit find hardly more.
+FOLLOWED, FIRST, LONGEST, SHORTEST, FARTHEST = 600, 0.02, 0.15, 1e-6, 60.0
+# Residuals of what counts as a linkage, and lengths below which it is none, in units of the points.
+MET, NONE = 1e-26, 1e-4
+
+
+def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Real:
+    """Rows (s, 8): x, y of crank pin, crank pivot, rocker pin, rocker pivot with the coupler point at the first point.
+
+    One of each three cognates. points: nine, the mean of their squares about 1. Eight equations in as many unknowns,
+    from |point + pin's arm - pivot| alike at all points, the coupler's turns eliminated (Wampler, Morgan and Sommese,
+    Complete solution of the nine-point path synthesis problem for four-bar linkages, Journal of Mechanical Design 114,
+    1992, who count 4326 solutions in threes of cognates). Without one of the equations a solution lies on a curve, and
+    where the curve meets that equation again there is another solution: derived here, as is all that is random.
+    """
+    problem = _Nine(points)
+    found: Real = np.zeros((0, 8))
+    keys: Complex = np.zeros((0, 3), dtype=complex)
+    for turn in range(TURNS):
+        fresh: Real = np.zeros((0, 8))
+        for _ in range(STARTS // AT_ONCE):
+            size = np.exp(rng.normal(0, 0.7, (AT_ONCE, 4)))
+            places = size * (rng.normal(size=(AT_ONCE, 4)) + 1j * rng.normal(size=(AT_ONCE, 4)))
+            new, keys = problem.new(problem.solved(places.view(float), STEPS, watch), keys)
+            fresh = np.concatenate([fresh, new])
+        while len(fresh) and not watch.over():
+            found = np.concatenate([found, fresh])
+            fresh, keys = problem.new(problem.solved(problem.followed(fresh, watch), 40, watch), keys)
+            watch.tell((turn + min(1.0, len(found) / 64)) / TURNS)
+        found = np.concatenate([found, fresh])
+    placed: Real = found + np.tile([points[0].real, points[0].imag], 4)
+    return placed
+
+
+class _Nine:
+    """The eight equations."""
+
+    def __init__(self, points: Complex):
+        self.steps = (points - points[0])[1:]
+
+    def __call__(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (s, 8), from -1 to 1, and their derivatives (s, 8, 8).
+
+        With z, w a pin and its pivot from the first point, e the coupler's turn and k a step, the pin's distance is
+        kept where Re(p e) + q = 0 with p = conj(k - w) z. The two pins give e, and its square has to be 1.
+        """
+        places, steps = x.view(complex), self.steps
+        rows = []
+        for pin in (0, 2):
+            z, w = places[:, pin, None], places[:, pin + 1, None]
+            p = np.conj(steps - w) * z
+            q = np.abs(steps) ** 2 / 2 - (np.conj(steps) * w).real + (np.conj(w) * z).real
+            way, ones = np.conj(steps - w), np.ones_like(q)
+            p_by = np.stack([way, 1j * way, -z * ones, 1j * z * ones], axis=-1)
+            q_by = np.stack([w.real * ones, w.imag * ones, z.real - steps.real, z.imag - steps.imag], axis=-1)
+            rows.append((p, q, p_by, q_by))
+        (p, q, p_by, q_by), (u, v, u_by, v_by) = rows
+        top, cross = q * u - v * p, (p * np.conj(u)).imag
+        top_by = np.concatenate(
+            [q_by * u[..., None] - v[..., None] * p_by, q[..., None] * u_by - v_by * p[..., None]], axis=-1
+        )
+        cross_by = np.concatenate([(p_by * np.conj(u)[..., None]).imag, (p[..., None] * np.conj(u_by)).imag], axis=-1)
+        one, two = np.abs(top) ** 2, cross**2
+        one_by, two_by = 2 * (np.conj(top)[..., None] * top_by).real, 2 * cross[..., None] * cross_by
+        # As a share of the sum, or where both pins are one, which is no linkage, both would vanish.
+        total = one + two
+        return (one - two) / total, 2 * (two[..., None] * one_by - one[..., None] * two_by) / total[..., None] ** 2
+
+    def solved(self, x: Real, steps: int, watch: Watch) -> Real:
+        """Those of the starts that come to a solution."""
+        done = [np.zeros((0, 8))]
+        with np.errstate(all="ignore"):
+            residuals, by = self(x)
+            sums = np.sum(residuals**2, axis=1)
+            damping = np.full(len(x), 1e-2)
+            for k in range(steps):
+                square = np.swapaxes(by, 1, 2) @ by
+                scale = np.einsum("sii->si", square)
+                scale = scale + 1e-9 * scale.max(axis=1, keepdims=True) + 1e-300
+                square += (damping[:, None] * scale)[:, :, None] * np.eye(8)
+                new = x - _solved(square, np.einsum("sij,si->sj", by, residuals))
+                new_residuals, new_by = self(new)
+                new_sums = np.sum(new_residuals**2, axis=1)
+                better = new_sums < sums
+                damping *= np.where(better, np.where(new_sums < 0.5 * sums, 0.1, 0.5), 4.0)
+                damping = np.maximum(damping, 1e-14)
+                x, residuals = (np.where(better[:, None], a, b) for a, b in ((new, x), (new_residuals, residuals)))
+                by, sums = np.where(better[:, None, None], new_by, by), np.where(better, new_sums, sums)
+                done.append(x[sums < MET])
+                kept = ~(sums < MET) & (damping < 1e8) & np.isfinite(sums)
+                if k in SIFTED and kept.any():
+                    kept &= sums < np.quantile(sums[kept], 0.45)
+                x, residuals, by, sums, damping = (row[kept] for row in (x, residuals, by, sums, damping))
+                if not len(x) or watch.over():
+                    break
+        return np.concatenate(done)
+
+    def followed(self, solutions: Real, watch: Watch) -> Real:
+        """Starts for further solutions: where the curves without one of the equations come to meet it again."""
+        many = len(solutions)
+        x, left_out = np.repeat(solutions, 16, axis=0), np.tile(np.repeat(np.arange(8), 2), many)
+        _, by = self(x)
+        by[np.arange(len(x)), left_out] = 0
+        ahead = np.linalg.svd(by)[2][:, -1] * np.tile([1.0, -1.0], 8 * many)[:, None]
+        length, before = np.full(len(x), FIRST), np.zeros(len(x))
+        met = [np.zeros((0, 8))]
+        with np.errstate(all="ignore"):
+            for _ in range(FOLLOWED):
+                row, size = np.arange(len(x)), length * (1 + np.linalg.norm(x, axis=1))
+                guess = x + size[:, None] * ahead
+                new = guess
+                for _ in range(3):
+                    residuals, by = self(new)
+                    residuals[row, left_out], by[row, left_out] = 0, ahead
+                    new = new - _solved(by, residuals)
+                residuals, by = self(new)
+                here = residuals[row, left_out].copy()
+                residuals[row, left_out], by[row, left_out] = 0, ahead
+                onward = _solved(by, np.eye(8)[left_out])
+                onward /= np.linalg.norm(onward, axis=1, keepdims=True)
+                good = (np.abs(residuals).max(axis=1) < 1e-9) & (np.linalg.norm(new - guess, axis=1) < 0.3 * size)
+                good &= np.einsum("si,si->s", onward, ahead) > 0.9
+                met.append(((x + new) / 2)[good & (here * before < 0)])
+                x, ahead = (np.where(good[:, None], a, b) for a, b in ((new, x), (onward, ahead)))
+                before = np.where(good, here, before)
+                length = np.where(good, np.minimum(1.6 * length, LONGEST), 0.4 * length)
+                going = (length > SHORTEST) & (np.linalg.norm(x, axis=1) < FARTHEST) & self.real(x)
+                x, ahead, before, length, left_out = (v[going] for v in (x, ahead, before, length, left_out))
+                if not len(x) or watch.over():
+                    break
+        return np.concatenate(met)
+
+    @staticmethod
+    def real(x: Real) -> Mask:
+        """Whether each is a linkage: no link, and no arm of the coupler point, of no length."""
+        pin, pivot, other, other_pivot = x.copy().view(complex).T
+        lengths = np.abs([pin, other, pin - other, pin - pivot, other - other_pivot, pivot - other_pivot])
+        real: Mask = (lengths.min(axis=0) > NONE) & (lengths.max(axis=0) < 1e3)
+        return real
+
+    def new(self, x: Real, keys: Complex) -> tuple[Real, Complex]:
+        """Those that are no cognates of each other, nor of those of the keys: by the three pivots, which they share."""
+        x = x[self.real(x)]
+        pin, pivot, other, other_pivot = x.copy().view(complex).T
+        third = pivot - pin / (other - pin) * (other_pivot - pivot)
+        kept: list[int] = []
+        for k, three in enumerate(np.stack([pivot, other_pivot, third], axis=1)):
+            # Symmetric functions: the three come in any order.
+            key = np.array([three.sum(), (three**2).sum(), (three**3).sum()])
+            size = 1 + float(np.abs(three).max())
+            off: Real = np.abs(keys - key) / size ** np.arange(1, 4)
+            if np.isfinite(key).all() and not np.any(off.max(axis=1, initial=0.0) < 1e-4):
+                keys = np.concatenate([keys, key[None]])
+                kept.append(k)
+        return x[kept], keys
+
+
+def _solved(system: Real, right: Real) -> Real:
+    """Solutions (s, 8) of systems (s, 8, 8), each row scaled; nan for those that are singular."""
+    scale = np.linalg.norm(system, axis=2)
+    scaled = np.where(np.isfinite(system).all(axis=(1, 2), keepdims=True), system / scale[:, :, None], np.eye(8))
+    try:
+        return np.linalg.solve(scaled, (right / scale)[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        return np.linalg.solve(scaled + 1e-13 * np.eye(8), (right / scale)[..., None])[..., 0]
+
+
+def reached(sizes: Real, wanted: Complex) -> tuple[Real, Whole]:
+    """Crank angles (n,) from the ground line and branches (n,) at which a four-bar's coupler point is at each point.
+
+    sizes: (9,) in the order of `coupler_paths.NAMES`. Of the two cranks that reach a point the one that leaves the
+    rocker its length.
+    """
+    ground, crank, coupler, rocker, x, y, origin_x, origin_y, turn = sizes[:9]
+    point = (wanted - complex(origin_x, origin_y)) * np.exp(-1j * turn)
+    arm = complex(x, y)
+    along = (np.abs(point) ** 2 + crank**2 - abs(arm) ** 2) / (2 * np.abs(point))
+    across = np.sqrt(np.maximum(crank**2 - along**2, 0.0))
+    pins = point / np.abs(point) * (along + 1j * across * np.array([[1.0], [-1.0]]))
+    direction = (point - pins) / arm
+    ends = pins + coupler * direction / np.abs(direction)
+    off = np.abs(np.abs(ends - ground) - rocker)
+    best = np.argmin(off, axis=0)
+    pin, end = (np.take_along_axis(v, best[None], axis=0)[0] for v in (pins, ends))
+    side = np.where((np.conj(ground - pin) * (end - pin)).imag >= 0, 1, -1)
+    return np.angle(pin), side
+
+
+def with_cognates(places: Real, point: complex) -> list[Real]:
+    """A linkage by its pins and pivots (8,) and its cognates as rows (10,), as in `linkage.cognates`."""
+    pin, pivot, other, other_pivot = (complex(z) for z in places.view(complex))
+    crank, coupler, rocker, ground = pin - pivot, other - pin, other - other_pivot, other_pivot - pivot
+    share = (point - pin) / coupler
+    third = pivot + share * ground
+    rest = 1 - share
+    links = (
+        (pivot, ground, crank, coupler, rocker),
+        (pivot, share * ground, share * coupler, share * crank, share * rocker),
+        (third, rest * ground, rest * crank, -rest * rocker, -rest * coupler),
+    )
+    rows = []
+    for origin, d, a, b, c in links:
+        arm = (point - origin - a) * np.conj(b) / abs(b)
+        lengths = [abs(d), abs(a), abs(b), abs(c)]
+        rows.append(np.array([*lengths, arm.real, arm.imag, origin.real, origin.imag, np.angle(d), 0.0]))
+    return rows

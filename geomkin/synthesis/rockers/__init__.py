@@ -1,0 +1,1 @@
+"""Linkages of a wanted swing or stroke: crank-rockers, double rockers, slider-cranks."""

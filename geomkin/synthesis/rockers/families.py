@@ -1,0 +1,117 @@
+"""Linkages that all do what is wanted and differ in one free choice, and the best of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arguments import LARGEST
+from ...brief import one_line
+from ...errors import DesignError
+from ...linkage.linkage import AbstractLinkage
+from ...linkage.named.four_bar import FourBar
+from ...plane.vec import Mask, Real
+from ...sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
+
+# Members that are told, evenly along the free angle without its ends, at which a length vanishes or has no end. More
+# tell nothing new: the best one is searched for by itself.
+MEMBERS = 179
+# Looks along a family before its best is narrowed. With nine, the best of one double rocker in some hundred is missed;
+# of crank-rockers and slider-cranks none is.
+LOOKS = 1025
+# Longest link over the shortest where no limit is given. Some families get better without end as it grows, by less
+# and less: larger limits give linkages that nobody can build, smaller ones hide good ones of small swings.
+RATIO = 100.0
+# Of a family's range, the step over which a slope is taken, and what f may lose by rounding the place of its top, rad.
+# A smaller step leaves fewer digits of the place, a larger one bends it; a larger loss takes a corner for a round top.
+STEP = 1e-3
+ROUNDING = 1e-13
+LINKS = ("ground", "crank", "coupler", "rocker")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Family:
+    """All linkages that do what is wanted, along the angle that stays free.
+
+    linkage: one with arrays (members,) as its sizes, mm. free_angle_deg: (members,), rising, without the ends of
+    `range_deg`, between which there are linkages. transmission_angle_deg: (members,) the least of each over its motion,
+    nan where one has a defect.
+    """
+
+    linkage: AbstractLinkage
+    free_angle_deg: Real
+    transmission_angle_deg: Real
+    range_deg: tuple[float, float]
+
+    __repr__ = one_line
+
+
+def members(low: float, high: float) -> Real:
+    """Free angles of the members that are told, rad, of a family between two ends."""
+    return np.linspace(low, high, MEMBERS + 2)[1:-1]
+
+
+def highest(f: Callable[[Real], Real], low: float, high: float) -> float:
+    """Where f, of a row of places, is highest between two; where the top is round, to nine digits that are sure."""
+    places, width = np.linspace(low, high, LOOKS), np.inf
+    while True:
+        top = int(np.argmax(f(places)))
+        best = float(places[top])
+        ends = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
+        if ends[1] - ends[0] >= width:
+            break
+        width = ends[1] - ends[0]
+        places = np.unique(np.append(np.linspace(*ends, 17), best))
+    round_top = float(f"{_summit(f, best, STEP * (high - low)):.9g}")
+    values = f(np.array([best, round_top]))
+    return round_top if low <= round_top <= high and values[1] >= values[0] - ROUNDING else best
+
+
+def _summit(f: Callable[[Real], Real], best: float, step: float) -> float:
+    """The top of a smooth f near its best place, where its slope is 0: values alone tell half of the digits."""
+    for _ in range(3):
+        values = f(best + step * np.arange(-2, 3))
+        if not np.abs(values).max() < LARGEST:
+            break
+        slope, bend = (float(np.dot(weights, values)) for weights in ([1, -8, 0, 8, -1], [-1, 16, -30, 16, -1]))
+        if not abs(slope) < -bend:
+            break
+        best -= step * slope / bend
+    return best
+
+
+def the_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
+    """The one thing that is given of several that each tell the rest, by its name; None where none is."""
+    told = {name: value for name, value in given.items() if value is not None}
+    if len(told) > 1:
+        first, second, *_ = told
+        raise DesignError(second, f"is given besides {first}", "give one of them: the others follow")
+    return next(iter(told.items()), None)
+
+
+def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
+    """What makes `name` of the sizes as long as is given; DesignError where another gets too long or short for it."""
+    scale = length / sizes[name]
+    longest, shortest = max(sizes.values()), min(sizes.values())
+    if longest * scale > FARTHEST:
+        most = rounded_down(FARTHEST * sizes[name] / longest)
+        raise DesignError(name, f"found {length:g} mm, which makes a link of {longest * scale:g} mm", f"give {most} mm")
+    if shortest * scale < SMALLEST:
+        least = rounded_up(SMALLEST * sizes[name] / shortest)
+        found = f"found {length:g} mm, which makes a link of {shortest * scale:g} mm"
+        raise DesignError(name, found, f"give at least {least} mm")
+    return scale
+
+
+def within_sizes(*sizes: Real) -> Mask:
+    """Which members have all their sizes within what a linkage may have."""
+    fit: Mask = np.all([(size <= FARTHEST) & (size >= SMALLEST) for size in sizes], axis=0)
+    return fit
+
+
+def four_bars(sizes: Mapping[str, Real]) -> FourBar:
+    """Many at once, by the names of their links."""
+    ground, crank, coupler, rocker = (np.asarray(sizes[name], dtype=np.float64) for name in LINKS)
+    return FourBar(ground, crank, coupler, rocker)
