@@ -207,7 +207,7 @@ def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
     assert (tmp_path / "spur-gear" / ("gear.stl" if formats == "stl" else f"spur-gear.{formats}")).exists()
 
 
-ROOMS = ["cam", "export", "gear", "judge", "kinds", "linkage", "plane", "recipe", "shop", "synthesis"]
+ROOMS = ["cam", "export", "gear", "judge", "kinds", "linkage", "plane", "recipe", "shop", "show", "synthesis"]
 
 
 def test_every_public_name_is_there_and_documented():
