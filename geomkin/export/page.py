@@ -63,9 +63,16 @@ def _script() -> str:
     library, *own = (_web(name) for name in SCRIPTS)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    # Only lines without a text or a pattern, whose spaces would count.
-    tight = [line if re.search(r"[\"'`/]", line) else re.sub(r" ?([=<>?:&|*,;{}()!]+) ?", r"\1", line) for line in kept]
-    return "\n".join([library, *(line.removeprefix("export ") for line in tight), START, ""])
+    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), START, ""])
+
+
+def _tight(line: str) -> str:
+    """A line of a script without the spaces that nothing depends on; as it is where it has a template or a pattern."""
+    if re.search("[`'/]", line):
+        return line
+    pieces = re.split(r'("[^"]*")', line)
+    pieces[::2] = (re.sub(r" ?([=<>?:&|*,;{}()!\[\]]+) ?", r"\1", piece) for piece in pieces[::2])
+    return "".join(pieces)
 
 
 @cache

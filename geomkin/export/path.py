@@ -21,20 +21,19 @@ def _steps(curve: AbstractCurve, tolerance: float, digits: int) -> str:
     """A start and the steps from there: sums of rounded steps between rounded points end where they should."""
     points = rounded(flatten(curve, tolerance), digits)
     steps = rounded(np.diff(points), digits)
-    text = f"M{_pair(points[0], digits)}l" + " ".join(_pair(step, digits) for step in steps.tolist())
-    return text + "z" * curve.closed
+    text = " ".join([f"M{_pair(points[0], digits)}l", *(_pair(step, digits) for step in steps.tolist())])
+    return text.replace("l ", "l").replace(" -", "-") + "z" * curve.closed
 
 
 def _circle(circle: Circle, digits: int) -> str:
     radius = rounded(circle.radius, digits).item()
     start: Complex = rounded(circle.centre - radius, digits)
     arc, across = f"a{_n(radius, digits)} {_n(radius, digits)} 0 0 1 ", _n(2 * radius, digits)
-    return f"M{_pair(start.item(), digits)}{arc}{across} 0{arc}-{across} 0z"
+    return f"M{_pair(start.item(), digits)}{arc}{across} 0{arc[:-1]}-{across} 0z"
 
 
 def _pair(z: complex, digits: int) -> str:
-    y = _n(z.imag, digits)
-    return f"{_n(z.real, digits)}{'' if y.startswith('-') else ' '}{y}"
+    return f"{_n(z.real, digits)} {_n(z.imag, digits)}"
 
 
 def _n(value: float, digits: int) -> str:

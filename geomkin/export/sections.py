@@ -1,4 +1,4 @@
-"""What a page tells in words and tables, as HTML that reads without a script: checks, parts, stack, values, recipe."""
+"""What a page tells in words and tables, as HTML that reads without a script: checks, parts, stack, recipe."""
 
 from __future__ import annotations
 
@@ -166,11 +166,10 @@ def stack(scene: Scene) -> str:
             x = 30 + k * wide
             rows.append(
                 f'<rect class="plate {tints[part.name]}" x="{x:.4g}" y="{y + 4}" width="{wide - 6:.4g}" height="26" />'
-                f'<text x="{x + wide / 2 - 3:.4g}" y="{y + 21}" text-anchor="middle">{text(_short(part.name, wide))}</text>'
+                f'<text x="{x + wide / 2 - 3:.4g}" y="{y + 21}" text-anchor="middle">'
+                f"{text(_short(part.name, wide))}</text>"
             )
-    told = "; ".join(
-        f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers)
-    )
+    told = "; ".join(f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers))
     drawing = (
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
         f'aria-label="{text(f"From the lowest up, {told}")}">{"".join(rows)}</svg>'
@@ -182,30 +181,6 @@ def _short(name: str, wide: float) -> str:
     """So much of a name as a plate of the drawing has room for."""
     room = max(3, int(wide / 7.5) - 1)
     return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
-
-
-def values(scene: Scene) -> str:
-    """Least and largest value of every column and where they are, for readers who see no plot, and the one of now."""
-    kept = kept_frames(len(scene.time))
-    drive = scene.drive
-    rows = []
-    for k, column in enumerate(shown_columns(scene)):
-        row = np.asarray(column.values, dtype=float)[kept]
-        if not np.isfinite(row).any():
-            continue
-        cells = []
-        for frame in (int(np.nanargmin(row)), int(np.nanargmax(row))):
-            cells.append(f"<td>{number(float(row[frame]))}</td><td>{number(float(drive.values[kept[frame]]))}</td>")
-        rows.append(
-            f'<tr><th scope="row">{text(_capital(column.meaning))}</th><td>{text(_unit(column.unit))}</td>'
-            f'<td data-column="{k}"></td>{"".join(cells)}</tr>'
-        )
-    at = text(f"at {drive.name.replace('_', ' ')}, {_unit(drive.unit)}")
-    heads = "".join(f'<th scope="col">{h}</th>' for h in ("Quantity", "Unit", "Now", "Least", at, "Largest", at))
-    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
-    thinned = "" if len(kept) == len(scene.time) else f"<p>Of {len(scene.time)} rows, {len(kept)} are kept here.</p>"
-    inside = f"<details><summary>Every quantity, its least and largest value</summary>{_wide('Values', table)}</details>"
-    return _section("values", "Values", thinned + inside)
 
 
 def notes(held: Mapping[str, object]) -> str:
@@ -233,7 +208,11 @@ def _said(value: object) -> str:
         return number(float(value))
     if isinstance(value, list) and len(value) <= 6 and all(isinstance(one, int | float) for one in value):
         return ", ".join(number(float(one)) for one in value)
-    if isinstance(value, list) and 0 < len(value) <= 4 and all(isinstance(one, list) and len(one) == 2 for one in value):
+    if (
+        isinstance(value, list)
+        and 0 < len(value) <= 4
+        and all(isinstance(one, list) and len(one) == 2 for one in value)
+    ):
         spans = [[_said(end) for end in one] for one in value]
         return "; ".join(" to ".join(span) for span in spans) if all(map(all, spans)) else ""
     return ""
@@ -274,7 +253,7 @@ def number(value: float) -> str:
     if not np.isfinite(value):
         return "none"
     plain = f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
-    return "0" if plain == "-0" else plain.replace("-", "−")
+    return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 
 
 def _with(value: float, unit: str) -> str:
@@ -307,5 +286,4 @@ def all_of(job: Job) -> Iterator[str]:
     yield parts(job)
     yield stack(scene)
     yield notes(job.source.notes)
-    yield values(scene)
     yield recipe(job)

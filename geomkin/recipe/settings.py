@@ -96,7 +96,7 @@ class Files:
 
     @property
     def wants_all(self) -> bool:
-        """Whether it is all that there is, as it is where nothing else is asked for: then what a kind lacks is no slip."""
+        """Whether it is all there is, as where nothing else is asked for: then what a kind lacks is no slip."""
         return self.write == Files.write
 
     @property

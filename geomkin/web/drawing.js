@@ -5,6 +5,8 @@ const SVG = "http://www.w3.org/2000/svg";
 const LOOKS = 24;
 // Pixels kept free around the drawing.
 const MARGIN = 26;
+// A pivot on the ground, where no plate shows the ground: a stand with hatches below.
+const STAND = "M-2.6 3.8L-8 13H8L2.6 3.8M-12 13H12M-10 13l-4 5M-4 13l-4 5M2 13l-4 5M8 13l-4 5";
 let drawings = 0;
 
 // An element of SVG or HTML with attributes and, if given, a text, as the last child of `parent`.
@@ -107,6 +109,8 @@ export class Drawing {
     for (const body of this.bodies) body.tint = body.fixed ? "ground" : `t${tint++ % 8}`;
     for (const body of [...this.bodies].sort((a, b) => a.layer - b.layer)) this.drawBody(body);
     for (const curve of scene.curves) this.drawCurve(curve);
+    this.hasGround = this.bodies.some((body) => body.fixed && body.cut.length);
+    this.named = new Set();
     this.marks = scene.marks.map((mark) => this.drawMark(mark));
     this.bounds = this.extent();
     // Trails are told in ten-thousandths of the drawing, so that few decimals will do whatever its size.
@@ -180,6 +184,11 @@ export class Drawing {
     } else {
       mark.shape = make(group, "circle", { r: mark.sort === "fixed pin" ? 4.6 : mark.sort === "pin" ? 3.8 : 3.6 });
       if (mark.sort === "fixed pin") make(group, "circle", { r: 1.5, class: "core" });
+      if (mark.sort === "fixed pin" && !this.hasGround) make(group, "path", { d: STAND });
+    }
+    if (mark.sort === "line" && mark.label && !this.named.has(mark.label)) {
+      this.named.add(mark.label);
+      mark.middle = make(this.names, "text", { class: "name of-body" }, spaced(mark.label));
     }
     if (!mark.always && mark.sort === "point" && mark.label) {
       const short = spaced(mark.label).replace("instant centre of ", "").replace(" and ", ", ");
@@ -190,7 +199,7 @@ export class Drawing {
 
   // A slide that goes along one line of the ground runs on a rail, hatched below, where no plate has a slot for it.
   drawGuide(mark) {
-    if (this.bodies.some((body) => body.fixed && body.cut.length)) return;
+    if (this.hasGround) return;
     const known = this.known(mark);
     if (!known.length) return;
     const [c, s] = [Math.cos(mark.turned[known[0]]), Math.sin(mark.turned[known[0]])];
@@ -383,6 +392,7 @@ export class Drawing {
     const there = Number.isFinite(x + y + (mark.u ? mark.u[k] + mark.v[k] : 0));
     mark.group.setAttribute("visibility", there ? "inherit" : "hidden");
     if (mark.name) this.put(mark.name, x + 8, y - 8);
+    if (mark.middle) this.put(mark.middle, x + s * mark.u[k] / 2, y - s * mark.v[k] / 2 + 4);
     if (!there) return;
     const turn = mark.sort === "slide" ? ` rotate(${px(-mark.turned[k] * 180 / Math.PI)})` : "";
     mark.group.setAttribute("transform", `translate(${px(x)} ${px(y)})${turn}`);

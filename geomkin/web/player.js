@@ -1,6 +1,6 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
 import { Drawing, make, spaced, unpack } from "./drawing.js";
-import { measured, Plots, shown } from "./plots.js";
+import { measured, Plots, shown, unitOf } from "./plots.js";
 
 // Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
 const FIRST_PASS = 5;
@@ -51,7 +51,7 @@ class Player {
     this.drawings = data.scenes.map((scene, k) => {
       const figure = make(this.stages, "figure", k ? { class: "other" } : {});
       const stage = make(figure, "div", { class: "stage" });
-      if (scene.label) make(figure, "figcaption", {}, scene.label);
+      if (data.scenes.length > 1) make(figure, "figcaption", {}, k ? scene.label : "as asked for");
       return new Drawing(stage, scene, data, drive.row, every);
     });
     this.controls();
@@ -61,6 +61,7 @@ class Player {
     this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
     const save = make(this.right, "button", { type: "button", class: "save" }, "Data as CSV");
     save.addEventListener("click", () => offer(this.csv(), `${data.name}.csv`, "text/csv"));
+    this.tabulate();
   }
 
   controls() {
@@ -107,6 +108,29 @@ class Player {
     if (this.drawings.length > 1) add("others beside", "others", true, (on) => {
       this.stages.classList.toggle("alone", !on);
       this.fit();
+    });
+  }
+
+  // What the plots show for readers who see none: every quantity now, its least and its largest value and where.
+  tabulate() {
+    const { data, drive } = this, { columns } = data;
+    const fold = make(make(this.root, "section", { class: "values" }), "details");
+    make(fold, "summary", {}, "Every quantity, now and at its least and largest");
+    const table = make(make(fold, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
+    const head = make(make(table, "thead"), "tr"), body = make(table, "tbody");
+    const at = `at ${drive.name}, ${unitOf(drive.unit)}`;
+    for (const title of ["Quantity", "Unit", "Now", "Least", at, "Largest", at]) make(head, "th", { scope: "col" }, title);
+    this.cells = columns.map(({ row, meaning, unit }) => {
+      const line = make(body, "tr");
+      make(line, "th", { scope: "row" }, meaning);
+      make(line, "td", {}, unitOf(unit));
+      const now = make(line, "td"), known = [...row.keys()].filter((k) => Number.isFinite(row[k]));
+      for (const sense of [1, -1]) {
+        const k = known.reduce((best, other) => (sense * row[other] < sense * row[best] ? other : best), known[0]);
+        make(line, "td", {}, shown(row[k]));
+        make(line, "td", {}, shown(drive.row[k]));
+      }
+      return now;
     });
   }
 
@@ -248,7 +272,7 @@ class Player {
     this.root.dataset.frame = frame;
     this.slider.setAttribute("aria-valuetext", `${this.drive.name} ${shown(this.drive.row[frame])} ${this.drive.unit}`);
     if (this.playing) return;
-    for (const cell of document.querySelectorAll("[data-column]")) cell.textContent = shown(this.data.columns[cell.dataset.column].row[frame]);
+    this.cells.forEach((cell, k) => { cell.textContent = shown(this.data.columns[k].row[frame]); });
     const said = this.plots.cards.flatMap((card) => card.columns).map((c) => `${c.name} ${shown(c.row[frame])} ${c.unit}`);
     this.live.textContent = `${this.drive.name} ${shown(this.drive.row[frame])} ${this.drive.unit}: ${said.join(", ")}`;
   }

@@ -17,7 +17,8 @@ export function shown(value) {
 
 export const unitOf = (unit) => unit.replace("deg", "°").replace("2", "²");
 
-export const measured = (value, unit) => `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}`;
+export const measured = (value, unit) =>
+  Number.isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
 
 export class Plots {
   // root: what holds them; seek(frame): called where a reader points at another place of the drive.
