@@ -6,7 +6,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from ..plane.vec import Real, rounded
+from ..plane.vec import Mask, Real, Whole, rounded
 
 # Of six bits each, in the order of base 64.
 SIGNS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
@@ -28,22 +28,33 @@ def packed(row: Real, decimals: int) -> str:
     exact = rounded(row[known], decimals)
     if known.all() and len(exact) and (exact == exact[0]).all():
         return f"{exact[0]:.12g}"
-    whole = [round(value * 10.0**decimals) if decimals >= 0 else round(value / 10.0**-decimals) for value in exact]
+    whole = np.rint(exact * 10.0**decimals if decimals >= 0 else exact / 10.0**-decimals).astype(np.int64)
+    # Each difference as a whole number from 0, its sign in its lowest bit, and how many signs all of them take.
     tried = [whole]
     for _ in range(MOST_TIMES):
-        tried.append([b - a for a, b in zip([0, *tried[-1]], tried[-1])])
-    texts = [[_signs(value) for value in values] for values in tried]
-    times = min(range(len(texts)), key=lambda k: sum(map(len, texts[k])))
-    signs = iter(texts[times])
-    return f"{decimals} {times} {''.join(next(signs) if there else NONE for there in known.tolist())}"
+        tried.append(np.diff(tried[-1], prepend=0))
+    folded = [2 * np.abs(values) + (values < 0) for values in tried]
+    times = int(np.argmin([_pieces(values).sum() for values in folded]))
+    return f"{decimals} {times} {_signs(folded[times], known)}"
 
 
-def _signs(value: int) -> str:
-    rest, text = 2 * abs(value) + (value < 0), ""
-    while rest > 31:
-        text += SIGNS[32 + rest % 32]
-        rest //= 32
-    return text + SIGNS[rest]
+def _pieces(values: Whole) -> Whole:
+    """How many pieces of five bits each number takes."""
+    most = int(values.max(initial=0)).bit_length() // 5 + 1
+    further: Whole = (values[:, None] >= 32 ** np.arange(1, most, dtype=np.int64)).sum(axis=1)
+    return 1 + further
+
+
+def _signs(values: Whole, known: Mask) -> str:
+    """All signs in a row; values: (numbers,), the ones that are known."""
+    pieces = _pieces(values)
+    place = np.arange(pieces.max(initial=1))
+    bits = (values[:, None] >> (5 * place)) & 31
+    codes = np.full((len(known), len(place)), ord(NONE), dtype=np.uint8)
+    codes[known] = np.frombuffer(SIGNS.encode(), dtype=np.uint8)[bits + 32 * (place < pieces[:, None] - 1)]
+    used = np.ones(len(known), dtype=np.intp)
+    used[known] = pieces
+    return codes[place < used[:, None]].tobytes().decode()
 
 
 def unpacked(text: str, count: int) -> Real:

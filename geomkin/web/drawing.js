@@ -3,6 +3,8 @@
 const SVG = "http://www.w3.org/2000/svg";
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
+// Marks that the drawing makes room for only while they are shown, by at most so much of its size on each side.
+const ASIDE = ["velocity", "acceleration", "centre"], ROOM = 0.3;
 // Pixels kept free around the drawing.
 const MARGIN = 26;
 // A pivot on the ground, where no plate shows the ground: a stand with hatches below.
@@ -145,7 +147,9 @@ export class Drawing {
   }
 
   drawBody(body) {
-    body.group = make(this.plates, "g", { class: `body ${body.fixed ? "fixed" : "moving"}` });
+    // What of the ground lies over something that moves must not hide it.
+    const over = body.fixed && this.bodies.some((other) => !other.fixed && other.layer < body.layer);
+    body.group = make(this.plates, "g", { class: `body ${body.fixed ? "fixed" : "moving"}${over ? " over" : ""}` });
     make(body.group, "title", {}, spaced(body.name));
     for (const index of body.cut) {
       const d = this.data.paths[index];
@@ -245,24 +249,32 @@ export class Drawing {
       ends[0] = Math.min(ends[0], x); ends[1] = Math.min(ends[1], y);
       ends[2] = Math.max(ends[2], x); ends[3] = Math.max(ends[3], y);
     };
+    const takeMarks = (marks) => {
+      for (const mark of marks) mark.x.forEach((x, k) => {
+        const r = mark.r ? mark.r[k] : 0;
+        take(x - r, mark.y[k] - r); take(x + r, mark.y[k] + r);
+        if (mark.u) take(x + mark.u[k], mark.y[k] + mark.v[k]);
+      });
+    };
     for (const body of this.bodies) {
       body.drawn = body.cut.map((index) => pointsOf(this.data.paths[index]));
       const points = body.drawn.flatMap((drawn) => drawn.points);
       for (let k = 0; k < this.frames; k++) for (const [u, v] of points) take(...this.place(body, u, v, k));
     }
-    for (const mark of this.marks) {
-      if (["velocity", "acceleration", "centre"].includes(mark.role)) continue;
-      mark.x.forEach((x, k) => {
-        const r = mark.r ? mark.r[k] : 0;
-        take(x - r, mark.y[k] - r); take(x + r, mark.y[k] + r);
-        if (mark.u) take(x + mark.u[k], mark.y[k] + mark.v[k]);
-      });
-    }
+    takeMarks(this.marks.filter((mark) => !ASIDE.includes(mark.role)));
     for (const path of this.world.querySelectorAll("path")) {
       const { x, y, width, height } = path.getBBox();
       take(x, y); take(x + width, y + height);
     }
-    return ends[0] < Infinity ? ends : [-1, -1, 1, 1];
+    if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
+    const always = [...ends], room = [ends[2] - ends[0], ends[3] - ends[1]].map((size) => ROOM * size);
+    this.asides = {};
+    for (const role of ASIDE) {
+      ends.splice(0, 4, ...always);
+      takeMarks(this.marks.filter((mark) => mark.role === role));
+      this.asides[role] = ends.map((end, k) => (k < 2 ? Math.max(end, always[k] - room[k]) : Math.min(end, always[k] + room[k - 2])));
+    }
+    return always;
   }
 
   // Where a point of a body is, mm.
@@ -308,7 +320,8 @@ export class Drawing {
 
   // Fill the stage, as high as the mechanism asks for within `most` pixels; one scale along and across.
   fit(wide, most) {
-    const [left, low, right, high] = this.bounds;
+    const boxes = [this.bounds, ...ASIDE.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const [left, low, right, high] = this.bounds.map((_, k) => (k < 2 ? Math.min : Math.max)(...boxes.map((box) => box[k])));
     const across = Math.max(right - left, 1e-9), up = Math.max(high - low, 1e-9);
     const free = wide - 2 * MARGIN;
     const tall = Math.max(200, Math.min(most, up * (free / across) + 2 * MARGIN + 18));

@@ -102,7 +102,8 @@ class Player {
     };
     for (const role of Object.keys(ROLES)) {
       if (found.has(role)) add(ROLES[role], role, !OFF.includes(role), (on) => {
-        for (const drawing of this.drawings) { drawing.toggle(role, on); if (drawing.s) drawing.show(this.frame); }
+        for (const drawing of this.drawings) drawing.toggle(role, on);
+        this.fit(true);
       });
     }
     if (this.drawings.length > 1) add("others beside", "others", true, (on) => {
@@ -191,11 +192,12 @@ class Player {
     this.step(event.shiftKey ? 10 * step : step);
   }
 
-  fit() {
+  // Drawings as large as there is room for; at once where they changed.
+  fit(changed) {
     const shown = this.stages.classList.contains("alone") ? 1 : this.drawings.length;
     const room = this.stages.clientWidth, across = room > 620 ? Math.min(2, shown) : 1;
     const wide = Math.floor((room - 12 * (across - 1)) / across);
-    if (wide < 50 || (wide === this.wide && !this.stale)) return;
+    if (wide < 50 || (wide === this.wide && !changed)) return;
     this.wide = wide;
     for (const drawing of this.drawings) {
       drawing.fit(wide, Math.max(260, 0.62 * innerHeight));
