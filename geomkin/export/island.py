@@ -102,15 +102,9 @@ class _Island:
     def _body(self, body: SceneBody) -> dict[str, object]:
         cut = [self._path(path((part.outline, *part.holes), self.tolerance, self.digits)) for part in body.parts]
         engraved = [self._path(path(part.marks, self.tolerance, self.digits)) for part in body.parts if part.marks]
-        return {
-            "name": harmless(body.name),
-            "at": self._places(body.origin),
-            "turn": self._angles(body.direction),
-            "layer": body.layer,
-            "fixed": body.fixed,
-            "cut": cut,
-            "engraved": engraved,
-        }
+        told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin)}
+        told |= {"turn": self._angles(body.direction), "layer": body.layer, "cut": cut}
+        return told | ({"fixed": True} if body.fixed else {}) | ({"engraved": engraved} if engraved else {})
 
     def _curve(self, curve: SceneCurve) -> dict[str, object]:
         drawn = self._path(path([curve.curve], self.tolerance, self.digits))

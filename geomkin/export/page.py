@@ -67,10 +67,10 @@ def _script() -> str:
 
 
 def _tight(line: str) -> str:
-    """A line of a script without the spaces that nothing depends on; as it is where it has a template or a pattern."""
-    if re.search("[`'/]", line):
+    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts."""
+    if re.search("['/]", line) or line.count("`") > 2:
         return line
-    pieces = re.split(r'("[^"]*")', line)
+    pieces = re.split(r'("[^"]*"|`[^`]*`)', line)
     pieces[::2] = (re.sub(r" ?([=<>?:&|*,;{}()!\[\]]+) ?", r"\1", piece) for piece in pieces[::2])
     return "".join(pieces)
 

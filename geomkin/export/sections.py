@@ -35,7 +35,7 @@ def verdict(checks: tuple[Check, ...]) -> str:
     if not failed:
         return f'<p class="verdict holds">All {len(checks)} checks hold.</p>'
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
-    return f'<p class="verdict fails">{count}: {text(str(failed[0]))}.</p>'
+    return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
 
 
 def checks(job: Job) -> str:

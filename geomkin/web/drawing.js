@@ -156,7 +156,7 @@ export class Drawing {
       make(body.group, "path", { d, class: `plate ${body.tint}` });
       if (body.fixed) make(body.group, "path", { d, class: "hatched", fill: `url(#${this.id})` });
     }
-    for (const index of body.engraved) make(body.group, "path", { d: this.data.paths[index], class: "engraved" });
+    for (const index of body.engraved ?? []) make(body.group, "path", { d: this.data.paths[index], class: "engraved" });
     body.group.dataset.body = body.name;
   }
 

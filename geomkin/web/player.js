@@ -76,7 +76,9 @@ class Player {
     button("One step on", "›", () => { this.play(false); this.step(1); });
     const pass = this.time[data.frames - 1] - this.time[0] || 1;
     const first = SPEEDS.reduce((a, b) => (Math.abs(Math.log(pass / b / FIRST_PASS)) < Math.abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
-    this.speed = make(make(bar, "label", { class: "speed" }, "Speed "), "select");
+    const pace = make(bar, "label", { class: "speed" });
+    make(pace, "span", {}, "Speed ");
+    this.speed = make(pace, "select");
     for (const speed of SPEEDS) make(this.speed, "option", { value: speed }, `${speed} × real`);
     this.speed.value = first;
     const label = make(this.left, "label", { class: "drive" });
