@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from ..errors import harmless
+from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole
 from ..scene import Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Column
@@ -100,14 +101,14 @@ class _Island:
         }
 
     def _body(self, body: SceneBody) -> dict[str, object]:
-        cut = [self._path(path((part.outline, *part.holes), self.tolerance, self.digits)) for part in body.parts]
-        engraved = [self._path(path(part.marks, self.tolerance, self.digits)) for part in body.parts if part.marks]
+        cut = [self._path((part.outline, *part.holes)) for part in body.parts]
+        engraved = [self._path(part.marks) for part in body.parts if part.marks]
         told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin)}
         told |= {"turn": self._angles(body.direction), "layer": body.layer, "cut": cut}
         return told | ({"fixed": True} if body.fixed else {}) | ({"engraved": engraved} if engraved else {})
 
     def _curve(self, curve: SceneCurve) -> dict[str, object]:
-        drawn = self._path(path([curve.curve], self.tolerance, self.digits))
+        drawn = self._path((curve.curve,))
         return {"path": drawn, "role": curve.role, "label": harmless(curve.label), "body": harmless(curve.body)}
 
     def _mark(self, mark: SceneMark) -> dict[str, object]:
@@ -140,7 +141,9 @@ class _Island:
         angles[known] = np.unwrap(angles[known])
         return self._row(angles, DIGITS_OF_PLACES - 1)
 
-    def _path(self, text: str) -> int:
+    def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
+        # A digit less than places have is a twentieth of the tolerance still.
+        text = path(curves, self.tolerance, self.digits - 1)
         if text not in self.paths:
             self.paths.append(text)
         return self.paths.index(text)
