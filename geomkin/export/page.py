@@ -13,7 +13,7 @@ from .job import Job
 from .sections import all_of, text, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
-SCRIPTS = ("uplot/uPlot.iife.min.js", "drawing.js", "plots.js", "player.js")
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "drawing.js", "plots.js", "player.js")
 START = 'mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 
 

@@ -1,85 +1,14 @@
 // A scene as an SVG drawing: one group a body, of which each frame sets the matrix alone; marks in pixels above them.
+import { arrow, axisOf, make, niceLength, pointsOf, px, spaced, STAND } from "./shapes.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
-// Marks that the drawing makes room for only while they are shown, by at most so much of its size on each side.
-const ASIDE = ["velocity", "acceleration", "centre"], ROOM = 0.3;
+// What is off until it is asked for; the drawing makes room for it only then, by so much of its size on each side.
+export const OFF = ["centre", "velocity", "acceleration", "centrode", "inflection"];
+const ROOM = 0.3;
 // Pixels kept free around the drawing.
 const MARGIN = 26;
-// A pivot on the ground, where no plate shows the ground: a stand with hatches below.
-const STAND = "M-2.6 3.8L-8 13H8L2.6 3.8M-12 13H12M-10 13l-4 5M-4 13l-4 5M2 13l-4 5M8 13l-4 5";
 let drawings = 0;
-
-// An element of SVG or HTML with attributes and, if given, a text, as the last child of `parent`.
-export function make(parent, name, attributes = {}, text = "") {
-  const inSvg = name === "svg" || (parent && parent.namespaceURI === SVG);
-  const element = inSvg ? document.createElementNS(SVG, name) : document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  if (text) element.textContent = text;
-  if (parent) parent.append(element);
-  return element;
-}
-
-const SIGNS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-// A row of numbers from its text (see export/packed.py); nan where there is none.
-export function unpack(text, frames) {
-  const row = new Float64Array(frames);
-  if (!text.includes(" ")) return row.fill(+text);
-  const [decimals, times, signs] = text.split(" ");
-  const scale = 10 ** Math.abs(decimals), sums = new Array(+times + 1).fill(0);
-  let k = 0, value = 0, weight = 1;
-  for (const sign of signs) {
-    if (sign === "~") { row[k++] = NaN; continue; }
-    const bits = SIGNS.indexOf(sign);
-    value += (bits & 31) * weight;
-    weight *= 32;
-    if (bits > 31) continue;
-    sums[times] = value % 2 ? -(value - 1) / 2 : value / 2;
-    for (let n = times - 1; n >= 0; n--) sums[n] += sums[n + 1];
-    row[k++] = decimals < 0 ? sums[0] * scale : sums[0] / scale;
-    value = 0;
-    weight = 1;
-  }
-  return row;
-}
-
-// 1, 2 or 5 times a power of ten, at most `most`.
-function niceLength(most) {
-  const power = 10 ** Math.floor(Math.log10(most));
-  return [5, 2, 1].find((step) => step * power <= most) * power;
-}
-
-// The first outline of a path's text as points [x, y], at most some 64 of them, and its circles [x, y, radius].
-function pointsOf(d) {
-  const circles = [...d.matchAll(/M(-?[\d.]+) ?(-?[\d.]+)a([\d.]+)/g)].map(([, x, y, r]) => [+x + +r, +y, +r]);
-  const numbers = (d.split("z")[0].match(/-?\d*\.?\d+/g) ?? []).map(Number);
-  let points = [];
-  if (/^M[^a-z]*a/.test(d)) {
-    const [x, y, r] = circles[0];
-    for (let k = 0; k < 16; k++) points.push([x + r * Math.cos(k * Math.PI / 8), y + r * Math.sin(k * Math.PI / 8)]);
-    return { points, circles };
-  }
-  let x = 0, y = 0;
-  for (let k = 0; k + 1 < numbers.length; k += 2) points.push([x += numbers[k], y += numbers[k + 1]]);
-  const stride = Math.ceil(points.length / 64);
-  return { points: points.filter((_, k) => k % stride === 0), circles };
-}
-
-// Middle and half the longest axis of points: a name stands somewhere along it.
-function axisOf(points) {
-  const n = points.length;
-  const [x, y] = points.reduce(([a, b], [c, d]) => [a + c / n, b + d / n], [0, 0]);
-  let [xx, xy, yy] = [0, 0, 0];
-  for (const [a, b] of points) { xx += (a - x) ** 2; xy += (a - x) * (b - y); yy += (b - y) ** 2; }
-  const turn = Math.atan2(2 * xy, xx - yy) / 2, [c, s] = [Math.cos(turn), Math.sin(turn)];
-  const along = points.map(([a, b]) => Math.abs((a - x) * c + (b - y) * s)), half = Math.max(...along);
-  return { x, y, u: half * c, v: half * s };
-}
-
-const px = (value) => value.toFixed(2);
-export const spaced = (name) => name.replaceAll("_", " ");
 
 export class Drawing {
   // stage: what the drawing fills; scene, data: as in the page, rows unpacked in data.rows; drive: row of the driver,
@@ -98,9 +27,9 @@ export class Drawing {
       { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
     make(pattern, "path", { d: "M0 0V6", class: "hatch" });
     this.pattern = pattern;
-    this.world = make(this.svg, "g");
     this.guides = make(this.svg, "g");
     this.plates = make(this.svg, "g");
+    this.world = make(this.svg, "g");
     this.trails = make(this.svg, "g");
     this.above = make(this.svg, "g");
     this.names = make(this.svg, "g", { class: "names" });
@@ -143,7 +72,7 @@ export class Drawing {
 
   unpacked(body) {
     const turn = this.row(body.turn);
-    return { ...body, x: this.row(body.at[0]), y: this.row(body.at[1]), cos: turn.map(Math.cos), sin: turn.map(Math.sin) };
+    return { ...body, lined: [], x: this.row(body.at[0]), y: this.row(body.at[1]), cos: turn.map(Math.cos), sin: turn.map(Math.sin) };
   }
 
   drawBody(body) {
@@ -162,8 +91,9 @@ export class Drawing {
 
   drawCurve(curve) {
     const body = this.bodies.find((other) => other.name === curve.body);
-    const path = make(body ? body.group : this.world, "path",
-      { d: this.data.paths[curve.path], class: `line ${curve.role}`, "data-role": curve.role });
+    const d = this.data.paths[curve.path];
+    const path = make(body ? body.group : this.world, "path", { d, class: `line ${curve.role}`, "data-role": curve.role });
+    if (body && !OFF.includes(curve.role)) body.lined.push(...pointsOf(d).points);
     if (curve.label) make(path, "title", {}, spaced(curve.label));
   }
 
@@ -192,7 +122,7 @@ export class Drawing {
     }
     if (mark.sort === "line" && mark.label && !this.named.has(mark.label)) {
       this.named.add(mark.label);
-      mark.middle = make(this.names, "text", { class: "name of-body" }, spaced(mark.label));
+      mark.middle = make(this.names, "text", { class: `name of-body ${mark.role}` }, spaced(mark.label));
     }
     if (!mark.always && mark.sort === "point" && mark.label) {
       const short = spaced(mark.label).replace("instant centre of ", "").replace(" and ", ", ");
@@ -259,19 +189,25 @@ export class Drawing {
     for (const body of this.bodies) {
       body.drawn = body.cut.map((index) => pointsOf(this.data.paths[index]));
       const points = body.drawn.flatMap((drawn) => drawn.points);
+      points.push(...body.lined);
       for (let k = 0; k < this.frames; k++) for (const [u, v] of points) take(...this.place(body, u, v, k));
     }
-    takeMarks(this.marks.filter((mark) => !ASIDE.includes(mark.role)));
-    for (const path of this.world.querySelectorAll("path")) {
-      const { x, y, width, height } = path.getBBox();
-      take(x, y); take(x + width, y + height);
-    }
+    takeMarks(this.marks.filter((mark) => !OFF.includes(mark.role)));
+    const takeCurves = (wanted) => {
+      for (const path of this.world.querySelectorAll("path")) {
+        if (!wanted(path.dataset.role)) continue;
+        const { x, y, width, height } = path.getBBox();
+        take(x, y); take(x + width, y + height);
+      }
+    };
+    takeCurves((role) => !OFF.includes(role));
     if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
     const always = [...ends], room = [ends[2] - ends[0], ends[3] - ends[1]].map((size) => ROOM * size);
     this.asides = {};
-    for (const role of ASIDE) {
+    for (const role of OFF) {
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
+      takeCurves((other) => other === role);
       this.asides[role] = ends.map((end, k) => (k < 2 ? Math.max(end, always[k] - room[k]) : Math.min(end, always[k] + room[k - 2])));
     }
     return always;
@@ -320,7 +256,7 @@ export class Drawing {
 
   // Fill the stage, as high as the mechanism asks for within `most` pixels; one scale along and across.
   fit(wide, most) {
-    const boxes = [this.bounds, ...ASIDE.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const boxes = [this.bounds, ...OFF.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     const [left, low, right, high] = this.bounds.map((_, k) => (k < 2 ? Math.min : Math.max)(...boxes.map((box) => box[k])));
     const across = Math.max(right - left, 1e-9), up = Math.max(high - low, 1e-9);
     const free = wide - 2 * MARGIN;
@@ -428,12 +364,4 @@ export class Drawing {
     }
     return best;
   }
-}
-
-function arrow(u, v) {
-  const long = Math.hypot(u, v);
-  if (long < 0.5) return "M0 0";
-  const head = Math.min(8, long), [c, s] = [u / long, v / long];
-  const at = (back, off) => `${px(u - back * c - off * s)} ${px(v - back * s + off * c)}`;
-  return `M0 0L${px(u)} ${px(v)}M${at(head, 0.4 * head)}L${px(u)} ${px(v)}L${at(head, -0.4 * head)}`;
 }

@@ -1,14 +1,13 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
-import { Drawing, make, spaced, unpack } from "./drawing.js";
+import { Drawing, OFF } from "./drawing.js";
 import { measured, Plots, shown, unitOf } from "./plots.js";
+import { make, spaced, unpack } from "./shapes.js";
 
 // Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
 const FIRST_PASS = 5;
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 // Turn of the driver, deg, between two dashes of a trail; a driver that slides makes so many steps over its stroke.
 const DASH_DEG = 5, STROKE_DASHES = 72;
-// What is off until it is asked for.
-const OFF = ["centre", "velocity", "acceleration", "centrode", "inflection"];
 const ROLES = {
   names: "names", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
   contact: "contact", centrode: "centrodes", inflection: "inflection circle", centre: "instant centres",

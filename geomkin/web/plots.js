@@ -1,6 +1,6 @@
 // Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
 /* global uPlot */
-import { make } from "./drawing.js";
+import { make } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
 // Dashes of the curves of one plot: colour is never all that tells them apart.
