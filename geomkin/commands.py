@@ -32,7 +32,7 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="geomkin")
 def cli() -> None:
-    """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, CSV of their motion, pages that show it."""
+    """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, their motion as CSV and as a page."""
 
 
 @cli.command()

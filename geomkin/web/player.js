@@ -144,7 +144,7 @@ class Player {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", rebuild);
     addEventListener("beforeprint", () => { this.play(false); document.documentElement.classList.add("print"); rebuild(); });
     addEventListener("afterprint", () => { document.documentElement.classList.remove("print"); rebuild(); });
-    for (const button of document.querySelectorAll("[data-frame]")) {
+    for (const button of document.querySelectorAll("button[data-frame]")) {
       button.addEventListener("click", () => {
         this.play(false);
         this.goTo(+button.dataset.frame);

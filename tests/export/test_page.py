@@ -213,6 +213,15 @@ def test_the_worst_frame_is_told_by_the_column_that_a_check_is_of():
     assert worst_frame(gk.Check("largest height", 20.0, "at most", 5, "mm"), scene) in (2, 6)
 
 
+def test_another_scene_beside_it_is_on_the_same_drive():
+    scene = turning()
+    with pytest.raises(gk.DesignError, match="found 9 rows, but 5 frames of the other mode"):
+        dataclasses.replace(scene, others={"mode": turning(frames=5)})
+    data = json.loads(island(dataclasses.replace(scene, others={"other": scene}), "a"))
+    # The same rows and outlines, told once.
+    assert data["scenes"][1] | {"label": ""} == data["scenes"][0]
+
+
 def test_what_is_nan_or_infinite_is_left_out_of_the_data():
     scene = turning()
     column = scene.table.columns[1]
