@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,7 +16,7 @@ from .errors import DesignError, Problem, RecipeError, printable
 from .export.files import remove, write_whole
 from .export.job import Job, Loose, Source
 from .export.summary import FOUND, NAME, files_told, summary
-from .export.writers import WRITERS
+from .export.writers import WRITERS, ending_of, format_of
 from .kinds import KINDS
 from .names import file_name_flaw
 from .part import Part
@@ -64,19 +65,21 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
 
     The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
     another one that was made under its name. only: formats to write of those the recipe asks for; all of them unless
-    given, and then files of parts that the recipe had when it was last made here, and has no more, are removed.
+    given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
+    recipe that asks for all formats gets those that its kind has something for.
     Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
     of this recipe has been written, or what was is whole.
     """
     file, recipe = _opened(recipe)
-    wanted = [ending for ending in recipe.files.write if only is None or ending in only]
+    wanted = [name for name in recipe.files.write if only is None or name in only]
     if only is not None and not wanted:
         found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
         raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
     name = _name(file, recipe)
     with _naming(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
-        written = {ending: WRITERS[ending].write(job) for ending in WRITERS if ending in wanted}
+        wanted = wanted if only else _had(recipe)
+        written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
         contents = {file: content for files in written.values() for file, content in files.items()}
         goal_met = recipe.found_recipe
@@ -97,7 +100,7 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
     name = _name(file, recipe)
     with _naming(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
-        for writer in (WRITERS[ending] for ending in recipe.files.write):
+        for writer in (WRITERS[name] for name in _had(recipe)):
             if writer.needs == "parts":
                 _ = job.flats if writer.flat else job.solids
             else:
@@ -113,26 +116,27 @@ def write(
     kerf: float | None = None,
     curves: Literal["chords", "arcs"] | None = None,
 ) -> dict[Path, int]:
-    """Write parts, a table, or what a recipe has of either, to a file; path to size in bytes.
+    """Write parts, a table, or what a recipe has of either, or its page, to a file; path to size in bytes.
 
-    The ending of `path` picks the format. One that has a file for each part, such as STL, writes several beside
-    `path`, named after the parts. tolerance: largest distance, mm, between a curve and what is written. kerf: width of
-    the cut, mm: drawings move outlines out and holes in by half of it. curves: outlines in drawings as chords or as
-    arcs. What is left out of the three is as the recipe says, or as it is in a recipe without `files`: 0.005 mm, no
-    kerf, chords. Raises DesignError for what cannot be written so, and FileError; then nothing has been written, or
-    what was is whole.
+    The ending of `path` picks the format, `.html` the page. One that has a file for each part, such as STL, writes
+    several beside `path`, named after the parts. tolerance: largest distance, mm, between a curve and what is
+    written. kerf: width of the cut, mm: drawings move outlines out and holes in by half of it. curves: outlines in
+    drawings as chords or as arcs. What is left out of the three is as the recipe says, or as it is in a recipe
+    without `files`: 0.005 mm, no kerf, chords. Raises DesignError for what cannot be written so, and FileError;
+    then nothing has been written, or what was is whole.
     """
     path = Path(path)
     ending = path.suffix[1:].lower()
     files = source.files if isinstance(source, AbstractRecipe) else Files()
     held, needs = _held(source)
-    if ending not in WRITERS or WRITERS[ending].needs not in needs:
-        endings = [name for name, writer in WRITERS.items() if writer.needs in needs]
+    name = format_of(ending)
+    if not name or WRITERS[name].needs not in needs:
+        endings = [ending_of(name) for name, writer in WRITERS.items() if writer.needs in needs]
         raise DesignError("path", f"found {printable(path)}", f"give a name that ends in {' or '.join(endings)}")
     given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    job = _job(path.stem, held, dataclasses.replace(files, write=(ending,), **changes))
-    contents = WRITERS[ending].write(job)
+    job = _job(path.stem, held, dataclasses.replace(files, write=(name,), **changes))
+    contents = WRITERS[name].write(job)
     if len(contents) == 1:
         contents = {path.name: next(iter(contents.values()))}
     write_whole(path.parent, contents)
@@ -160,8 +164,18 @@ def _opened(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
     return str(recipe) if found.name else found.kind, found
 
 
+def _had(recipe: AbstractRecipe) -> list[str]:
+    """The formats that a recipe asks for; where that is all of them, without those that its kind shows nothing for."""
+    wanted = list(recipe.files.write)
+    bare = recipe.files.wants_all and recipe.scene is None
+    return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
+
+
 def _job(name: str, source: Source, files: Files) -> Job:
-    return Job(name, source, files.tolerance, files.kerf, files.curves == "arcs")
+    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs")
+    if not isinstance(source, AbstractRecipe):
+        return job
+    return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))
 
 
 def _name(file: str, recipe: AbstractRecipe) -> str:

@@ -22,7 +22,7 @@ _recipes = click.argument(
 
 
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
-    """The endings in a list with commas."""
+    """The formats in a list with commas."""
     chosen = None if value is None else [part.strip() for part in value.split(",")]
     if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
         raise click.BadParameter(f"unknown format {unknown[0]!r}; choose of {', '.join(WRITERS)}")
@@ -32,7 +32,7 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="geomkin")
 def cli() -> None:
-    """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, CSV of their motion."""
+    """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, their motion as CSV and as a page."""
 
 
 @cli.command()

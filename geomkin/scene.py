@@ -138,6 +138,7 @@ class Scene:
         check_fields(self)
         frames = len(self.drive.values)
         rows = {f"time and {name}": len(row) for name, row in (("drive", self.time), ("closed", self.closed))}
+        rows |= {f"the other {label}": len(other.time) for label, other in self.others.items()}
         rows |= {f"body {b.name}": len(row) for b in self.bodies for row in (b.origin, b.direction)}
         rows |= {
             f"mark {m.label or m.sort}": len(row)

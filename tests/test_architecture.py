@@ -24,6 +24,7 @@ MAY = {
     "scene": {"plane", "part", "table"},
     "walls": {"plane", "part", "check"},
     **dict.fromkeys(MECHANISMS, GEOMETRY),
+    "web": set(),
     "export": {"plane", "part", "table", "check", "scene", "web"},
     "synthesis": MECHANISMS | GEOMETRY,
     "judge": MECHANISMS | GEOMETRY | {"synthesis", "check"},

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
 from ..brief import one_line
+from ..check import Check
 from ..errors import DesignError
 from ..part import Part
+from ..scene import Scene
 from ..table import Table
 from .cut import Cut, cut
 from .layout import Sheet, lay_out
@@ -25,7 +27,13 @@ class Source(Protocol):
     def table(self) -> Table | None: ...
 
     @property
-    def scene(self) -> object | None: ...
+    def scene(self) -> Scene | None: ...
+
+    @property
+    def checks(self) -> tuple[Check, ...]: ...
+
+    @property
+    def notes(self) -> Mapping[str, object]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,15 +42,18 @@ class Loose:
 
     parts: tuple[Part, ...] = ()
     table: Table | None = None
-    scene: object | None = None
+    scene: Scene | None = None
+    checks: tuple[Check, ...] = ()
+    notes: Mapping[str, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
     """Files to be written, worked out no further than writers ask.
 
-    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. What
-    a writer asks for and the source has not is a DesignError of `write`.
+    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. about:
+    one line that introduces it; recipe: gives the text that it is made from; "" where there is none. What a writer asks
+    for and the source has not is a DesignError of `write`.
     """
 
     name: str
@@ -50,6 +61,8 @@ class Job:
     tolerance: float
     kerf: float = 0.0
     arcs: bool = False
+    about: str = ""
+    recipe: Callable[[], str] = str
 
     __repr__ = one_line
 
@@ -61,7 +74,7 @@ class Job:
         return table
 
     @property
-    def scene(self) -> object:
+    def scene(self) -> Scene:
         """How it looks moving."""
         if (scene := self.source.scene) is None:
             raise _lacking("scene")

@@ -14,7 +14,7 @@ from ..part import Part
 from ..plane.measure import area
 from ..version import VERSION
 from .job import Job
-from .writers import WRITERS
+from .writers import WRITERS, format_of
 
 NAME = "summary.json"
 # What follows a goal's name in that of the file of the recipe it found.
@@ -109,7 +109,7 @@ def files_told(folder: Path) -> set[str]:
         if len(content) > LARGEST:
             return set()
         names = json.loads(content)["files"]
-        ours = [name for name in names if Path(name).suffix[1:] in WRITERS or name.endswith(FOUND)]
+        ours = [name for name in names if format_of(Path(name).suffix[1:]) or name.endswith(FOUND)]
         return {name for name in ours if not file_name_flaw(name)}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return set()

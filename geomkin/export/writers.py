@@ -19,13 +19,15 @@ class Writer:
     """A format.
 
     needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
-    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them.
+    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. ending: of its
+    files, where that is not the format's name.
     """
 
     needs: Literal["parts", "table", "scene"]
     write: Callable[[Job], Contents]
     packages: tuple[str, ...] = ()
     flat: bool = False
+    ending: str = ""
 
 
 def _in(module: str) -> Callable[[Job], Contents]:
@@ -38,10 +40,21 @@ def _in(module: str) -> Callable[[Job], Contents]:
     return write
 
 
-# Ending -> how it is written, in the order in which files come.
+# Name, mostly the ending too -> how it is written, in the order in which files come.
 WRITERS: dict[str, Writer] = {
     "dxf": Writer("parts", _in("dxf"), ("shapely", "ezdxf"), flat=True),
     "stl": Writer("parts", _in("stl"), ("shapely", "trimesh")),
     "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
     "csv": Writer("table", _in("csv")),
+    "page": Writer("scene", _in("page"), ending="html"),
 }
+
+
+def ending_of(name: str) -> str:
+    """What the names of a format's files end in."""
+    return WRITERS[name].ending or name
+
+
+def format_of(ending: str) -> str:
+    """The format whose files end so; "" for none."""
+    return next((name for name in WRITERS if ending_of(name) == ending), "")

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 
 class OneOfFormats(Sort):
-    """Marks a text as the ending of a format: one of those in WRITERS when it is asked, not when this was loaded."""
+    """Marks a text as the name of a format: one of those in WRITERS when it is asked, not when this was loaded."""
 
     def __init__(self) -> None:
-        super().__init__(lambda value: isinstance(value, str) and value in WRITERS, "the ending of a format")
+        super().__init__(lambda value: isinstance(value, str) and value in WRITERS, "the name of a format")
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import PydanticCustomError, core_schema
@@ -93,6 +93,11 @@ class Files:
 
     def __post_init__(self) -> None:
         check_sizes(self)
+
+    @property
+    def wants_all(self) -> bool:
+        """Whether it is all there is, as where nothing else is asked for: then what a kind lacks is no slip."""
+        return self.write == Files.write
 
     @property
     def wants_parts(self) -> bool:

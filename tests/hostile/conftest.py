@@ -203,4 +203,16 @@ def _dxf(file):
             assert (points[-len(before) :] != before).any(axis=1).all(), f"{file.name}: a point twice in a row"
 
 
-JUDGES = {".json": _json, ".csv": _csv, ".svg": _svg, ".stl": _stl, ".dxf": _dxf}
+def _html(file):
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>") and text.endswith("</html>\n") and "nan" not in text.split("<main>")[0]
+    data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', text, re.DOTALL)[1]
+    told = json.loads(data, parse_constant=_refused)
+    assert told["frames"] > 1 and all(len(row.split(" ")) == 3 or np.isfinite(float(row)) for row in told["series"])
+
+
+def _refused(word):
+    raise AssertionError(f"a page holds {word}, which JSON does not know")
+
+
+JUDGES = {".html": _html, ".json": _json, ".csv": _csv, ".svg": _svg, ".stl": _stl, ".dxf": _dxf}

@@ -170,7 +170,7 @@ def test_out_is_a_path(out):
 
 @pytest.mark.parametrize("only", ["csv", ["pdf"], ["csv", "pdf"], [3], {"csv": 1}, 3, [["csv"]], ["CSV"]])
 def test_only_is_a_row_of_formats(tmp_path, only):
-    with pytest.raises(gk.DesignError, match="^only: found .*give a tuple, each the ending of a format$"):
+    with pytest.raises(gk.DesignError, match="^only: found .*give a tuple, each the name of a format$"):
         gk.make(GEAR, tmp_path, only)
     assert not list(tmp_path.iterdir())
 

@@ -99,7 +99,7 @@ def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_v
     assert parse(opened) == parse(text)
     (tmp_path / "new.toml").write_text(text)
     made = gk.make(tmp_path / "new.toml", tmp_path / "out")
-    assert {p.suffix for p in made.files} - {".toml"} == {".dxf", ".stl", ".svg", ".csv", ".json"}
+    assert {p.suffix for p in made.files} - {".toml"} == {".dxf", ".stl", ".svg", ".csv", ".json", ".html"}
     comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
     said = re.findall(r"One check fails on purpose \(([^)]*)\)", comment)
     assert [check.name for check in made.checks if not check.passed] == said

@@ -18,6 +18,7 @@ from geomkin.commands import cli
 from geomkin.export import WRITERS, Job, Writer
 from geomkin.kinds import KINDS
 from geomkin.recipe import AbstractGoal, AbstractRecipe, Files
+from geomkin.scene import Scene, SceneBody
 from geomkin.sizes import check_sizes, entry, quantity
 from tests.texts import parse, schema_of_all, template_of
 
@@ -68,9 +69,11 @@ class WasherRecipe(AbstractRecipe):
         return (gk.Check("washer's radius", self.washer.radius, "at least", 10.0, "mm"),)
 
     @cached_property
-    def scene(self) -> object:
+    def scene(self) -> Scene:
         ASKED.append("scene")
-        return {"bodies": [part.name for part in self.parts], "frames": len(self.table.columns[0].values)}
+        turn = np.radians(self.table["turn"])
+        body = SceneBody("washer", self.parts, np.zeros(5, dtype=complex), np.exp(1j * turn))
+        return Scene(self.table, turn, np.full(5, True), (body,))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +117,8 @@ def swing_of(crank):
 
 def shown(job: Job) -> dict[str, bytes]:
     """A toy player: the scene as text."""
-    return {f"{job.name}.show": json.dumps(job.scene).encode()}
+    told = {"bodies": [body.name for body in job.scene.bodies], "frames": len(job.scene.time)}
+    return {f"{job.name}.show": json.dumps(told).encode()}
 
 
 @pytest.fixture(autouse=True)
@@ -130,7 +134,10 @@ def test_a_kind_from_outside_is_read_checked_and_made(tmp_path):
     recipe = gk.load(text)
     assert recipe == WasherRecipe(washer=Washer(20)) == gk.load({"kind": "washer", "washer": {"radius": 20}})
     made = gk.make(recipe, tmp_path)
-    assert {p.name for p in made.files} == {"washer.dxf", "washer.stl", "washer.svg", "washer.csv", "summary.json"}
+    assert {p.name for p in made.files} == {
+        *(f"washer.{ending}" for ending in ("dxf", "stl", "svg", "csv", "html")),
+        "summary.json",
+    }
     assert [c.name for c in made.checks] == ["washer's radius", "thinnest wall of the washer"]
     with pytest.raises(gk.RecipeError, match="recipe: washer.hole: found 50 mm; give less than the washer"):
         gk.load(text.replace("20", "20, hole = 50"))
@@ -190,6 +197,20 @@ def test_a_scene_is_a_property_that_a_format_may_need(tmp_path):
     for verb in (gk.make, check_recipe):
         with pytest.raises(gk.RecipeError, match="still: files.write: a format that is made of a scene is asked for"):
             verb(still)
+
+
+def test_all_formats_are_those_that_a_kind_has_something_for(tmp_path):
+    """Who asks for nothing gets all there is; who asks for a page of what shows nothing is told."""
+    still = StillRecipe(washer=Washer(20))
+    made = gk.make(still, tmp_path)
+    assert {p.suffix for p in made.files} == {".dxf", ".stl", ".svg", ".csv", ".json"}
+    assert check_recipe(still).checks == made.checks
+    for write, only in ((("page",), None), (("dxf", "page"), None), (Files().write, ["page"])):
+        with pytest.raises(gk.RecipeError, match="still: files.write: a format that is made of a scene is asked for"):
+            gk.make(StillRecipe(washer=Washer(20), files=Files(write=write)), tmp_path / "none", only)
+    with pytest.raises(gk.DesignError, match="a format that is made of a scene is asked for, and there is none"):
+        gk.write(still, tmp_path / "still.html")
+    assert not (tmp_path / "none").exists() and not (tmp_path / "still.html").exists()
 
 
 def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):

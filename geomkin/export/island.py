@@ -1,0 +1,156 @@
+"""A scene as the data that the player takes: numbers rounded, and told by how they change, which is short."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from ..errors import harmless
+from ..plane.curve import AbstractCurve
+from ..plane.vec import Complex, Real, Whole
+from ..scene import Scene, SceneBody, SceneCurve, SceneMark
+from ..table import Column
+from .packed import packed
+from .path import path
+
+# Distance between an outline and its chords, as a share of the scene's size. More, and corners show on a wide screen;
+# a tenth of it, and a gear's page is three times as long.
+SCREEN = 2e-4
+# Digits of places, counted from the scene's size, and decimals of angles in rad. Fewer, and plates tremble from frame
+# to frame on a large screen; one more makes a page a fifth longer.
+DIGITS_OF_PLACES = 6
+# Digits of the table's values, counted from the largest of a column: as many as anybody reads off a plot.
+DIGITS_OF_VALUES = 6
+# Frames of a page at most, evenly chosen. More make no smoother picture and a page of megabytes; fewer would leave
+# out frames of a full turn in half degrees.
+MOST_FRAMES = 1001
+
+
+def kept_frames(frames: int) -> Whole:
+    """Which of so many frames a page shows, both ends included."""
+    return np.unique(np.rint(np.linspace(0, frames - 1, min(frames, MOST_FRAMES))).astype(np.intp))
+
+
+def shown_columns(scene: Scene) -> list[Column]:
+    """The columns of the table that hold numbers."""
+    return [column for column in scene.table.columns if np.asarray(column.values).dtype.kind in "fiub"]
+
+
+def island(scene: Scene, name: str) -> str:
+    """The JSON text of a scene, safe within a script element.
+
+    `series` holds rows over the frames as `packed` tells them, which all else names by their index. Angles are in rad,
+    places in mm.
+    """
+    low, high = scene.box
+    told = _Island(kept_frames(len(scene.time)), abs(high - low) or 1.0)
+    scenes = [told.scene("", scene), *(told.scene(label, other) for label, other in scene.others.items())]
+    columns = shown_columns(scene)
+    headers = [column.header for column in columns]
+    data = {
+        "name": harmless(name),
+        "cyclic": bool(scene.cyclic),
+        "frames": len(told.frames),
+        "time": told.values(scene.time),
+        "scenes": scenes,
+        "columns": [
+            {
+                "name": harmless(column.name),
+                "unit": harmless(column.unit),
+                "meaning": harmless(column.meaning),
+                "row": told.values(np.asarray(column.values, dtype=float), column.scale),
+            }
+            for column in columns
+        ],
+        "plots": [
+            {
+                "title": harmless(plot.title),
+                "columns": [headers.index(header) for header in plot.columns if header in headers],
+                "limits": [[float(limit.value), harmless(limit.label)] for limit in plot.limits],
+            }
+            for plot in scene.plots
+        ],
+        "paths": told.paths,
+        "series": told.series,
+    }
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c")
+
+
+class _Island:
+    """What the scenes of a page share: frames, decimals, and every row of numbers and every path once."""
+
+    def __init__(self, frames: Whole, size: float):
+        self.frames, self.tolerance = frames, SCREEN * size
+        self.digits = DIGITS_OF_PLACES - 1 - int(np.floor(np.log10(size)))
+        self.paths: list[str] = []
+        self._rows: dict[str, int] = {}
+
+    @property
+    def series(self) -> list[str]:
+        return list(self._rows)
+
+    def scene(self, label: str, scene: Scene) -> dict[str, object]:
+        return {
+            "label": harmless(label),
+            "open": np.flatnonzero(~np.asarray(scene.closed)[self.frames]).tolist(),
+            "bodies": [self._body(body) for body in scene.bodies],
+            "curves": [self._curve(curve) for curve in scene.curves],
+            "marks": [self._mark(mark) for mark in scene.marks],
+        }
+
+    def _body(self, body: SceneBody) -> dict[str, object]:
+        cut = [self._path((part.outline, *part.holes)) for part in body.parts]
+        engraved = [self._path(part.marks) for part in body.parts if part.marks]
+        told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin)}
+        told |= {"turn": self._angles(body.direction), "layer": body.layer, "cut": cut}
+        return told | ({"fixed": True} if body.fixed else {}) | ({"engraved": engraved} if engraved else {})
+
+    def _curve(self, curve: SceneCurve) -> dict[str, object]:
+        drawn = self._path((curve.curve,))
+        return {"path": drawn, "role": curve.role, "label": harmless(curve.label), "body": harmless(curve.body)}
+
+    def _mark(self, mark: SceneMark) -> dict[str, object]:
+        told: dict[str, object] = {"sort": mark.sort, "role": mark.role, "label": harmless(mark.label)}
+        told["at"] = self._places(mark.place)
+        if mark.trail:
+            told["trail"] = True
+        if mark.vector is not None:
+            told["vector"] = self._places(mark.vector)
+        if mark.direction is not None:
+            told["turn"] = self._angles(mark.direction)
+        if mark.radius is not None:
+            told["radius"] = self._row(mark.radius, self.digits)
+        return told
+
+    def values(self, row: Real, scale: float = 0.0) -> int:
+        """Of the table, to as many digits as its largest value asks for."""
+        largest = max(scale, float(np.abs(row[np.isfinite(row)]).max(initial=0.0)))
+        digits = DIGITS_OF_VALUES - 1 - int(np.floor(np.log10(largest))) if largest > 0 else 0
+        return self._row(row, min(digits, 290))
+
+    def _places(self, places: Complex) -> list[int]:
+        places = np.asarray(places)
+        gone = ~np.isfinite(places)
+        return [self._row(np.where(gone, np.nan, part), self.digits) for part in (places.real, places.imag)]
+
+    def _angles(self, directions: Complex) -> int:
+        angles = np.angle(directions)
+        known = np.isfinite(angles)
+        angles[known] = np.unwrap(angles[known])
+        return self._row(angles, DIGITS_OF_PLACES - 1)
+
+    def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
+        # A digit less than places have is a twentieth of the tolerance still.
+        text = path(curves, self.tolerance, self.digits - 1)
+        if text not in self.paths:
+            self.paths.append(text)
+        return self.paths.index(text)
+
+    def _row(self, row: Real, digits: int) -> int:
+        """The index of a row, which is told once however often it comes."""
+        text = packed(np.asarray(row, dtype=float)[self.frames], digits)
+        if text not in self._rows:
+            self._rows[text] = len(self._rows)
+        return self._rows[text]

@@ -1,0 +1,89 @@
+"""A page that shows a mechanism moving: one HTML file that asks for nothing else, from a folder or a mail."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+
+from .island import island
+from .job import Job
+from .sections import all_of, text, verdict
+
+# Of the player, in an order in which each may use those before it; the plot library stands first.
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "drawing.js", "plots.js", "player.js")
+START = 'mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    return {f"{job.name}.html": page(job)}
+
+
+def page(job: Job) -> bytes:
+    """The page: drawing and plots by the player, all else as tables that read without it.
+
+    Its policy lets run what stands in it and nothing else, whatever a recipe's texts hold.
+    """
+    script, style = _script(), _style()
+    policy = (
+        f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; img-src data:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+    about = f"<p>{text(job.about)}</p>" if job.about else ""
+    told = f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{text(job.name)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+<body>
+<header><h1><bdi>{text(job.name)}</bdi></h1>{about}{verdict(job.source.checks)}</header>
+<main>
+<section id="player" aria-label="The mechanism, moving, and its plots"></section>
+<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>
+{"".join(f"{section}{chr(10)}" for section in all_of(job) if section)}</main>
+<script type="application/json" id="scene">{island(job.scene, job.name)}</script>
+<script type="module">{script}</script>
+</body>
+</html>
+"""
+    return told.encode("utf-8", "replace")
+
+
+@cache
+def _script() -> str:
+    """The player and what it uses as one module: files without what ties them, comment lines and idle spaces."""
+    library, *own = (_web(name) for name in SCRIPTS)
+    kept = [line for source in own for line in map(str.strip, source.splitlines())]
+    kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
+    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), START, ""])
+
+
+def _tight(line: str) -> str:
+    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts."""
+    if re.search("['/]", line) or line.count("`") > 2:
+        return line
+    pieces = re.split(r'("[^"]*"|`[^`]*`)', line)
+    pieces[::2] = (re.sub(r" ?([=<>?:&|*,;{}()!\[\]]+) ?", r"\1", piece) for piece in pieces[::2])
+    return "".join(pieces)
+
+
+@cache
+def _style() -> str:
+    """The style, without comments and the spaces that nothing depends on."""
+    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", _web("style.css"), flags=re.DOTALL))
+
+
+def _web(name: str) -> str:
+    return files("geomkin.web").joinpath(name).read_text("utf-8").strip()
+
+
+def _hash(content: str) -> str:
+    return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"

@@ -1,0 +1,289 @@
+"""What a page tells in words and tables, as HTML that reads without a script: checks, parts, stack, recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from html import escape
+
+import numpy as np
+
+from ..check import Check
+from ..errors import harmless
+from ..part import Part
+from ..plane.curve import reach
+from ..plane.flatten import flatten
+from ..plane.measure import area, length
+from ..plane.vec import Complex
+from ..scene import Scene
+from .island import kept_frames, shown_columns
+from .job import Job
+from .path import path
+
+# Distance between a part in small and its chords, as a share of its size: what 60 pixels show.
+SMALL = 4e-3
+# How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
+SAME = 0.02
+# Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
+MOST_ROWS = 200
+
+
+def verdict(checks: tuple[Check, ...]) -> str:
+    """One sentence: whether it is good, and if not, what failed first."""
+    failed = [check for check in checks if not check.passed]
+    if not checks:
+        return ""
+    if not failed:
+        return f'<p class="verdict holds">All {len(checks)} checks hold.</p>'
+    count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
+    return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
+
+
+def checks(job: Job) -> str:
+    """The checks as a table, those that failed first, each with the frame where it is worst where that is known."""
+    held = sorted(job.source.checks, key=lambda check: check.passed)
+    if not held:
+        return ""
+    rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
+    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "What it means"))
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    return _section("checks", "Checks", _wide("Checks", table))
+
+
+def _check(check: Check, scene: Scene) -> str:
+    word, sign = ("holds", "&#10003;") if check.passed else ("fails", "&#10007;")
+    frame = worst_frame(check, scene)
+    there = ""
+    if frame is not None:
+        drive = scene.drive
+        place = _with(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
+        there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
+    means = "as it should be" if check.passed else check.advice or "see the limit"
+    return (
+        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
+        f'<th scope="row">{text(_capital(check.name))}</th>'
+        f"<td>{text(_with(check.value, check.unit))}{there}</td>"
+        f"<td>{check.side} {text(_with(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
+    )
+
+
+def worst_frame(check: Check, scene: Scene) -> int | None:
+    """Where, of a page's frames, a check comes out worst: where the column that it is of has the value that it judges.
+
+    A share that is reached is worst where the mechanism first cannot be. None where no column tells it.
+    """
+    kept = kept_frames(len(scene.time))
+    closed = np.asarray(scene.closed)[kept]
+    if check.unit == "%" and check.name.endswith("reached"):
+        return None if closed.all() else int(np.argmin(closed))
+    words = set(check.name.replace("'", " ").split())
+    for column in shown_columns(scene):
+        if column.unit != check.unit or not set(column.name.split("_")) <= words:
+            continue
+        values = np.asarray(column.values, dtype=float)[kept]
+        if not np.isfinite(values).any():
+            continue
+        frame = int(np.nanargmin(values) if check.side == "at least" else np.nanargmax(np.abs(values)))
+        if abs(abs(values[frame]) - abs(check.value)) <= SAME * max(abs(check.value), abs(float(np.nanmax(values)))):
+            return frame
+    return None
+
+
+def parts(job: Job) -> str:
+    """What is cut, each with its form in small, sizes, and the files that it comes in."""
+    held = job.source.parts
+    if not held:
+        return ""
+    tints = tints_of(job.scene)
+    heads = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm", "Layer")
+    head = "".join(f'<th scope="col">{one}</th>' for one in heads)
+    rows = "".join(_part(part, tints.get(part.name, "t0")) for part in held[:MOST_ROWS])
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    more = f"<p>And {len(held) - MOST_ROWS} more.</p>" if len(held) > MOST_ROWS else ""
+    return _section("parts", "What is cut", _wide("Parts", table) + more)
+
+
+def _part(part: Part, tint: str) -> str:
+    curves = (part.outline, *part.holes)
+    cells = (
+        f"{part.count}",
+        " &times; ".join(number(size) for size in _extent(part)),
+        number(part.thickness),
+        number(area(part.outline) - sum(area(hole) for hole in part.holes)),
+        number(sum(length(curve) for curve in curves)),
+        text(part.layer),
+    )
+    numbers = "".join(f"<td>{cell}</td>" for cell in cells)
+    return f'<tr><td>{_thumbnail(part, tint)}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
+
+
+def _extent(part: Part) -> tuple[float, float]:
+    low, high = _box(flatten(part.outline, SMALL * reach(part.outline)))
+    return (high - low).real, (high - low).imag
+
+
+def _box(points: Complex) -> tuple[complex, complex]:
+    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+
+
+def _thumbnail(part: Part, tint: str) -> str:
+    """All of them 60 by 40 pixels, y up."""
+    size = reach(part.outline)
+    low, high = _box(flatten(part.outline, SMALL * size))
+    digits = 2 - int(np.floor(np.log10(size)))
+    drawn = path((part.outline, *part.holes), SMALL * size, digits)
+    room = max((high - low).real / 56, (high - low).imag / 36)
+    middle = (low + high) / 2
+    left, top = middle.real - 30 * room, -middle.imag - 20 * room
+    box = " ".join(f"{value:.4g}" for value in (left, top, 60 * room, 40 * room))
+    return (
+        f'<svg class="small" viewBox="{box}" width="60" height="40" aria-hidden="true">'
+        f'<path class="plate {tint}" transform="scale(1 -1)" d="{drawn}"/></svg>'
+    )
+
+
+def tints_of(scene: Scene) -> dict[str, str]:
+    """The class of colour of each part, as its body has it in the drawing: that of the ground is its own."""
+    moving = [body for body in scene.bodies if not body.fixed]
+    tints = {part.name: "ground" for body in scene.bodies if body.fixed for part in body.parts}
+    return tints | {part.name: f"t{k % 8}" for k, body in enumerate(moving) for part in body.parts}
+
+
+def stack(scene: Scene) -> str:
+    """How the plates lie on each other: a row for each layer, the lowest at the bottom."""
+    layers: dict[int, list[Part]] = {}
+    for body in scene.bodies:
+        for part in body.parts:
+            layers.setdefault(body.layer, []).append(part)
+    if len(layers) < 2:
+        return ""
+    tints, rows, high = tints_of(scene), [], 34
+    widest = max(map(len, layers.values()))
+    for row, layer in enumerate(sorted(layers, reverse=True)):
+        y = row * high
+        rows.append(f'<text x="0" y="{y + 21}" class="layer">{layer}</text>')
+        wide = 560 / widest
+        for k, part in enumerate(layers[layer]):
+            x = 30 + k * wide
+            rows.append(
+                f'<rect class="plate {tints[part.name]}" x="{x:.4g}" y="{y + 4}" width="{wide - 6:.4g}" height="26" />'
+                f'<text x="{x + wide / 2 - 3:.4g}" y="{y + 21}" text-anchor="middle">'
+                f"{text(_short(part.name, wide))}</text>"
+            )
+    told = "; ".join(f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers))
+    drawing = (
+        f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
+        f'aria-label="{text(f"From the lowest up, {told}")}">{"".join(rows)}</svg>'
+    )
+    return _section("stack", "How the plates lie on each other", f"<p>The lowest at the bottom.</p>{drawing}")
+
+
+def _short(name: str, wide: float) -> str:
+    """So much of a name as a plate of the drawing has room for."""
+    room = max(3, int(wide / 7.5) - 1)
+    return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
+
+
+def notes(held: Mapping[str, object]) -> str:
+    """What is known of the design besides, where it is said in a word or some numbers."""
+    told = [(name, said) for name, value in held.items() if (said := _said(value))]
+    rows = "".join(f"<dt>{text(_capital(_named(name)))}</dt><dd>{text(said)}</dd>" for name, said in told)
+    return _section("notes", "About it", f"<dl>{rows}</dl>") if rows else ""
+
+
+def _named(name: str) -> str:
+    """A name of the summary, whose last word may be a unit."""
+    for unit in ("deg", "mm", "mm2", "N"):
+        if name.endswith(f"_{unit}"):
+            return f"{name.removesuffix(f'_{unit}')}, {_unit(unit)}"
+    return name
+
+
+def _said(value: object) -> str:
+    """A value in words; "" for one of many parts."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return number(float(value))
+    if isinstance(value, list) and len(value) <= 6 and all(isinstance(one, int | float) for one in value):
+        return ", ".join(number(float(one)) for one in value)
+    if (
+        isinstance(value, list)
+        and 0 < len(value) <= 4
+        and all(isinstance(one, list) and len(one) == 2 for one in value)
+    ):
+        spans = [[_said(end) for end in one] for one in value]
+        return "; ".join(" to ".join(span) for span in spans) if all(map(all, spans)) else ""
+    return ""
+
+
+def recipe(job: Job) -> str:
+    """The text that all of it is made from, and how to make it again."""
+    lines = [harmless(line) for line in job.recipe().splitlines()]
+    if not lines:
+        return ""
+    file = f"{job.name}.toml"
+    again = f"geomkin run {file if file.replace('-', '').replace('.', '').isalnum() else _quoted(file)}"
+    body = (
+        f"<p>Saved as <code>{text(file)}</code>, it makes all of this again:</p><pre><code>{text(again)}</code></pre>"
+        f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
+        f'<pre tabindex="0" aria-label="Text of the recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
+    )
+    return _section("recipe", "Recipe", body)
+
+
+def _quoted(name: str) -> str:
+    """A file's name as a shell takes it for one word."""
+    inside = name.replace("'", "'\\''")
+    return f"'{inside}'"
+
+
+def _lines(lines: Iterable[str]) -> str:
+    return "\n".join(escape(line) for line in lines)
+
+
+def text(raw: str) -> str:
+    """A text of a recipe as HTML: nothing in it is markup, and nothing turns what stands beside it."""
+    return escape(harmless(raw))
+
+
+def number(value: float) -> str:
+    """To four digits, as a reader takes it in."""
+    if not np.isfinite(value):
+        return "none"
+    plain = f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
+    return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
+
+
+def _with(value: float, unit: str) -> str:
+    sign = _unit(unit)
+    return f"{number(float(value))}{'' if sign in ('', '°') else ' '}{sign}"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace("deg", "°").replace("2", "²") if unit else ""
+
+
+def _capital(words: str) -> str:
+    words = words.replace("_", " ")
+    return words[:1].upper() + words[1:]
+
+
+def _section(name: str, title: str, inside: str) -> str:
+    return f'<section id="{name}"><h2>{title}</h2>{inside}</section>'
+
+
+def _wide(name: str, table: str) -> str:
+    """A table that scrolls by itself where the screen is narrow, by keys too."""
+    return f'<div class="wide" tabindex="0" role="region" aria-label="{name}">{table}</div>'
+
+
+def all_of(job: Job) -> Iterator[str]:
+    """Every section below the drawing, in the order in which they are asked for."""
+    scene = job.scene
+    yield checks(job)
+    yield parts(job)
+    yield stack(scene)
+    yield notes(job.source.notes)
+    yield recipe(job)

@@ -1,0 +1,193 @@
+// Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
+/* global uPlot */
+import { make } from "./shapes.js";
+
+export const MOST_PLOTS = 4;
+// Dashes of the curves of one plot: colour is never all that tells them apart.
+const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
+const DEGREES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720];
+
+// To as many digits as a reader compares, with the sign that minus has in print.
+export function shown(value) {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size >= 1e7 || size < 1e-4) ? value.toExponential(3) : String(+value.toPrecision(5));
+  return text.replace("-", "−");
+}
+
+export const unitOf = (unit) => unit.replace("deg", "°").replace("2", "²");
+
+export const measured = (value, unit) =>
+  Number.isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
+
+export class Plots {
+  // root: what holds them; seek(frame): called where a reader points at another place of the drive.
+  constructor(root, data, seek) {
+    Object.assign(this, { data, seek, frame: 0, cards: [] });
+    this.grid = make(root, "div", { class: "plots" });
+    this.more = make(root, "button", { type: "button", class: "more" }, "Another plot");
+    this.more.addEventListener("click", () => this.add());
+    this.resized = new ResizeObserver(() => this.cards.forEach((card) => this.resize(card)));
+    const first = document.documentElement.clientWidth > 900 ? 2 : 1;
+    for (let k = 0; k < Math.min(first, data.plots.length); k++) this.add();
+    if (!data.plots.length) this.more.hidden = true;
+  }
+
+  add() {
+    const taken = new Set(this.cards.map((card) => card.chosen));
+    const free = this.data.plots.findIndex((_, k) => !taken.has(k));
+    const card = { chosen: Math.max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
+    const head = make(card.root, "div", { class: "head" });
+    card.select = make(head, "select", { "aria-label": "What is plotted" });
+    this.data.plots.forEach((plot, k) => make(card.select, "option", { value: k }, plot.title));
+    card.select.value = card.chosen;
+    card.select.addEventListener("change", () => { card.chosen = +card.select.value; this.build(card); });
+    const close = make(head, "button", { type: "button", "aria-label": "Remove this plot", class: "close" }, "×");
+    close.addEventListener("click", () => this.remove(card));
+    card.chart = make(card.root, "div", { class: "chart" });
+    card.legend = make(card.root, "ul", { class: "legend" });
+    this.cards.push(card);
+    this.build(card);
+    this.resized.observe(card.chart);
+    this.count();
+  }
+
+  remove(card) {
+    card.plot.destroy();
+    this.resized.unobserve(card.chart);
+    card.root.remove();
+    this.cards = this.cards.filter((other) => other !== card);
+    this.count();
+  }
+
+  count() {
+    this.more.hidden = this.cards.length >= Math.min(MOST_PLOTS, this.data.plots.length);
+    for (const { root } of this.cards) root.querySelector(".close").hidden = this.cards.length < 2;
+  }
+
+  // Colours are those of the style, which change with the screen's.
+  rebuild() { this.cards.forEach((card) => this.build(card)); }
+
+  build(card) {
+    card.plot?.destroy();
+    const style = getComputedStyle(card.root), colour = (name) => style.getPropertyValue(name).trim();
+    const { data } = this, told = data.plots[card.chosen], drive = data.columns[0];
+    const columns = told.columns.map((k) => data.columns[k]);
+    const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
+    const strokes = columns.map((_, k) => colour(`--s${k % 6}`));
+    const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
+    const label = `${drive.name}, ${unitOf(drive.unit)}`;
+    const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || "ratio";
+    card.columns = columns;
+    card.plot = new uPlot({
+      ...this.sizeOf(card),
+      padding: [10, 12, 0, 0],
+      legend: { show: false },
+      cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => this.range(told, low, high) } },
+      axes: [
+        { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: (_, ticks) => ticks.map(shown) },
+        { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
+      ],
+      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: false } }))],
+      hooks: { draw: [(plot) => limits(plot, told, colour("--wanted"), colour("--paper"), font)], setCursor: [(plot) => this.hover(card, plot)] },
+    }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (Number.isFinite(y) ? y : null)))], card.chart);
+    this.label(card, strokes);
+    this.point(card);
+    this.show(this.frame, true);
+  }
+
+  range(told, low, high) {
+    let [from, to] = [low ?? 0, high ?? 1];
+    for (const [value] of told.limits) [from, to] = [Math.min(from, value), Math.max(to, value)];
+    const room = 0.06 * (to - from) || Math.abs(to) || 1;
+    return [from - room, to + room];
+  }
+
+  label(card, strokes) {
+    card.legend.replaceChildren();
+    card.values = card.columns.map((column, k) => {
+      const item = make(card.legend, "li", { title: column.meaning });
+      const key = make(item, "svg", { width: 26, height: 10, viewBox: "0 0 26 10", "aria-hidden": "true" });
+      make(key, "path", { d: "M0 5H26", stroke: strokes[k], "stroke-width": 2, "stroke-dasharray": DASHES[k % 6].join(" ") || "none" });
+      make(item, "span", {}, column.name);
+      return make(item, "b", {});
+    });
+  }
+
+  // The line of now, and pointing: hover shows values, pressing and dragging turns the mechanism, arrows step it.
+  point(card) {
+    const { over } = card.plot, drive = this.data.columns[0];
+    card.now = make(over, "div", { class: "now" });
+    Object.entries({
+      tabindex: 0, role: "slider", "aria-label": `${this.data.plots[card.chosen].title} over ${drive.name}`,
+      "aria-valuemin": 0, "aria-valuemax": this.data.frames - 1,
+    }).forEach(([name, value]) => over.setAttribute(name, value));
+    const take = (event) => this.seek(card.plot.posToIdx(event.clientX - over.getBoundingClientRect().left));
+    over.addEventListener("pointerdown", (event) => { over.setPointerCapture(event.pointerId); take(event); });
+    over.addEventListener("pointermove", (event) => { if (event.buttons) take(event); });
+    over.addEventListener("pointerleave", () => { card.hovered = null; this.tell(card); });
+  }
+
+  hover(card, plot) {
+    card.hovered = plot.cursor.left >= 0 ? plot.cursor.idx : null;
+    if (card.values) this.tell(card);
+  }
+
+  sizeOf(card) {
+    const width = Math.max(200, card.chart.clientWidth);
+    return { width, height: Math.round(Math.min(260, Math.max(180, 0.5 * width))) };
+  }
+
+  resize(card) {
+    const size = this.sizeOf(card);
+    if (size.width === card.plot.width && size.height === card.plot.height) return;
+    card.plot.setSize(size);
+    this.show(this.frame, true);
+  }
+
+  tell(card) {
+    const frame = card.hovered ?? this.frame;
+    card.columns.forEach((column, k) => { card.values[k].textContent = measured(column.row[frame], column.unit); });
+  }
+
+  // Cursors to a frame; values too where `told`.
+  show(frame, told) {
+    this.frame = frame;
+    const at = this.data.columns[0];
+    for (const card of this.cards) {
+      if (!card.now) continue;
+      card.now.style.transform = `translateX(${card.plot.valToPos(at.row[frame], "x").toFixed(1)}px)`;
+      if (!told) continue;
+      card.plot.over.setAttribute("aria-valuenow", frame);
+      card.plot.over.setAttribute("aria-valuetext", `${shown(at.row[frame])} ${at.unit}: ${card.columns.map((c) => `${c.name} ${shown(c.row[frame])} ${c.unit}`).join(", ")}`);
+      this.tell(card);
+    }
+  }
+}
+
+// Lines of limits, dashed, each with what it says.
+function limits(plot, told, stroke, paper, font) {
+  const { ctx, bbox } = plot, dpr = devicePixelRatio || 1;
+  ctx.save();
+  ctx.font = font.replace("12px", `${12 * dpr}px`);
+  ctx.lineWidth = 1.5 * dpr;
+  for (const [value, label] of told.limits) {
+    const y = plot.valToPos(value, "y", true);
+    ctx.strokeStyle = stroke;
+    ctx.setLineDash([8 * dpr, 4 * dpr]);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    ctx.strokeStyle = paper;
+    ctx.fillStyle = stroke;
+    ctx.lineWidth = 4 * dpr;
+    ctx.textAlign = "right";
+    ctx.strokeText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    ctx.fillText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    ctx.lineWidth = 1.5 * dpr;
+  }
+  ctx.restore();
+}

@@ -1,0 +1,84 @@
+// Elements, rows of numbers and forms that a drawing is made of.
+
+const SVG = "http://www.w3.org/2000/svg";
+// A pivot on the ground, where no plate shows the ground: a stand with hatches below.
+export const STAND = "M-2.6 3.8L-8 13H8L2.6 3.8M-12 13H12M-10 13l-4 5M-4 13l-4 5M2 13l-4 5M8 13l-4 5";
+
+// An element of SVG or HTML with attributes and, if given, a text, as the last child of `parent`.
+export function make(parent, name, attributes = {}, text = "") {
+  const inSvg = name === "svg" || (parent && parent.namespaceURI === SVG);
+  const element = inSvg ? document.createElementNS(SVG, name) : document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text) element.textContent = text;
+  if (parent) parent.append(element);
+  return element;
+}
+
+const SIGNS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+// A row of numbers from its text (see export/packed.py); nan where there is none.
+export function unpack(text, frames) {
+  const row = new Float64Array(frames);
+  if (!text.includes(" ")) return row.fill(+text);
+  const [decimals, times, signs] = text.split(" ");
+  const scale = 10 ** Math.abs(decimals), sums = new Array(+times + 1).fill(0);
+  let k = 0, value = 0, weight = 1;
+  for (const sign of signs) {
+    if (sign === "~") { row[k++] = NaN; continue; }
+    const bits = SIGNS.indexOf(sign);
+    value += (bits & 31) * weight;
+    weight *= 32;
+    if (bits > 31) continue;
+    sums[times] = value % 2 ? -(value - 1) / 2 : value / 2;
+    for (let n = times - 1; n >= 0; n--) sums[n] += sums[n + 1];
+    row[k++] = decimals < 0 ? sums[0] * scale : sums[0] / scale;
+    value = 0;
+    weight = 1;
+  }
+  return row;
+}
+
+// 1, 2 or 5 times a power of ten, at most `most`.
+export function niceLength(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].find((step) => step * power <= most) * power;
+}
+
+// The first outline of a path's text as points [x, y], at most some 64 of them, and its circles [x, y, radius].
+export function pointsOf(d) {
+  const circles = [...d.matchAll(/M(-?[\d.]+) ?(-?[\d.]+)a([\d.]+)/g)].map(([, x, y, r]) => [+x + +r, +y, +r]);
+  const numbers = (d.split("z")[0].match(/-?\d*\.?\d+/g) ?? []).map(Number);
+  let points = [];
+  if (/^M[^a-z]*a/.test(d)) {
+    const [x, y, r] = circles[0];
+    for (let k = 0; k < 16; k++) points.push([x + r * Math.cos(k * Math.PI / 8), y + r * Math.sin(k * Math.PI / 8)]);
+    return { points, circles };
+  }
+  let x = 0, y = 0;
+  for (let k = 0; k + 1 < numbers.length; k += 2) points.push([x += numbers[k], y += numbers[k + 1]]);
+  const stride = Math.ceil(points.length / 64);
+  return { points: points.filter((_, k) => k % stride === 0), circles };
+}
+
+// Middle and half the longest axis of points: a name stands somewhere along it.
+export function axisOf(points) {
+  const n = points.length;
+  const [x, y] = points.reduce(([a, b], [c, d]) => [a + c / n, b + d / n], [0, 0]);
+  let [xx, xy, yy] = [0, 0, 0];
+  for (const [a, b] of points) { xx += (a - x) ** 2; xy += (a - x) * (b - y); yy += (b - y) ** 2; }
+  const turn = Math.atan2(2 * xy, xx - yy) / 2, [c, s] = [Math.cos(turn), Math.sin(turn)];
+  const along = points.map(([a, b]) => Math.abs((a - x) * c + (b - y) * s)), half = Math.max(...along);
+  return { x, y, u: half * c, v: half * s };
+}
+
+export const px = (value) => value.toFixed(2);
+export const spaced = (name) => name.replaceAll("_", " ");
+
+// A line from the origin to (u, v), px, with an open head.
+export function arrow(u, v) {
+  const long = Math.hypot(u, v);
+  if (long < 0.5) return "M0 0";
+  const head = Math.min(8, long), [c, s] = [u / long, v / long];
+  const at = (back, off) => `${px(u - back * c - off * s)} ${px(v - back * s + off * c)}`;
+  return `M0 0L${px(u)} ${px(v)}M${at(head, 0.4 * head)}L${px(u)} ${px(v)}L${at(head, -0.4 * head)}`;
+}

@@ -1,0 +1,207 @@
+"""Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and tell what the files tell."""
+
+import csv
+import re
+from pathlib import Path
+
+import pytest
+
+import geomkin as gk
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+GALLERY = sorted(file.stem for file in RECIPES.glob("*.toml"))
+# Does not go round: closes for about half of the crank's turn.
+OPEN = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 60\ncoupler = 50\nrocker = 70\ncoupler_point = [30, 20]\n'
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("pages")
+
+
+def page_of(name, folder):
+    recipe = gk.load(RECIPES / f"{name}.toml")
+    if recipe.scene is None:
+        pytest.skip("this kind shows nothing moving yet")
+    gk.write(recipe, folder / f"{name}.html")
+    return recipe, folder / f"{name}.html"
+
+
+def go_to(page, frame):
+    page.evaluate(
+        "k => { const slider = document.querySelector('.drive input'); slider.value = k;"
+        " slider.dispatchEvent(new Event('input')); }",
+        frame,
+    )
+
+
+def frame_of(page):
+    return int(page.get_attribute("#player", "data-frame"))
+
+
+def matrix_of(page, body):
+    return page.get_attribute(f'[data-body="{body}"]', "transform")
+
+
+def number(text):
+    return float(text.replace("−", "-").split()[0].rstrip("°"))
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_every_page_opens_without_a_complaint_and_asks_for_nothing(name, folder, opened):
+    _, file = page_of(name, folder)
+    for width in (320, 1400):
+        tab = opened(file, viewport={"width": width, "height": 800})
+        assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
+        assert tab.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def test_play_moves_the_linkage_and_the_wish_for_less_motion_stops_it(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    tab = opened(file)
+    before = matrix_of(tab.page, "crank")
+    tab.page.wait_for_timeout(300)
+    assert matrix_of(tab.page, "crank") == before and frame_of(tab.page) == 0
+    tab.page.click('button[aria-label="Play"]')
+    tab.page.wait_for_function("() => +document.querySelector('#player').dataset.frame > 5")
+    tab.page.click('button[aria-label="Pause"]')
+    assert matrix_of(tab.page, "crank") != before
+    stopped = frame_of(tab.page)
+    tab.page.wait_for_timeout(200)
+    assert frame_of(tab.page) == stopped
+    playing = opened(file, still=False)
+    playing.page.wait_for_function("() => +document.querySelector('#player').dataset.frame > 5")
+
+
+@pytest.mark.parametrize("name", ["crank-rocker", "walking-leg", "slider-crank-by-slider"])
+def test_the_slider_s_end_is_the_last_row_of_the_csv(name, folder, opened):
+    recipe, file = page_of(name, folder)
+    gk.write(recipe.table, folder / f"{name}.csv")
+    rows = list(csv.reader((folder / f"{name}.csv").read_text().splitlines()))
+    tab = opened(file)
+    go_to(tab.page, len(rows) - 2)
+    tab.page.click("summary")
+    shown = tab.page.eval_on_selector_all(".values tbody tr", "rows => rows.map((row) => row.children[2].textContent)")
+    assert len(shown) == len(rows[0])
+    for column, (header, cell) in enumerate(zip(rows[0], shown)):
+        largest = max(abs(float(row[column])) for row in rows[1:] if row[column])
+        # The page keeps six digits of a column's largest value, and prints five of each.
+        room = 1e-5 * largest + 1e-4 * abs(float(rows[-1][column]))
+        assert number(cell) == pytest.approx(float(rows[-1][column]), abs=room), header
+    assert number(tab.page.inner_text(".drive output")) == pytest.approx(float(rows[-1][0]))
+
+
+def test_data_are_saved_as_the_csv_has_them(folder, opened):
+    recipe, file = page_of("crank-rocker", folder)
+    tab = opened(file)
+    with tab.page.expect_download() as download:
+        tab.page.click("text=Data as CSV")
+    saved = list(csv.reader(Path(download.value.path()).read_text().splitlines()))
+    assert download.value.suggested_filename == "crank-rocker.csv" and saved[0] == list(recipe.table.to_columns())
+    for k, values in enumerate(recipe.table.to_columns().values()):
+        assert [float(row[k]) for row in saved[1:]] == pytest.approx(list(values), abs=6e-6 * max(abs(values)))
+    assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
+
+
+@pytest.mark.parametrize(("body", "share"), [("crank", 0.75), ("rocker", 0.75)])
+def test_dragging_a_link_turns_the_driver(body, share, folder, opened):
+    recipe, file = page_of("crank-rocker", folder)
+    tab = opened(file, viewport={"width": 1200, "height": 900})
+    page = tab.page
+    go_to(page, 60)
+    # Where a point of the body is on the screen at a frame.
+    place = """([name, u, frame]) => {
+      const slider = document.querySelector('.drive input'), back = slider.value, go = (k) => {
+        slider.value = k; slider.dispatchEvent(new Event('input')); };
+      go(frame);
+      const group = document.querySelector(`[data-body="${name}"]`);
+      const at = new DOMPoint(u, 0).matrixTransform(group.getScreenCTM());
+      go(back);
+      return [at.x, at.y];
+    }"""
+    length = share * getattr(recipe.linkage, body)
+    start, end = (page.evaluate(place, [body, length, frame]) for frame in (60, 100))
+    page.mouse.move(*start)
+    page.mouse.down()
+    for k in range(1, 11):
+        page.mouse.move(*(a + k / 10 * (b - a) for a, b in zip(start, end)))
+    page.mouse.up()
+    assert abs(frame_of(page) - 100) <= 4
+
+
+def test_a_failed_check_s_click_lands_on_its_frame(folder, opened):
+    recipe, file = page_of("walking-leg", folder)
+    tab = opened(file)
+    assert "least transmission angle" in tab.page.inner_text("header")
+    row = tab.page.query_selector("#checks tbody tr")
+    assert row.query_selector("td").inner_text().endswith("fails")
+    row.query_selector("button").click()
+    assert frame_of(tab.page) == int(recipe.table["transmission_angle"].argmin())
+
+
+def test_a_click_goes_to_where_it_cannot_be_put_together(folder, opened):
+    recipe = gk.load(OPEN).called("open")
+    gk.write(recipe, folder / "open.html")
+    tab = opened(folder / "open.html")
+    tab.page.query_selector("#checks tbody tr button").click()
+    first = int((~recipe.scene.closed).argmax())
+    assert frame_of(tab.page) == first and "cannot" in tab.page.text_content(".notice")
+    assert tab.page.get_attribute('[data-body="coupler"]', "visibility") == "hidden"
+    go_to(tab.page, 0)
+    assert tab.page.text_content(".notice") == ""
+
+
+def test_keys_step_and_play(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    page = opened(file).page
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    assert frame_of(page) == 2
+    page.keyboard.press("ArrowLeft")
+    assert frame_of(page) == 1
+    page.keyboard.press(" ")
+    page.wait_for_selector('button[aria-label="Pause"]')
+    page.keyboard.press(" ")
+    page.wait_for_selector('button[aria-label="Play"]')
+
+
+def test_plots_follow_and_lead(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    page = opened(file, viewport={"width": 1400, "height": 900}).page
+    assert page.locator(".plot").count() == 2
+    page.click("text=Another plot")
+    page.click("text=Another plot")
+    assert page.locator(".plot").count() == 4 and not page.is_visible("text=Another plot")
+    page.locator(".plot select").first.select_option(label="transmission angle")
+    page.locator(".plot .u-over").first.scroll_into_view_if_needed()
+    box = page.locator(".plot .u-over").first.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    assert abs(frame_of(page) - 90) <= 1
+    line = page.locator(".plot .now").first.bounding_box()
+    assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
+
+
+def test_switches_show_what_is_off_at_first(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    page = opened(file).page
+    for role in ("velocity", "acceleration", "centre"):
+        assert not page.locator(f".mark.{role}").first.is_visible()
+        page.click(f".switch.{role} input")
+        assert page.locator(f".mark.{role}").first.is_visible()
+    assert page.locator("g.names").is_visible()
+    page.click(".switch.names input")
+    assert not page.locator("g.names").is_visible()
+
+
+def test_trails_are_cut_every_five_degrees(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    trail = opened(file).page.get_attribute(".trail.traced", "d")
+    assert len(re.findall("M", trail)) == 36
+
+
+def test_prints_all_of_it(folder, opened):
+    _, file = page_of("crank-rocker", folder)
+    page = opened(file, color_scheme="dark").page
+    page.emulate_media(media="print")
+    assert page.is_visible("svg.drawing") and page.is_visible("#checks") and not page.is_visible(".controls")
+    assert len(page.pdf()) > 20_000

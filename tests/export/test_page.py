@@ -1,0 +1,241 @@
+"""Pages without a browser: one file, the same each time, that lets run what stands in it, whatever a recipe's texts hold."""
+
+import dataclasses
+import json
+import re
+from base64 import b64encode
+from hashlib import sha256
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export import WRITERS, Job
+from geomkin.export.island import MOST_FRAMES, island, kept_frames
+from geomkin.export.job import Loose
+from geomkin.export.packed import packed, unpacked
+from geomkin.export.page import page, write
+from geomkin.export.path import path
+from geomkin.export.sections import worst_frame
+from geomkin.recipe import Files
+from geomkin.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'
+
+
+class Elements(HTMLParser):
+    """Every element with its attributes, and the text of scripts and styles."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.inside, self.open = [], {}, ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+        self.open = {"style": "style", "script": f"script {dict(attributes).get('type')}"}.get(tag, "")
+
+    def handle_endtag(self, tag):
+        self.open = ""
+
+    def handle_data(self, data):
+        if self.open:
+            self.inside[self.open] = self.inside.get(self.open, "") + data
+
+
+def turning(text="washer", frames=9, radius=20.0):
+    """A plate that turns, with a text wherever a scene holds one."""
+    turn = np.linspace(0, 2 * np.pi, frames)
+    table = gk.Table(
+        (gk.Column("turn", "deg", text, np.degrees(turn)), gk.Column("height", "mm", text, radius * np.sin(turn)))
+    )
+    part = gk.Part("plate", gk.plane.Circle(0, radius), (gk.plane.Circle(1, radius / 5),), 2.0)
+    place = np.zeros(frames, dtype=complex)
+    return Scene(
+        table,
+        turn,
+        np.full(frames, True),
+        (SceneBody(text, (part,), place, np.exp(1j * turn)),),
+        (SceneCurve(gk.plane.Circle(0, 2 * radius), "wanted", text, text),),
+        (SceneMark("point", radius * np.exp(1j * turn), "traced", text, trail=True),),
+        (Plot(text, ("height_mm",), (Limit(3.0, text),)),),
+        others={text: dataclasses.replace(turning(frames=frames), others={})} if text != "washer" else {},
+    )
+
+
+def job_of(scene, name="page", **besides):
+    parts = tuple(part for body in scene.bodies for part in body.parts)
+    checks = besides.pop("checks", ())
+    return Job(name, Loose(parts, scene.table, scene, checks, besides.pop("notes", {})), 0.005, **besides)
+
+
+def nasty():
+    checks = (gk.Check(NASTY, 1.0, "at least", 2.0, NASTY, NASTY),)
+    return job_of(
+        turning(NASTY), NASTY, checks=checks, about=NASTY, recipe=lambda: f"a = 1\n{NASTY}\n", notes={NASTY: NASTY}
+    )
+
+
+def test_no_text_of_a_recipe_is_markup_or_turns_what_stands_beside_it():
+    text = page(nasty()).decode()
+    elements = Elements(text)
+    tags = [tag for tag, _ in elements.found]
+    assert tags.count("script") == 2 and "img" not in tags
+    assert not any(key.startswith("on") or key == "style" for _, found in elements.found for key in found)
+    assert "\u202e" not in text and "\u202c" not in text
+    data = json.loads(elements.inside["script application/json"])
+    assert (
+        data["plots"][0]["title"] == NASTY.replace("\u202e", "?").replace("\u202c", "?") == data["scenes"][1]["label"]
+    )
+    assert "<" not in elements.inside["script application/json"]
+
+
+@pytest.mark.parametrize("make", [lambda: page(nasty()), lambda: page(job_of(turning()))])
+def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
+    elements = Elements(make().decode())
+    policy = next(a["content"] for t, a in elements.found if a.get("http-equiv") == "Content-Security-Policy")
+    rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
+    assert rules["default-src"] == "'none'" and "unsafe" not in policy and "http" not in policy
+    for rule, key in (("script-src", "script module"), ("style-src", "style")):
+        digest = b64encode(sha256(elements.inside[key].encode()).digest()).decode()
+        assert rules[rule] == f"'sha256-{digest}'"
+
+
+def test_nothing_is_fetched_and_the_page_says_what_it_is():
+    text = page(job_of(turning(), about="A plate that turns.")).decode()
+    assert not re.findall(r'(?:src|href)="(?!data:)', text) and "@import" not in text and "url(#" in text
+    assert text.startswith('<!doctype html>\n<html lang="en">') and "<title>page</title>" in text
+    assert text.count("<h1>") == 1 and "A plate that turns." in text
+
+
+def test_a_recipe_s_page_is_a_format_like_any_other(tmp_path):
+    recipe = gk.load(RECIPES / "crank-rocker.toml")
+    made = gk.make(recipe, tmp_path)
+    file = tmp_path / "crank-rocker" / "crank-rocker.html"
+    assert file in made.files and "crank-rocker.html" in json.loads(file.with_name("summary.json").read_text())["files"]
+    (again,) = gk.write(recipe, tmp_path / "mine.html")
+    assert again.name == "mine.html" and b"<title>mine</title>" in again.read_bytes()
+    only = gk.make(recipe, tmp_path / "only", ["page"])
+    assert {path.name for path in only.files} == {"crank-rocker.html", "summary.json"}
+    # Told in the summary, and so removed where the recipe asks for it no more.
+    gk.make(dataclasses.replace(recipe, files=Files(write=("csv",))).called("crank-rocker"), tmp_path)
+    assert not file.exists()
+
+
+def test_the_same_recipe_gives_the_same_bytes(tmp_path):
+    pages = []
+    for folder in ("one", "two"):
+        recipe = gk.load(RECIPES / "walking-leg.toml")
+        pages.append(next(iter(gk.write(recipe, tmp_path / folder / "a.html"))).read_bytes())
+    assert pages[0] == pages[1]
+
+
+@pytest.mark.parametrize(("name", "most"), [("crank-rocker", 125_000), ("walking-leg", 165_000)])
+def test_a_page_is_light_enough_for_a_mail(name, most, tmp_path):
+    (size,) = gk.write(gk.load(RECIPES / f"{name}.toml"), tmp_path / "a.html").values()
+    assert size < most
+
+
+def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
+    recipe = gk.load(RECIPES / "walking-leg.toml")
+    gk.write(recipe, tmp_path / "leg.html")
+    text = (tmp_path / "leg.html").read_text()
+    rows = re.findall(r'<tr class="(holds|fails)">', text)
+    assert rows == ["fails"] + ["holds"] * (len(recipe.checks) - 1)
+    assert all(f'<th scope="row">{part.name}</th>' in text for part in recipe.parts)
+    told = re.search(r'<code id="recipe-text">(.*?)</code>', text, re.DOTALL)[1].replace("&quot;", '"')
+    assert gk.load(told + "\n") == recipe
+    assert "geomkin run leg.toml" in text
+
+
+def test_a_row_is_packed_to_its_last_digit_and_back():
+    random = np.random.default_rng(1)
+    for decimals in (-2, 0, 3, 6):
+        for row in (
+            np.sin(np.linspace(0, 7, 200)) * 10.0 ** (5 - decimals),
+            random.normal(size=50) * 10.0 ** (4 - decimals),
+            np.full(7, 3.25),
+            np.array([np.nan, 1.0, np.nan, 2.0]),
+            np.full(4, np.nan),
+            np.array([-7.0]),
+        ):
+            back = unpacked(packed(row, decimals), len(row))
+            assert back == pytest.approx(
+                np.where(np.isnan(row), np.nan, np.round(row, decimals)), nan_ok=True, rel=1e-12
+            )
+
+
+def test_smooth_motion_takes_about_a_sign_a_number():
+    turn = np.linspace(0, 2 * np.pi, 361)
+    assert len(packed(100 * np.cos(turn), 3)) < 420
+
+
+def test_paths_draw_what_they_are_made_of():
+    square = gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j]))
+    assert (
+        path([square, gk.plane.Circle(5 + 5j, 2)], 0.01, 3) == "M0 0l10 0 0 10-10 0zM3 5a2 2 0 0 1 4 0a2 2 0 0 1-4 0z"
+    )
+    gear = gk.SpurGear(24, 2).outline
+    numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", path([gear], 0.02, 3))]
+    points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))
+    assert np.abs(points - gk.flatten(gear, 0.02)).max() < 1e-3
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e5])
+def test_places_keep_their_digits_whatever_the_size(size):
+    scene = turning(radius=size)
+    data = json.loads(island(scene, "a"))
+    at = data["scenes"][0]["marks"][0]["at"]
+    x, y = (unpacked(data["series"][k], 9) for k in at)
+    assert np.abs(x + 1j * y - scene.marks[0].place).max() < 1e-4 * size
+
+
+def test_a_long_table_is_thinned_and_keeps_its_ends():
+    kept = kept_frames(50_000)
+    assert len(kept) == MOST_FRAMES and kept[0] == 0 and kept[-1] == 49_999 and len(np.unique(kept)) == len(kept)
+    assert list(kept_frames(5)) == [0, 1, 2, 3, 4]
+    assert json.loads(island(turning(frames=5000), "a"))["frames"] == MOST_FRAMES
+
+
+def test_the_worst_frame_is_told_by_the_column_that_a_check_is_of():
+    recipe = gk.load(RECIPES / "crank-rocker.toml")
+    found = {check.name: worst_frame(check, recipe.scene) for check in recipe.checks}
+    least = int(np.argmin(recipe.table["transmission_angle"]))
+    assert found.pop("least transmission angle") == least and set(found.values()) == {None}
+    # Of the same name, but not its value: of something else.
+    other = gk.Check("least transmission angle", 10.0, "at least", 40, "deg")
+    assert worst_frame(other, recipe.scene) is None
+    scene = dataclasses.replace(turning(), closed=np.arange(9) < 6)
+    assert worst_frame(gk.Check("share of the turn reached", 66.7, "at least", 100, "%"), scene) == 6
+    assert worst_frame(gk.Check("largest height", 20.0, "at most", 5, "mm"), scene) in (2, 6)
+
+
+def test_another_scene_beside_it_is_on_the_same_drive():
+    scene = turning()
+    with pytest.raises(gk.DesignError, match="found 9 rows, but 5 frames of the other mode"):
+        dataclasses.replace(scene, others={"mode": turning(frames=5)})
+    data = json.loads(island(dataclasses.replace(scene, others={"other": scene}), "a"))
+    # The same rows and outlines, told once.
+    assert data["scenes"][1] | {"label": ""} == data["scenes"][0]
+
+
+def test_what_is_nan_or_infinite_is_left_out_of_the_data():
+    scene = turning()
+    column = scene.table.columns[1]
+    odd = gk.Column("height", "mm", "odd", np.where(column.values > 1, np.inf, np.where(column.values < -1, np.nan, 0)))
+    data = json.loads(island(dataclasses.replace(scene, table=gk.Table((scene.table.columns[0], odd))), "a"))
+    assert np.isnan(unpacked(data["series"][data["columns"][1]["row"]], 9)).sum() == 6
+
+
+def test_the_writer_is_in_the_table_under_its_own_name():
+    assert WRITERS["page"].needs == "scene" and WRITERS["page"].ending == "html"
+    assert list(write(job_of(turning()))) == ["page.html"]
+
+
+def test_the_plot_library_keeps_its_licence_beside_it():
+    folder = Path(gk.__file__).parent / "web" / "uplot"
+    assert "MIT" in (folder / "LICENSE").read_text() and "v1.6.32" in (folder / "uPlot.iife.min.js").read_text()[:100]
+    assert b"uPlot (v1.6.32)" in page(job_of(turning()))
