@@ -167,7 +167,7 @@ def _opened(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
 def _had(recipe: AbstractRecipe) -> list[str]:
     """The formats that a recipe asks for; where that is all of them, without those that its kind shows nothing for."""
     wanted = list(recipe.files.write)
-    bare = recipe.files.wants_all and recipe.scene is None
+    bare = recipe.files.wants_all and not recipe.has_scene()
     return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
 
 

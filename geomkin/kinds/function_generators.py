@@ -168,6 +168,10 @@ class AbstractFunctionRecipe(AbstractLinkageGoal):
 
     wanted: Wanted
 
+    def __post_init__(self) -> None:
+        # Before any search.
+        self.drive.check_rows(abs(self.wanted.input_deg) / 360)
+
     @property
     @abstractmethod
     def best(self) -> AbstractFunctionGenerator:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..brief import clipped
 from ..errors import DesignError, printable, shown
 from ..plane.vec import Complex
 from ..sizes import FARTHEST
@@ -21,13 +21,26 @@ LARGEST = 10_000_000
 PATH = re.compile(r"<path\b[^>]*?\sd\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", re.DOTALL)
 
 
-@dataclass(frozen=True)
 class FileName:
-    """The name of a file that lies beside a recipe or below; without a folder, as from a script, anywhere."""
+    """The name of a file that lies beside a recipe or below; without a folder, as from a script, anywhere.
 
-    name: str
-    # Where a text lay is no part of what it says: the same recipe read from two folders is equal.
-    folder: str | Path | None = field(default=None, compare=False)
+    No dataclass, since a recipe has the plain name and no table. Where a text lay is no part of what it says: the same
+    recipe read from two folders is equal.
+    """
+
+    __slots__ = ("folder", "name")
+
+    def __init__(self, name: str, folder: str | Path | None = None):
+        self.name, self.folder = name, folder
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FileName) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __repr__(self) -> str:
+        return clipped(f"FileName({shown(self.name)})")
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:

@@ -151,6 +151,10 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
 
     advice: ClassVar[str] = "Without limits the best linkage is often one that jams: see `usable` in summary.json."
 
+    def __post_init__(self) -> None:
+        # Before any search: no way is longer than a turn.
+        self.drive.check_rows()
+
     @cached_property
     def best(self) -> PathFound:
         """The best linkage, which knows the others."""

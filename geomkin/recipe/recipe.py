@@ -74,6 +74,11 @@ class AbstractRecipe(ABC):
         """How it looks moving: None for a kind that shows nothing."""
         return None
 
+    @classmethod
+    def has_scene(cls) -> bool:
+        """Whether the kind shows anything: told without working it out."""
+        return cls.scene is not None and cls.scene is not AbstractRecipe.scene
+
     @property
     def notes(self) -> Mapping[str, object]:
         """Further entries of summary.json."""
