@@ -97,6 +97,18 @@ def test_the_same_recipe_gives_the_same_bytes(made, tmp_path):
         assert (folder / name).read_bytes() == (tmp_path / file.stem / name).read_bytes(), name
 
 
+def words_and_numbers(held):
+    """Of a nest of tables, or of a drawing: all texts, and all numbers, in order."""
+    if isinstance(held, str):
+        pieces = re.split(r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)", held)
+        return pieces[::2], [float(piece) for piece in pieces[1::2]]
+    inner = [*held, *held.values()] if isinstance(held, dict) else held
+    if not isinstance(held, dict | list):
+        return ([held], []) if held is None or isinstance(held, bool) else ([], [held])
+    found = [words_and_numbers(one) for one in inner]
+    return [word for words, _ in found for word in words], [number for _, numbers in found for number in numbers]
+
+
 def test_the_kept_drawings_are_what_the_recipes_make(made):
     """`out` keeps each recipe's drawing and numbers, so that a change of geometry shows as a change of files."""
     file, folder, _ = made
@@ -104,8 +116,16 @@ def test_the_kept_drawings_are_what_the_recipes_make(made):
     new, old = (json.loads((f / "summary.json").read_text()) for f in (folder, kept))
     for summary in (new, old):
         summary.pop("versions")
-    assert new == old
-    assert (folder / f"{file.stem}.svg").read_text() == (kept / f"{file.stem}.svg").read_text()
+    drawings = [(f / f"{file.stem}.svg").read_text() for f in (folder, kept)]
+    if not (folder / f"{file.stem}.found.toml").exists():
+        assert new == old
+        assert drawings[0] == drawings[1]
+        return
+    # The last digits of what a search finds hang on the processor.
+    for one, other in ((new, old), drawings):
+        (words, numbers), (other_words, other_numbers) = words_and_numbers(one), words_and_numbers(other)
+        assert words == other_words
+        assert numbers == pytest.approx(other_numbers, rel=1e-5, abs=2e-4)
 
 
 def test_the_crank_rocker_table_agrees_with_the_library():

@@ -31,7 +31,7 @@ import numpy as np
 import geomkin as gk
 
 HERE = Path(__file__).parent
-ROOMS = ["linkages", "drawings", "cams", "gears", "refused"]
+ROOMS = ["linkages", "drawings", "cams", "gears", "goals", "refused"]
 # Of the scale of what a number was made from: the last digit kept, and some of the rounding of another processor.
 NEAR = 1e-8
 # What a check finds where it should find nothing is rounding, which another order of the same sums makes anew.
@@ -73,10 +73,12 @@ def outcome(name, text, beside, folder):
         "checks": {c.name: [number(c.value), c.side, number(c.limit), c.unit, c.advice] for c in made.checks},
         "parts": {p.pop("name"): list(flat(p)) for p in summary["parts"]},
         "notes": {key: list(flat(summary[key])) for key in summary if key not in NO_NOTES},
-        "files": {"": summary["files"]},
+        "files": {"": [file for file in summary["files"] if Path(file).suffix in READERS]},
     }
+    # Pages, and what a goal found, are made of what is kept here already.
     for file, content in contents.items():
-        found[file.removeprefix(name)] = READERS[Path(file).suffix](content)
+        if Path(file).suffix in READERS:
+            found[file.removeprefix(name)] = READERS[Path(file).suffix](content)
     return found
 
 
