@@ -33,7 +33,8 @@ def verdict(checks: tuple[Check, ...]) -> str:
     if not checks:
         return ""
     if not failed:
-        return f'<p class="verdict holds">All {len(checks)} checks hold.</p>'
+        told = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
+        return f'<p class="verdict holds">{told}</p>'
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
     return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
 

@@ -92,9 +92,13 @@ class RackCutter:
         side = np.array([top + 1j * self.addendum, flank_end, np.pi / 2 - land - 1j * self.dedendum])
         # The rounding turns from the flank's slope to the level: a quarter of it as tan.
         turn = np.tan((np.pi / 2 - a) / 4)
+        bends = [turn, 0, 0, 0, turn, 0]
+        if not self.tip_radius:
+            # Sharp: flank and bottom land meet.
+            side, bends = side[:2], [0, 0, 0, 0]
         tooth = np.concatenate([-np.conj(side)[::-1], side])
         places = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
-        bulges = np.tile([turn, 0, 0, 0, turn, 0], teeth)[:-1]
+        bulges = np.tile(bends, teeth)[:-1]
         return Polyline(module * (places[:, None] + tooth).ravel(), bulges, is_closed=False)
 
 

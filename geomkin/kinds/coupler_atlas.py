@@ -123,8 +123,8 @@ class AbstractAtlasRecipe(AbstractRecipe):
         scene = linkage_scene(self.motion, self.table)
         curves = coupler_curves(self.motion, self.grid.points).reshape(-1, len(self.motion.drive))
         marks = [
-            SceneMark("point", curves[k], "traced", f"coupler point in {words}", trail=True)
-            for k, (_, words, _) in enumerate(_named(self.grid))
+            SceneMark("point", curves[k], "traced", short, trail=True)
+            for k, (short, _, _) in enumerate(_named(self.grid))
         ]
         return replace(scene, marks=(*scene.marks, *marks))
 

@@ -18,6 +18,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
 from ..plane.vec import Complex, Real
 from ..recipe.settings import Drive, Files
+from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
@@ -201,13 +202,20 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
         )
         return (far, *super().judged)
 
+    @property
+    def crosses(self) -> list[AbstractCurve]:
+        """The points, each as two short lines."""
+        return [Segment(z - CROSS * arm, z + CROSS * arm) for z in self.wanted.places.tolist() for arm in (1, 1j)]
+
+    @property
+    def shown(self) -> Sequence[SceneCurve]:
+        return [SceneCurve(line, "wanted", "wanted points" if not k else "") for k, line in enumerate(self.crosses)]
+
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
         found = self.chosen
-        marks: list[AbstractCurve] = [
-            Segment(z - CROSS * arm, z + CROSS * arm) for z in self.wanted.places.tolist() for arm in (1, 1j)
-        ]
+        marks: list[AbstractCurve] = self.crosses
         span = (float(np.radians(self.way[0])), float(np.radians(self.way[1])))
         if not found.defects and span[1] > span[0]:
             marks.append(CouplerCurve(found.linkage, "coupler_point", found.branch, span))

@@ -34,11 +34,10 @@ def plain(tmp_path_factory):
 @pytest.mark.parametrize(
     ("flags", "environment"),
     [
-        ((), {"PYTHONHASHSEED": "1", "TZ": "Asia/Tokyo", "LC_ALL": "C"}),
-        (("-O",), {"PYTHONHASHSEED": "2", "OPENBLAS_NUM_THREADS": "2"}),
+        (("-O",), {"PYTHONHASHSEED": "1", "TZ": "Asia/Tokyo", "LC_ALL": "C", "OPENBLAS_NUM_THREADS": "2"}),
         (("-X", "dev", "-W", "error"), {"PYTHONHASHSEED": "3"}),
     ],
-    ids=["seed, zone, language", "optimised", "development mode"],
+    ids=["seed, zone, language, optimised", "development mode"],
 )
 def test_seed_folder_zone_and_flags_do_not_matter(here, plain, flags, environment):
     assert make(here / "out", RECIPES, cwd=here, flags=flags, **environment) == plain

@@ -216,11 +216,12 @@ GOOD = {
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.shop.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
+    "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "load", "make", "write", "Stack",
+    "load", "make", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
@@ -290,7 +291,13 @@ def used(result):
     return result
 
 
-@pytest.mark.parametrize("name", sorted(GOOD))
+# Each of hundreds of calls that are sound enough to search takes a tenth of a second and more.
+SEARCHES = {"function_generator", "slider_function_generator", "path_generator"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.campaign if name in SEARCHES else ()) for name in sorted(GOOD)]
+)
 def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
     call, good = PUBLIC[name], GOOD[name]
     used(call(**good))
