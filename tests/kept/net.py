@@ -60,7 +60,9 @@ def outcome(name, text, beside, folder):
         (folder / file).write_text(content, "utf-8")
     with contextlib.chdir(folder):
         try:
-            made = gk.make(f"{name}.toml", "out")
+            # Pages are tried by themselves, and take longer than all else.
+            wanted = [ending for ending in gk.load(f"{name}.toml").files.write if ending != "page"]
+            made = gk.make(f"{name}.toml", "out", wanted or None)
         except gk.GeomkinError as error:
             lines, problems = str(error).splitlines(), getattr(error, "problems", ())
             if len(lines) >= len(problems):
@@ -75,7 +77,7 @@ def outcome(name, text, beside, folder):
         "notes": {key: list(flat(summary[key])) for key in summary if key not in NO_NOTES},
         "files": {"": [file for file in summary["files"] if Path(file).suffix in READERS]},
     }
-    # Pages, and what a goal found, are made of what is kept here already.
+    # What a goal found is made of what is kept here already.
     for file, content in contents.items():
         if Path(file).suffix in READERS:
             found[file.removeprefix(name)] = READERS[Path(file).suffix](content)

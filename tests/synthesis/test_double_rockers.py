@@ -77,6 +77,7 @@ def test_every_verdict_agrees_with_simulation():
     assert seen >= {"sound", "back", "circuit", "branch", "order", "rocker_start_deg"}
 
 
+@pytest.mark.campaign
 def test_whole_angles_at_which_much_vanishes_are_judged_too():
     """Links in line, parallel, mirrored: where rounding could decide, the drive is none, and that is said."""
     rng, count = np.random.default_rng(8), 0

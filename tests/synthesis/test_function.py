@@ -131,6 +131,7 @@ def test_a_mirrored_wish_has_the_mirrored_linkage():
     assert one.linkage.crank == pytest.approx(other.linkage.crank, rel=1e-6) and one.branch == -other.branch
 
 
+@pytest.mark.campaign
 def test_known_linkages_are_given_back():
     """What a four-bar does itself is a function that one follows exactly."""
     rng = np.random.default_rng(1)
@@ -186,6 +187,7 @@ def test_precision_points_are_met():
     assert held(slides) < 0.02 and np.abs(slides.error(chebyshev_points((1, 3), 5))).max() < 1e-7
 
 
+@pytest.mark.campaign
 def test_each_method_is_best_at_what_it_minimises():
     x = np.linspace(1, 2, 4001)
     found = {method: logarithm(method=method) for method in ("minimax", "least-squares", "points")}
@@ -205,6 +207,7 @@ def test_each_method_is_best_at_what_it_minimises():
         assert np.mean(task.error((p + step)[None], s) ** 2) > here
 
 
+@pytest.mark.campaign
 def test_given_starts_are_kept_and_cost_accuracy():
     free = logarithm(method="minimax").largest_error_deg
     both = logarithm(input_start_deg=90, output_start_deg=-20)
@@ -218,6 +221,7 @@ def test_given_starts_are_kept_and_cost_accuracy():
     held(slides)
 
 
+@pytest.mark.campaign
 def test_limits_are_kept_to_rounding_and_size_does_not_matter():
     tight = gk.function_generator("1/x", (1, 2), 60, 90, least_transmission_angle_deg=45, largest_ratio=4)
     held(tight, 45, 4)
@@ -276,6 +280,7 @@ def test_what_cannot_be_is_refused(wrong, field, words):
     assert refusal.value.field.startswith(field)
 
 
+@pytest.mark.campaign
 def test_what_a_refusal_advises_works():
     asked = {"method": "points", "points": 4, "input_start_deg": 100}
     with pytest.raises(gk.DesignError, match="give at most") as refusal:

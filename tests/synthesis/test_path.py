@@ -173,6 +173,7 @@ def test_random_open_paths_are_met():
         assert np.sum(np.abs(moved(found) - points) ** 2) == pytest.approx(found.square_error, abs=1e-10)
 
 
+@pytest.mark.campaign
 def test_limits_hold_over_the_whole_turn_of_a_closed_path():
     points = 30 * np.cos(TURN) + 10j * np.sin(TURN)
     found = gk.path_generator(points, closed=True, least_transmission_angle_deg=50, largest_ratio=5)
