@@ -33,6 +33,13 @@ CROSS = 1.0
 # that was wanted. Derived here, of paths laid over each other by eye.
 NEAR = 0.05
 
+# Where a recipe has the arguments of the search that do not stand under `wanted`.
+TABLES = {
+    "search": ("seed", "seconds"),
+    "limits": ("least_transmission_angle_deg", "largest_ratio"),
+    "bounds": ("bounds",),
+}
+
 Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
 
 
@@ -160,17 +167,24 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
     def best(self) -> PathFound:
         """The best linkage, which knows the others."""
         wanted = self.wanted
-        return path_generator(
-            wanted.places,
-            wanted.turns_deg,
-            wanted.closed,
-            self.limits.least_transmission_angle_deg,
-            self.limits.largest_ratio,
-            self.bounds.given,
-            self.search.seed,
-            self.search.seconds,
-            wanted.slides,
-        )
+        try:
+            return path_generator(
+                wanted.places,
+                wanted.turns_deg,
+                wanted.closed,
+                self.limits.least_transmission_angle_deg,
+                self.limits.largest_ratio,
+                self.bounds.given,
+                self.search.seed,
+                self.search.seconds,
+                wanted.slides,
+            )
+        except DesignError as error:
+            table = next((name for name, fields in TABLES.items() if error.field in fields), "wanted")
+            key = (
+                error.field if error.field == table or error.field.startswith(f"{table}.") else f"{table}.{error.field}"
+            )
+            raise DesignError(key, error.problem, error.remedy) from None
 
     @property
     def ranked(self) -> Sequence[PathFound]:
