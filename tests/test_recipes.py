@@ -88,6 +88,7 @@ def test_motion_table_is_whole_and_rises(made):
     assert np.all(np.diff(first) > 0)
 
 
+@pytest.mark.campaign
 def test_the_same_recipe_gives_the_same_bytes(made, tmp_path):
     file, folder, _ = made
     gk.make(file, tmp_path)

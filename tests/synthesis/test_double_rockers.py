@@ -173,6 +173,7 @@ def test_the_best_is_the_best_of_all_cranks_and_rockers(wish, ratio):
         assert not best.defects and top - 0.05 < best.transmission_angle_deg < top + 0.4
 
 
+@pytest.mark.campaign
 def test_no_member_of_a_family_is_better_than_its_best():
     """All members moved, on both branches, and those that do what is wanted without going beyond it compared."""
     count = 0

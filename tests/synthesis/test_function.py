@@ -106,6 +106,7 @@ def test_published_linkages_of_given_starts(function, span, swings, starts, thre
     proven(best)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("function", "span", "swings"),
     [

@@ -110,6 +110,7 @@ def test_nine_points_have_nearly_all_their_linkages():
     assert len({frozenset(three) for three in pivots}) == len(met)
 
 
+@pytest.mark.campaign
 def test_a_few_linkages_through_nine_points(monkeypatch):
     monkeypatch.setattr("geomkin.synthesis.path.nine_points.TURNS", 1)
     monkeypatch.setattr("geomkin.synthesis.path.nine_points.STARTS", 2000)
