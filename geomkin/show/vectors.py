@@ -21,6 +21,9 @@ GAP = 0.3
 # Times the usual length from which sides of a polygon are left out, as they run off at a dead centre.
 LONGEST_SIDE = 2.0
 
+# N below which there is no arrow: no scale would show it, and one over it overflows.
+NO_FORCE = 1e-200
+
 
 @checked
 def polygons_scene(motion: Motion, table: Table) -> Scene:
@@ -85,7 +88,7 @@ def force_scene(
     """
     low, high = scene.box
     largest = max((float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0)
-    if not largest:
+    if largest < NO_FORCE:
         return replace(scene, plots=plots)
     scale = LONGEST_ARROW * abs(high - low) / largest
     at = np.full(len(scene.time), place)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import geomkin as gk
 from geomkin.commands import cli
 from geomkin.kinds import KINDS
 from tests.texts import template_of
@@ -215,4 +216,9 @@ def _refused(word):
     raise AssertionError(f"a page holds {word}, which JSON does not know")
 
 
-JUDGES = {".html": _html, ".json": _json, ".csv": _csv, ".svg": _svg, ".stl": _stl, ".dxf": _dxf}
+def _toml(file):
+    """What a goal found is a recipe that reads."""
+    assert gk.load(file).kind
+
+
+JUDGES = {".toml": _toml, ".html": _html, ".json": _json, ".csv": _csv, ".svg": _svg, ".stl": _stl, ".dxf": _dxf}

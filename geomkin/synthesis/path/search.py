@@ -74,7 +74,13 @@ class PathSearch:
                 if (one := self.made(x[row], cranks[row], np.full(len(t[0]), int(branch[row]))))
             ]
         unit = MET * len(self.points) * self.size**2
-        found.sort(key=lambda one: (len(one.defects), max(one.square_error, unit), -_or_0(one.transmission_angle_deg)))
+
+        def rank(one: PathFound) -> tuple[float, ...]:
+            # Cognates are equally near: which comes first must not hang on the last digits, as processors differ there.
+            near, angle = float(f"{max(one.square_error, unit):.6g}"), _or_0(one.transmission_angle_deg)
+            return len(one.defects), near, -round(angle, 4), round(one.ratio, 4), one.branch
+
+        found.sort(key=rank)
         distinct: list[PathFound] = []
         for one in found:
             if not any(_alike(one, other) for other in distinct):
