@@ -131,8 +131,8 @@ def _vectors(motion: Motion) -> Iterator[SceneMark]:
         scale = LONGEST_ARROW * size / (usual or largest)
         for name, track in tracks.items():
             arrow = _finite(track[k]) * scale
-            length = np.abs(arrow)
-            arrow = arrow * np.minimum(1, 1.5 * LONGEST_ARROW * size / np.where(length > 0, length, 1))
+            most = 1.5 * LONGEST_ARROW * size
+            arrow = arrow * (most / np.maximum(np.abs(arrow), most))
             yield SceneMark("vector", track[0], role, f"{name} {role}, 1 mm is {1 / scale:.3g} {unit}", vector=arrow)  # type: ignore[arg-type]
 
 
