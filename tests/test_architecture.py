@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress"}
+WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.

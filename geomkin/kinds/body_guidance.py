@@ -15,11 +15,11 @@ from ..linkage.motion import Motion, unwrapped_deg
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve
-from ..plane.primitives import Circle, Polyline
+from ..plane.primitives import Circle
 from ..plane.vec import Complex, direction_deg, rounded
 from ..recipe.settings import Drive, Files
 from ..scene import SceneCurve
-from ..shop.drawing import PlateStock, engraved, skeleton
+from ..shop.drawing import PlateStock, engraved, pose_axes, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import poles
@@ -34,8 +34,8 @@ from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 MISSED, MISSED_DEG = 0.01, 0.01
 # Poses that are read: more are a path of a body, and their least squares take minutes.
 MOST_POSES = 50
-# Length of the axes that a pose is drawn with, in extents of the poses, and of the shorter one in those of the longer.
-AXIS, SHORTER = 0.12, 0.6
+# Length of the axes that a pose is drawn with, in extents of the poses.
+AXIS = 0.12
 # Sizes of the rest of the drawing that an image-pole circle may be off to be drawn. Larger ones hide all else.
 ROOM = 0.75
 
@@ -109,7 +109,7 @@ class WantedPoses:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BodyGuidanceRecipe(AbstractLinkageGoal):
+class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
     """A body carried through poses by a linkage that is found: plates, motion, and the poses as an engraved drawing."""
 
     kind: Literal["body-guidance"] = "body-guidance"
@@ -148,20 +148,12 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
         except DesignError as error:
             raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
 
-    @cached_property
-    def guide(self) -> BodyGuide:
-        """The one that is made."""
-        found = self.found
-        assert isinstance(found, BodyGuide)
-        return found
-
     @property
-    def judged(self) -> tuple[Check, ...]:
-        guide = self.guide
+    def met(self) -> tuple[Check, ...]:
+        guide = self.found
         return (
             Check("largest distance from a pose", _told(guide.pose_error), "at most", MISSED, "mm", FEWER),
             Check("largest turn from a pose", _told(guide.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
-            *super().judged,
         )
 
     @property
@@ -169,7 +161,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
         """The linkage's, and the body's angle; its place is that of the coupler point."""
         motion: Motion = self.design.motion
         coupler = motion.bodies["rod" if "rod" in motion.linkage.bodies else "coupler"]
-        angle = unwrapped_deg(coupler.direction * direction_deg(self.guide.body_angle_deg))
+        angle = unwrapped_deg(coupler.direction * direction_deg(self.found.body_angle_deg))
         return Table((*super().table.columns, Column("body_angle", "deg", "direction of the body from +x", angle)))
 
     @cached_property
@@ -180,7 +172,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
     @cached_property
     def seen(self) -> Complex:
         """Places of the poses, and of the pins at the first, mm."""
-        motion = move(self.guide.linkage, self.guide.drive[:1], self.guide.branch)
+        motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
         return np.array([*(z for z, _ in self.wanted.pairs), *pins])
 
@@ -191,9 +183,8 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
 
     @property
     def axes(self) -> list[AbstractCurve]:
-        """The poses as the body's axes, x longer than y."""
-        ahead = [(z, AXIS * self.extent * np.exp(1j * angle)) for z, angle in self.wanted.pairs]
-        return [Polyline(np.array([z + axis, z, z + 1j * SHORTER * axis]), is_closed=False) for z, axis in ahead]
+        """The poses as the body's axes."""
+        return pose_axes(self.wanted.pairs, AXIS * self.extent)
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
@@ -202,7 +193,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal):
 
     def marks(self, plate: PlateStock) -> list[AbstractCurve]:
         """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
-        pairs, guide, seen, extent = self.wanted.pairs, self.guide, self.seen, self.extent
+        pairs, guide, seen, extent = self.wanted.pairs, self.found, self.seen, self.extent
         motion = move(guide.linkage, guide.drive[:1], guide.branch)
         marks: list[AbstractCurve] = [*skeleton(motion, 0, plate), *self.axes]
         middle = complex(np.ptp(seen.real) / 2 + seen.real.min(), np.ptp(seen.imag) / 2 + seen.imag.min())

@@ -15,13 +15,14 @@ from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved, Stretch
 from ..plane.pose import Pose
-from ..plane.primitives import Circle, Polyline
+from ..plane.primitives import Circle
 from ..plane.vec import Complex, Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Plot, Scene, SceneCurve, SceneMark
-from ..shop.drawing import PlateStock, engraved
+from ..shop.drawing import PlateStock, engraved, pose_axes
 from ..sizes import FARTHEST, AsWritten, check_sizes, entry, quantity
+from ..synthesis.found import ten_digits
 from ..synthesis.guidance.burmester import Burmester, BurmesterCurve, burmester_curves
 from ..synthesis.guidance.displacement_poles import poles
 from ..synthesis.guidance.poses import placed
@@ -31,8 +32,8 @@ from ..table import Column, Table, xy_columns
 REACH = 3.0
 # What a dyad of the table may miss of a pose, in sizes of the poses: far finer than any plate is cut. Derived here.
 MISSED = 1e-6
-# Length of the axes that a pose is drawn with, and of a dash, in reaches; the shorter axis in longer ones.
-AXIS, DASH, SHORTER = 0.06, 0.02, 0.5
+# Length of the axes that a pose is drawn with, and of a dash, in reaches.
+AXIS, DASH = 0.06, 0.02
 # Places of a piece by which its length is told: dashes and rows are even to a thousandth.
 SEEN = 2000
 # Time that the wandering pivot is shown in, s: slow enough to follow by eye.
@@ -162,9 +163,8 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @property
     def axes(self) -> list[AbstractCurve]:
-        """The poses as the body's axes, x longer than y."""
-        ahead = [(z, AXIS * self.reach * np.exp(1j * angle)) for z, angle in self.wanted.pairs]
-        return [Polyline(np.array([z + axis, z, z + SHORTER * 1j * axis]), is_closed=False) for z, axis in ahead]
+        """The poses as the body's axes."""
+        return pose_axes(self.wanted.pairs, AXIS * self.reach)
 
     @cached_property
     def scene(self) -> Scene:
@@ -204,20 +204,16 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         told: dict[str, object] = {}
         for (j, k), pole in poles(self.wanted.pairs).items():
             at = complex(pole.position)
-            far = {"at_infinity_deg": _ten(float(np.degrees(np.angle(complex(pole.direction)))))}
-            told[f"{j + 1} and {k + 1}"] = [_ten(at.real), _ten(at.imag)] if np.isfinite(at) else far
+            far = {"at_infinity_deg": ten_digits(float(np.degrees(np.angle(complex(pole.direction)))))}
+            told[f"{j + 1} and {k + 1}"] = [ten_digits(at.real), ten_digits(at.imag)] if np.isfinite(at) else far
         slides, listed = self.design.slides, {}
         for k, far_out in enumerate(slides.fixed_far):
             pin, way = (slides.moving, slides.fixed) if far_out else (slides.fixed, slides.moving)
             listed["pin_that_slides" if far_out else "pivot_that_is_slid_over"] = {
-                "place_mm": [_ten(pin[k].real), _ten(pin[k].imag)],
-                "direction_deg": _ten(np.degrees(np.angle(way[k])) % 180),
+                "place_mm": [ten_digits(pin[k].real), ten_digits(pin[k].imag)],
+                "direction_deg": ten_digits(np.degrees(np.angle(way[k])) % 180),
             }
         return {"poles_mm": told, "slides": listed}
-
-
-def _ten(value: float) -> float:
-    return float(f"{value:.10g}")
 
 
 def _length(piece: BurmesterCurve) -> tuple[Real, Real]:

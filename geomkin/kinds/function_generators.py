@@ -163,7 +163,7 @@ class WantedPlace(Wanted):
     )
 
 
-class AbstractFunctionRecipe(AbstractLinkageGoal):
+class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """What the recipes of function generators have in common."""
 
     wanted: Wanted
@@ -196,21 +196,16 @@ class AbstractFunctionRecipe(AbstractLinkageGoal):
     def ranked(self) -> Sequence[AbstractFunctionGenerator]:
         return (self.best, *self.best.others)
 
-    @property
-    def one(self) -> AbstractFunctionGenerator:
-        """The one that is made."""
-        return self.ranked[self.ranked.index(self.found)]
-
     @cached_property
     def x(self) -> Real:
         """x over the frames."""
-        first, last = self.one.drive
+        first, last = self.found.drive
         share = np.clip((self.design.way.frames - first) / (last - first), 0, 1)
         return np.asarray(self.wanted.x_start + (self.wanted.x_end - self.wanted.x_start) * share)
 
     @cached_property
     def table(self) -> Table:
-        wanted = self.one.wanted_at(self.x)
+        wanted = self.found.wanted_at(self.x)
         return Table(
             (
                 *self.design.table.columns,
@@ -232,14 +227,14 @@ class AbstractFunctionRecipe(AbstractLinkageGoal):
         )
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def met(self) -> tuple[Check, ...]:
         error, most = self.largest_error
         advice = "give other swings, a shorter range, or leave the starts free"
-        return (Check("largest error of the output", error, "at most", most, self.unit, advice), *super().judged)
+        return (Check("largest error of the output", error, "at most", most, self.unit, advice),)
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {**super().notes, **self.one.proof()}
+        return {**super().notes, **self.found.proof()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,13 +262,13 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     @cached_property
     def reached(self) -> Real:
         turned = np.degrees(np.angle(self.design.motion.bodies["rocker"].direction))
-        wanted = self.one.wanted_at(self.x)
+        wanted = self.found.wanted_at(self.x)
         return np.asarray(turned + 360 * np.round((wanted - turned) / 360))
 
     @property
     def largest_error(self) -> tuple[float, float]:
         most = self.wanted.largest_error_deg or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_deg)
-        return self.one.largest, most
+        return self.found.largest, most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -302,4 +297,4 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
     @property
     def largest_error(self) -> tuple[float, float]:
         most = self.wanted.largest_error_mm or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_mm)
-        return self.one.largest, most
+        return self.found.largest, most

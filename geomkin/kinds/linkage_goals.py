@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from ..sizes import check_sizes, quantity
 from ..synthesis.found import Found
 from .linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
 
+# What a goal's search finds.
+F = TypeVar("F", bound=Found)
 # Linkages that summary.json lists: more are a table that nobody reads.
 LISTED = 20
 
@@ -50,7 +52,7 @@ def choose_entry() -> Any:
     )
 
 
-class AbstractLinkageGoal(AbstractGoal):
+class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     """A goal whose search ranks linkages: one is chosen, and becomes a recipe of its own.
 
     A subclass is a dataclass with `choose`, `drive`, `stock` and `files`, and says what was found.
@@ -62,11 +64,11 @@ class AbstractLinkageGoal(AbstractGoal):
 
     @property
     @abstractmethod
-    def ranked(self) -> Sequence[Found]:
+    def ranked(self) -> Sequence[F]:
         """What was found, the best first."""
 
     @cached_property
-    def found(self) -> Found:
+    def found(self) -> F:
         """The one that is made."""
         if self.choose > len(self.ranked):
             raise DesignError("choose", f"found {self.choose}", f"give at most {len(self.ranked)}: so many were found")
@@ -84,9 +86,17 @@ class AbstractLinkageGoal(AbstractGoal):
         return recipe_of(self.found.linkage, self.found.branch, self.way, self.drive, self.stock, self.files)
 
     @property
+    @abstractmethod
+    def met(self) -> tuple[Check, ...]:
+        """How near the linkage comes to what was wanted; nan where a defect keeps it from being told."""
+
+    @property
     def judged(self) -> tuple[Check, ...]:
-        advice = f"it has a defect of {', '.join(self.found.defects)}" if self.found.defects else ""
-        return (Check("defects", len(self.found.defects), "at most", 0, "", advice), *super().judged)
+        defects = self.found.defects
+        # A linkage that cannot go the whole way has no swing to miss: the defect says so, and a nan would say nothing.
+        told = [check for check in self.met if not (defects and np.isnan(check.value))]
+        advice = f"it has a defect of {', '.join(defects)}" if defects else ""
+        return (*told, Check("defects", len(defects), "at most", 0, "", advice), *super().judged)
 
     @property
     def shown(self) -> Sequence[SceneCurve]:

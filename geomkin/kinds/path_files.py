@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..beside import text_beside
 from ..brief import clipped
 from ..errors import DesignError, printable, shown
 from ..plane.vec import Complex
@@ -16,8 +17,6 @@ from ..sizes import FARTHEST
 from ..synthesis.path.path import MOST_POINTS
 from ..synthesis.path.points import svg_path_points
 
-# Bytes of a file at most. A larger one is something else by mistake.
-LARGEST = 10_000_000
 PATH = re.compile(r"<path\b[^>]*?\sd\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", re.DOTALL)
 
 
@@ -53,34 +52,9 @@ class FileName:
             serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.name),
         )
 
-    @property
-    def text(self) -> str:
-        """What stands in it, as UTF-8."""
-        try:
-            home = Path(self.folder or ".").resolve()
-            path = (home / self.name).resolve()
-            if self.folder is not None and not path.is_relative_to(home):
-                problem = f"found {shown(self.name)}, which lies outside the folder that names it"
-                raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
-            if not path.is_file():
-                raise FileNotFoundError(0, "it is no file")
-            with path.open("rb") as file:
-                content = file.read(LARGEST + 1)
-            if len(content) > LARGEST:
-                raise OSError(0, f"it is larger than {LARGEST:,} bytes")
-            return content.decode("utf-8-sig")
-        except DesignError:
-            raise
-        except (OSError, ValueError, RuntimeError) as error:
-            # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
-            told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
-            reason = (error.strerror if isinstance(error, OSError) else None) or told
-            problem = f"{printable(self.name)} cannot be read ({reason})"
-            raise DesignError("file", problem, "give a CSV or an SVG file") from None
-
     def points(self, count: int) -> tuple[Complex, bool]:
         """The points, of a drawing so many, and whether it closes: what a CSV does not tell."""
-        text = self.text
+        text = text_beside(self.name, self.folder, "a CSV or an SVG file")
         if self.name.lower().endswith(".svg"):
             found = PATH.search(text)
             if found is None:

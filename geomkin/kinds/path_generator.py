@@ -22,6 +22,7 @@ from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
+from ..synthesis.found import sizes_told, ten_digits
 from ..synthesis.path.path import path_generator
 from ..synthesis.path.results import PathFound
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
@@ -144,7 +145,7 @@ class PathBounds:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PathGeneratorRecipe(AbstractLinkageGoal):
+class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     """The four-bar or slider-crank whose coupler point goes through given points, and a drawing of both paths."""
 
     kind: Literal["path-generator"] = "path-generator"
@@ -191,30 +192,24 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
         return self.best.ranked
 
     @property
-    def chosen(self) -> PathFound:
-        """The one that is made, with what a path search tells of it."""
-        # Asked for first: it refuses a number that none has.
-        _ = self.found
-        return self.ranked[self.choose - 1]
-
-    @property
     def way(self) -> tuple[float, float]:
         """A whole turn where the path is closed, else from the first point to the last."""
         return (0.0, 360.0) if self.wanted.closed else super().way
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def met(self) -> tuple[Check, ...]:
         wide = float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
         advice = "give more room by wider bounds, lower limits or fewer points"
-        far = Check(
-            "largest distance of a point from the path",
-            self.chosen.largest_distance,
-            "at most",
-            NEAR * wide,
-            "mm",
-            advice,
+        return (
+            Check(
+                "largest distance of a point from the path",
+                self.found.largest_distance,
+                "at most",
+                NEAR * wide,
+                "mm",
+                advice,
+            ),
         )
-        return (far, *super().judged)
 
     @property
     def crosses(self) -> list[AbstractCurve]:
@@ -228,7 +223,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
-        found = self.chosen
+        found = self.found
         marks: list[AbstractCurve] = self.crosses
         span = (float(np.radians(self.way[0])), float(np.radians(self.way[1])))
         if not found.defects and span[1] > span[0]:
@@ -239,30 +234,13 @@ class PathGeneratorRecipe(AbstractLinkageGoal):
     @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
-        cognates = [
-            {
-                **{name: _ten(getattr(one.linkage, name)) for name in ("ground", "crank", "coupler", "rocker")},
-                "driver": one.linkage.driver,
-                "coupler_point_mm": _pair(complex(one.linkage.coupler_point)),
-                "origin_mm": _pair(one.linkage.origin),
-                "ground_angle_deg": _ten(one.linkage.ground_angle_deg),
-            }
-            for one in self.chosen.cognates
-        ]
+        cognates = [{**sizes_told(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
         told: dict[str, object] = {
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
-            "drive_at_points_deg": [_ten(q) for q in self.chosen.drive_deg],
+            "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
             "usable": None if usable is None else usable.summary(),
             "cognates": cognates,
         }
         return told | dict(super().notes)
-
-
-def _ten(value: float) -> float:
-    return float(f"{value:.10g}")
-
-
-def _pair(z: complex) -> list[float]:
-    return [_ten(z.real), _ten(z.imag)]

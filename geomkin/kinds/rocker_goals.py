@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from ..check import Check
 from ..errors import DesignError
@@ -115,7 +115,7 @@ class WantedSwing:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrankRockerRecipe(AbstractLinkageGoal):
+class CrankRockerRecipe(AbstractLinkageGoal[CrankRocker]):
     """The crank-rocker of a swing and a time ratio that drives best, found and made: plates and motion."""
 
     kind: Literal["crank-rocker"] = "crank-rocker"
@@ -143,13 +143,12 @@ class CrankRockerRecipe(AbstractLinkageGoal):
         return 0.0, 360.0
 
     @property
-    def judged(self) -> tuple[Check, ...]:
-        found, wanted = cast(CrankRocker, self.found), self.wanted
+    def met(self) -> tuple[Check, ...]:
+        found, wanted = self.found, self.wanted
         swing, turn = missed(found.swing_deg, wanted.swing_deg), missed(found.crank_turn_deg, wanted.turn_deg)
         return (
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
             Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
-            *super().judged,
         )
 
     @property
@@ -205,7 +204,7 @@ class WantedSwings:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DoubleRockerRecipe(AbstractLinkageGoal):
+class DoubleRockerRecipe(AbstractLinkageGoal[DoubleRocker]):
     """Two rockers that swing together from given places, as the four-bar that drives best: found and made."""
 
     kind: Literal["double-rocker"] = "double-rocker"
@@ -236,13 +235,12 @@ class DoubleRockerRecipe(AbstractLinkageGoal):
         return min(start, end), max(start, end)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
-        found = cast(DoubleRocker, self.found)
+    def met(self) -> tuple[Check, ...]:
+        found = self.found
         swing, beyond = missed(found.rocker_swing_deg, self.wanted.rocker_swing_deg), missed(found.overshoot_deg, 0.0)
         return (
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
             Check("rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
-            *super().judged,
         )
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, cast
+from typing import Literal
 
 from ..check import Check
 from ..recipe.settings import Drive, Files
@@ -80,7 +80,7 @@ class WantedStroke:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SliderCrankStrokeRecipe(AbstractLinkageGoal):
+class SliderCrankStrokeRecipe(AbstractLinkageGoal[StrokeCrank]):
     """The slider-crank of a stroke and a time ratio that drives best, found and made: plates and motion."""
 
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
@@ -108,14 +108,13 @@ class SliderCrankStrokeRecipe(AbstractLinkageGoal):
         return 0.0, 360.0
 
     @property
-    def judged(self) -> tuple[Check, ...]:
-        found, wanted = cast(StrokeCrank, self.found), self.wanted
+    def met(self) -> tuple[Check, ...]:
+        found, wanted = self.found, self.wanted
         stroke = missed(found.stroke / wanted.stroke, 1.0) * wanted.stroke
         turn = missed(found.crank_turn_deg, wanted.turn_deg)
         return (
             Check("missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
             Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
-            *super().judged,
         )
 
     @property

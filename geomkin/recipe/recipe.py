@@ -38,6 +38,7 @@ class AbstractRecipe(ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         # A dataclass writes a repr of its own, of many lines, into a class that has none.
         if "__repr__" not in vars(cls):
             cls.__repr__ = one_line  # type: ignore[method-assign]

@@ -19,6 +19,8 @@ from ..sizes import check_sizes, quantity
 # Radius of the plate's corners and length of arrow heads, mm. Smaller is burnt away; larger hides what is drawn.
 CORNER = 3.0
 HEAD = 3.0
+# Length of a pose's y axis in those of its x axis.
+SHORTER = 0.5
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,12 @@ def _between(a: complex, b: complex, radius: float) -> list[AbstractCurve]:
         return []
     ahead = (b - a) / abs(b - a) * radius
     return [Segment(a + ahead, b - ahead)]
+
+
+def pose_axes(poses: Iterable[tuple[complex, float]], length: float) -> list[AbstractCurve]:
+    """Poses, place in mm and angle in rad, as a body's axes: x of `length`, mm, and y shorter, to tell them apart."""
+    ahead = [(z, length * np.exp(1j * angle)) for z, angle in poses]
+    return [Polyline(np.array([z + axis, z, z + SHORTER * 1j * axis]), is_closed=False) for z, axis in ahead]
 
 
 def arrow(tail: complex, tip: complex) -> list[AbstractCurve]:

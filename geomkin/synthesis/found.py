@@ -38,12 +38,7 @@ class Found:
     @property
     def lengths(self) -> Mapping[str, float]:
         """The links' lengths by name, mm; of a slider-crank its offset too, which may be negative."""
-        names = {
-            FourBar: ("ground", "crank", "coupler", "rocker"),
-            SliderCrank: ("crank", "coupler", "offset"),
-            EllipticTrammel: ("rod",),
-        }[type(self.linkage)]
-        return {name: float(getattr(self.linkage, name)) for name in names}
+        return lengths_of(self.linkage)
 
     @property
     def ratio(self) -> float:
@@ -53,23 +48,37 @@ class Found:
 
     def summary(self) -> Mapping[str, object]:
         """As `summary.json` lists it: sizes in mm and deg, with ten digits. A search adds its error in front."""
-        linkage = self.linkage
-        told: dict[str, object] = {name: _ten(length) for name, length in self.lengths.items()}
-        for name in ("coupler_point", "rod_point", "origin"):
-            if hasattr(linkage, name):
-                place = complex(getattr(linkage, name))
-                told[f"{name}_mm"] = [_ten(place.real), _ten(place.imag)]
-        for name in ("ground_angle_deg", "angle_deg"):
-            if hasattr(linkage, name):
-                told[name] = _ten(getattr(linkage, name))
-        return told | {
+        return sizes_told(self.linkage) | {
             "branch": self.branch,
-            "transmission_angle_deg": _ten(self.transmission_angle_deg),
-            "ratio": _ten(self.ratio),
+            "transmission_angle_deg": ten_digits(self.transmission_angle_deg),
+            "ratio": ten_digits(self.ratio),
             "defects": list(self.defects),
         }
 
 
-def _ten(value: float) -> float | None:
+def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
+    """Lengths of a linkage's links by name, mm; of a slider-crank its offset too."""
+    names = {
+        FourBar: ("ground", "crank", "coupler", "rocker"),
+        SliderCrank: ("crank", "coupler", "offset"),
+        EllipticTrammel: ("rod",),
+    }[type(linkage)]
+    return {name: float(getattr(linkage, name)) for name in names}
+
+
+def sizes_told(linkage: AbstractLinkage) -> dict[str, object]:
+    """A linkage as `summary.json` lists it: lengths, traced point and place in mm, angles in deg, with ten digits."""
+    told: dict[str, object] = {name: ten_digits(length) for name, length in lengths_of(linkage).items()}
+    for name in ("coupler_point", "rod_point", "origin"):
+        if hasattr(linkage, name):
+            place = complex(getattr(linkage, name))
+            told[f"{name}_mm"] = [ten_digits(place.real), ten_digits(place.imag)]
+    for name in ("ground_angle_deg", "angle_deg"):
+        if hasattr(linkage, name):
+            told[name] = ten_digits(getattr(linkage, name))
+    return told
+
+
+def ten_digits(value: float) -> float | None:
     """Ten digits of a number; None, as JSON has no other word for it, for what cannot be told."""
     return float(f"{value:.10g}") if np.isfinite(value) else None

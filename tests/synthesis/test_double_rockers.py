@@ -279,3 +279,12 @@ def test_the_numbers_that_refusals_name_work():
         double_rocker(60, 60, 80, 40, largest_ratio=1.01)
     least = float(caught.value.remedy.rsplit(" ", 1)[1])
     assert double_rocker(60, 60, 80, 40, largest_ratio=least).ratio <= least * (1 + 1e-9)
+
+
+def test_a_swing_that_a_defect_keeps_from_being_told_is_no_check():
+    wanted = dict(crank_start_deg=60, crank_swing_deg=359, rocker_start_deg=79, rocker_swing_deg=41, ground=100)
+    checks = gk.load({"kind": "double-rocker", "wanted": wanted}).checks
+    assert not np.isnan([check.value for check in checks]).any()
+    failed = [check for check in checks if not check.passed]
+    assert failed[0].name == "defects" and "branch" in failed[0].advice
+    assert any("reached" in check.name for check in failed)

@@ -63,10 +63,10 @@ def test_what_is_made(tmp_path, text):
 def test_the_second_best_is_made_where_it_is_chosen():
     best = gk.load(FOUR_BAR)
     second = gk.load(f"choose = 2\n{FOUR_BAR}")
-    assert second.one.largest_error_deg > best.one.largest_error_deg
+    assert second.found.largest_error_deg > best.found.largest_error_deg
     assert second.design.linkage == second.ranked[1].linkage == best.ranked[1].linkage
     peak = max(second.table["error"], key=abs)
-    assert abs(peak) == pytest.approx(second.one.largest_error_deg, rel=0.1)
+    assert abs(peak) == pytest.approx(second.found.largest_error_deg, rel=0.1)
     with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
         gk.make(gk.load(f"choose = 900\n{FOUR_BAR}"), "none")
 
@@ -75,9 +75,9 @@ def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
     rows = [[x / 4, (x / 4) ** 2] for x in range(4, 13)]
     text = FOUR_BAR.replace('"x**1.5"', '"table"') + f"rows = {rows}\n"
     recipe = gk.load(text + 'method = "points"\npoints_at = [1.2, 2, 2.8]\nlargest_error_deg = 0.001\n')
-    assert np.abs(recipe.one.error([1.2, 2, 2.8])).max() < 1e-7
+    assert np.abs(recipe.found.error([1.2, 2, 2.8])).max() < 1e-7
     assert not recipe.judged[0].passed and recipe.judged[0].limit == 0.001
-    assert recipe.one.wanted_at(2.5) - recipe.one.wanted_at(1.0) == pytest.approx(90 * (2.5**2 - 1) / 8)
+    assert recipe.found.wanted_at(2.5) - recipe.found.wanted_at(1.0) == pytest.approx(90 * (2.5**2 - 1) / 8)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...beside import text_beside
 from ...brief import one_line
 from ...errors import DesignError, printable, shown
 from ...plane.vec import Real
@@ -20,8 +21,6 @@ from .smoothing_spline import smoothest_within
 
 # Rows of all tables of a programme: nearly three times a table of 0.1 deg. More take seconds to fit and tell no more.
 MOST_ROWS = 10_000
-# Bytes of a CSV file: as many rows of fifty columns. A larger one is something else by mistake.
-LARGEST = 10_000_000
 # Columns of a CSV file; of those with lifts, whether these are angles.
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
 # Neighbouring rows held against a polynomial of the fifth degree: fewer take the motion for scatter, more see less.
@@ -74,27 +73,7 @@ def checked_rows(rows: object, field: str) -> Real:
 def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
-    try:
-        home = Path(folder or ".").resolve()
-        path = (home / name).resolve()
-        if folder is not None and not path.is_relative_to(home):
-            problem = f"found {shown(str(name))}, which lies outside the folder that names it"
-            raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
-        if not path.is_file():
-            raise FileNotFoundError(0, "it is no file")
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
-        if len(content) > LARGEST:
-            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
-        # As spreadsheets save it, with a mark at the start.
-        text = content.decode("utf-8-sig")
-    except DesignError:
-        raise
-    except (OSError, ValueError, RuntimeError) as error:
-        # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
-        told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
-        reason = (error.strerror if isinstance(error, OSError) else None) or told
-        raise DesignError("file", f"{printable(name)} cannot be read ({reason})", "give a CSV file") from None
+    text = text_beside(name, folder, "a CSV file")
     # Counted first: as lists of numbers a file of this size takes a gigabyte.
     count = text.count("\n")
     if count > MOST_ROWS + 1:

@@ -12,7 +12,7 @@ import numpy as np
 from ...arguments import Reals, checked
 from ...brief import one_line
 from ...plane.vec import Real
-from ..found import Found, _ten
+from ..found import Found, ten_digits
 from .four_bar_generator import FourBarGenerator
 from .slider_generator import SliderGenerator
 from .wanted import WantedFunction
@@ -118,8 +118,8 @@ class FunctionGenerator(AbstractFunctionGenerator):
         return DEGREE * self.task.error(self.unknowns[None], s)
 
     def summary(self) -> Mapping[str, object]:
-        starts = [_ten(start) for start in self.starts_deg]
-        return {"largest_error_deg": _ten(self.largest_error_deg), "starts_deg": starts, **super().summary()}
+        starts = [ten_digits(start) for start in self.starts_deg]
+        return {"largest_error_deg": ten_digits(self.largest_error_deg), "starts_deg": starts, **super().summary()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -145,7 +145,7 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
 
     def summary(self) -> Mapping[str, object]:
         told = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}
-        return {**{name: _ten(value) for name, value in told.items()}, **super().summary()}
+        return {**{name: ten_digits(value) for name, value in told.items()}, **super().summary()}
 
 
 def _six(value: float) -> float | None:

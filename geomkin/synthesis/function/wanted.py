@@ -120,6 +120,7 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
         together = whole(probe)
         same = together.shape == probe.shape and np.allclose(together, singly, rtol=1e-12, atol=0, equal_nan=True)
     except Exception:
+        # A function of one number may fail in any way where it is given an array; by single numbers it was sound.
         return each
     return whole if same else each
 
