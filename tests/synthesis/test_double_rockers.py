@@ -282,8 +282,8 @@ def test_the_numbers_that_refusals_name_work():
 
 
 def test_a_swing_that_a_defect_keeps_from_being_told_is_no_check():
-    wanted = dict(crank_start_deg=60, crank_swing_deg=359, rocker_start_deg=79, rocker_swing_deg=41, ground=100)
-    checks = gk.load({"kind": "double-rocker", "wanted": wanted}).checks
+    wanted = {"crank_start_deg": 60, "crank_swing_deg": 359, "rocker_start_deg": 79, "rocker_swing_deg": 41}
+    checks = gk.load({"kind": "double-rocker", "wanted": wanted | {"ground": 100}}).checks
     assert not np.isnan([check.value for check in checks]).any()
     failed = [check for check in checks if not check.passed]
     assert failed[0].name == "defects" and "branch" in failed[0].advice
