@@ -75,8 +75,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     if only is not None and not wanted:
         found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
         raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
-    name = _name(file, recipe)
-    with _naming(file, recipe):
+    name = name_of(file, recipe.name or recipe.kind)
+    with naming(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         wanted = wanted if only else _had(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
@@ -97,8 +97,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
 def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
     """Judge a recipe's design and work out what its files are made of, without writing. Raises what `make` does."""
     file, recipe = _opened(recipe)
-    name = _name(file, recipe)
-    with _naming(file, recipe):
+    name = name_of(file, recipe.name or recipe.kind)
+    with naming(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         for writer in (WRITERS[name] for name in _had(recipe)):
             if writer.needs == "parts":
@@ -178,9 +178,8 @@ def _job(name: str, source: Source, files: Files) -> Job:
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))
 
 
-def _name(file: str, recipe: AbstractRecipe) -> str:
-    """The recipe's name, which names its folder and files."""
-    name = recipe.name or recipe.kind
+def name_of(file: str, name: str) -> str:
+    """A recipe's name, where it can name its folder and files."""
     if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
         raise RecipeError(file, [Problem("", "its name is too long for the files named after it", "shorten it")])
     if flaw := file_name_flaw(name):
@@ -190,7 +189,7 @@ def _name(file: str, recipe: AbstractRecipe) -> str:
 
 
 @contextmanager
-def _naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
+def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
     """Turns a design's error into one that names the recipe's file and key."""
     try:
         yield

@@ -21,6 +21,12 @@ def shown(listener: Callable[[float, str], None]) -> Iterator[None]:
         _listener.reset(before)
 
 
+def tell(share: float, what: str) -> None:
+    """Say that so much of long work is done, 0 to 1; it ends with 1."""
+    if listener := _listener.get():
+        listener(min(max(share, 0.0), 1.0), what)
+
+
 class Watch:
     """A search's clock. It says how far the search is, and when its time is over.
 
@@ -38,5 +44,4 @@ class Watch:
 
     def tell(self, share: float) -> None:
         """Say that so much of the search is done, 0 to 1; it ends with 1."""
-        if listener := _listener.get():
-            listener(min(max(share, 0.0), 1.0), self.what)
+        tell(share, self.what)

@@ -23,33 +23,42 @@ def write(job: Job) -> dict[str, bytes]:
 
 
 def page(job: Job) -> bytes:
-    """The page: drawing and plots by the player, all else as tables that read without it.
+    """The page: drawing and plots by the player, all else as tables that read without it."""
+    about = f"<p>{text(job.about)}</p>" if job.about else ""
+    body = (
+        '<section id="player" aria-label="The mechanism, moving, and its plots"></section>\n'
+        "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
+        f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
+    )
+    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), SCRIPTS, START)
 
-    Its policy lets run what stands in it and nothing else, whatever a recipe's texts hold.
+
+def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
+    """A page of one file. title: plain text; about, body: HTML; data: JSON that is safe in a script element.
+
+    scripts: files of `web`, the plot library first, and `start` what calls them. Its policy lets run what stands in it
+    and nothing else, whatever a recipe's texts hold.
     """
-    script, style = _script(), _style()
+    script, style = _script(scripts, start), _style()
     policy = (
         f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
-    about = f"<p>{text(job.about)}</p>" if job.about else ""
     told = f"""<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="{policy}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{text(job.name)}</title>
+<title>{text(title)}</title>
 <link rel="icon" href="data:,">
 <style>{style}</style>
 </head>
 <body>
-<header><h1><bdi>{text(job.name)}</bdi></h1>{about}{verdict(job.source.checks)}</header>
+<header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
-<section id="player" aria-label="The mechanism, moving, and its plots"></section>
-<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>
-{"".join(f"{section}{chr(10)}" for section in all_of(job) if section)}</main>
-<script type="application/json" id="scene">{island(job.scene, job.name)}</script>
+{body}</main>
+<script type="application/json" id="scene">{data}</script>
 <script type="module">{script}</script>
 </body>
 </html>
@@ -58,12 +67,12 @@ def page(job: Job) -> bytes:
 
 
 @cache
-def _script() -> str:
-    """The player and what it uses as one module: files without what ties them, comment lines and idle spaces."""
-    library, *own = (_web(name) for name in SCRIPTS)
+def _script(scripts: tuple[str, ...], start: str) -> str:
+    """Scripts and what they use as one module: files without what ties them, comment lines and idle spaces."""
+    library, *own = (_web(name) for name in scripts)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), START, ""])
+    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), start, ""])
 
 
 def _tight(line: str) -> str:

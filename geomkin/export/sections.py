@@ -47,7 +47,7 @@ def checks(job: Job) -> str:
     rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
     heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "What it means"))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
-    return _section("checks", "Checks", _wide("Checks", table))
+    return section("checks", "Checks", wide("Checks", table))
 
 
 def _check(check: Check, scene: Scene) -> str:
@@ -61,7 +61,7 @@ def _check(check: Check, scene: Scene) -> str:
     means = "as it should be" if check.passed else check.advice or "see the limit"
     return (
         f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
-        f'<th scope="row">{text(_capital(check.name))}</th>'
+        f'<th scope="row">{text(capital(check.name))}</th>'
         f"<td>{text(_with(check.value, check.unit))}{there}</td>"
         f"<td>{check.side} {text(_with(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
     )
@@ -100,7 +100,7 @@ def parts(job: Job) -> str:
     rows = "".join(_part(part, tints.get(part.name, "t0")) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     more = f"<p>And {len(held) - MOST_ROWS} more.</p>" if len(held) > MOST_ROWS else ""
-    return _section("parts", "What is cut", _wide("Parts", table) + more)
+    return section("parts", "What is cut", wide("Parts", table) + more)
 
 
 def _part(part: Part, tint: str) -> str:
@@ -175,7 +175,7 @@ def stack(scene: Scene) -> str:
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
         f'aria-label="{text(f"From the lowest up, {told}")}">{"".join(rows)}</svg>'
     )
-    return _section("stack", "How the plates lie on each other", f"<p>The lowest at the bottom.</p>{drawing}")
+    return section("stack", "How the plates lie on each other", f"<p>The lowest at the bottom.</p>{drawing}")
 
 
 def _short(name: str, wide: float) -> str:
@@ -187,8 +187,8 @@ def _short(name: str, wide: float) -> str:
 def notes(held: Mapping[str, object]) -> str:
     """What is known of the design besides, where it is said in a word or some numbers."""
     told = [(name, said) for name, value in held.items() if (said := _said(value))]
-    rows = "".join(f"<dt>{text(_capital(_named(name)))}</dt><dd>{text(said)}</dd>" for name, said in told)
-    return _section("notes", "About it", f"<dl>{rows}</dl>") if rows else ""
+    rows = "".join(f"<dt>{text(capital(_named(name)))}</dt><dd>{text(said)}</dd>" for name, said in told)
+    return section("notes", "About it", f"<dl>{rows}</dl>") if rows else ""
 
 
 def _named(name: str) -> str:
@@ -231,7 +231,7 @@ def recipe(job: Job) -> str:
         f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
         f'<pre tabindex="0" aria-label="Text of the recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
     )
-    return _section("recipe", "Recipe", body)
+    return section("recipe", "Recipe", body)
 
 
 def _quoted(name: str) -> str:
@@ -266,16 +266,18 @@ def _unit(unit: str) -> str:
     return unit.replace("deg", "°").replace("2", "²") if unit else ""
 
 
-def _capital(words: str) -> str:
+def capital(words: str) -> str:
+    """Words as a heading begins; a name's words apart."""
     words = words.replace("_", " ")
     return words[:1].upper() + words[1:]
 
 
-def _section(name: str, title: str, inside: str) -> str:
+def section(name: str, title: str, inside: str) -> str:
+    """HTML under a heading of its own. name: its id."""
     return f'<section id="{name}"><h2>{title}</h2>{inside}</section>'
 
 
-def _wide(name: str, table: str) -> str:
+def wide(name: str, table: str) -> str:
     """A table that scrolls by itself where the screen is narrow, by keys too."""
     return f'<div class="wide" tabindex="0" role="region" aria-label="{name}">{table}</div>'
 

@@ -43,7 +43,7 @@ def _in(module: str) -> Callable[[Job], Contents]:
 # Name, mostly the ending too -> how it is written, in the order in which files come.
 WRITERS: dict[str, Writer] = {
     "dxf": Writer("parts", _in("dxf"), ("shapely", "ezdxf"), flat=True),
-    "stl": Writer("parts", _in("stl"), ("shapely", "trimesh")),
+    "stl": Writer("parts", _in("stl"), ("shapely",)),
     "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
     "csv": Writer("table", _in("csv")),
     "page": Writer("scene", _in("page"), ending="html"),

@@ -31,16 +31,26 @@ def read(kinds: Kinds, path: Path) -> AbstractRecipe:
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    return parse(kinds, _text(path), str(path), str(path.parent)).called(path.stem)
+    return told(kinds, table_of(path), str(path), str(path.parent)).called(path.stem)
+
+
+def table_of(path: Path) -> dict[str, Any]:
+    """What a TOML file holds, as yet no recipe. Raises FileError, and RecipeError where it is not TOML."""
+    return parsed(_text(path), str(path))
 
 
 def parse(kinds: Kinds, text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
+    return told(kinds, parsed(text, file), file, folder)
+
+
+def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
+    """What a TOML text holds, as yet no recipe; `file` is what messages call it."""
     # The reader's time grows with the square of a key's parts.
     if DEEP_KEY.search(text):
         raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")
     try:
-        data = tomllib.loads(text)
+        return tomllib.loads(text)
     except RecursionError:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
@@ -48,7 +58,6 @@ def parse(kinds: Kinds, text: str, file: str = "recipe", folder: str = ".") -> A
         if slipped:
             raise RecipeError(file, [slipped]) from None
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
-    return told(kinds, data, file, folder)
 
 
 def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:

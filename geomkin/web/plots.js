@@ -21,7 +21,7 @@ export const measured = (value, unit) =>
   Number.isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
 
 export class Plots {
-  // root: what holds them; seek(frame): called where a reader points at another place of the drive.
+  // root: what holds them; data.spots: whether values stand alone, and are marked; seek(frame): called where a reader points at another place of the drive.
   constructor(root, data, seek) {
     Object.assign(this, { data, seek, frame: 0, cards: [] });
     this.grid = make(root, "div", { class: "plots" });
@@ -76,8 +76,8 @@ export class Plots {
     const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
     const strokes = columns.map((_, k) => colour(`--s${k % 6}`));
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
-    const label = `${drive.name}, ${unitOf(drive.unit)}`;
-    const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || "ratio";
+    const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
+    const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || (data.spots ? "" : "ratio");
     card.columns = columns;
     card.plot = new uPlot({
       ...this.sizeOf(card),
@@ -89,7 +89,7 @@ export class Plots {
         { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: (_, ticks) => ticks.map(shown) },
         { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
       ],
-      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: false } }))],
+      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!data.spots, size: 6 } }))],
       hooks: { draw: [(plot) => limits(plot, told, colour("--wanted"), colour("--paper"), font)], setCursor: [(plot) => this.hover(card, plot)] },
     }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (Number.isFinite(y) ? y : null)))], card.chart);
     this.label(card, strokes);

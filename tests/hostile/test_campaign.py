@@ -113,7 +113,6 @@ def tally():
 def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
-    import trimesh.creation  # noqa: F401
 
     from geomkin import build  # noqa: F401
 
@@ -148,7 +147,6 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
 def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
-    import trimesh.creation  # noqa: F401
 
     from geomkin import build  # noqa: F401
 

@@ -31,7 +31,7 @@ def test_the_known_point_is_found_and_all_are_true(near, allowed):
     rng = np.random.default_rng(3)
     apart = None if near is None else 10 ** rng.uniform(*np.log10(near), 3000)
     first, second, x = pairs(rng, 3000, apart)
-    points, there = common_points(first, second)
+    points, there = common_points(np.stack([first, second], axis=1))
     off = np.minimum(np.abs(points - x[:, None]).max(-1), np.abs(points + x[:, None]).max(-1))
     assert np.where(there, off, 9).min(axis=1).max() < allowed
     values = [np.abs(np.einsum("nki,nij,nkj->nk", points, m, points))[there] for m in (first, second)]
@@ -44,7 +44,7 @@ def test_the_known_point_is_found_and_all_are_true(near, allowed):
 def test_conics_that_share_a_line():
     line, one, two = np.array([1.0, 2, 3]), np.array([1.0, -1, 0.5]), np.array([0.2, 1, 1])
     conics = [np.outer(line, each) + np.outer(each, line) for each in (one, two)]
-    points, there = common_points(conics[0][None], conics[1][None])
+    points, there = common_points(np.array([conics]))
     on_line = np.abs(points[0] @ line) < 1e-9
     assert there[0].tolist() == [True, True, True, False]
     assert on_line[:2].all() and not on_line[2]

@@ -27,34 +27,30 @@ IN_LINE = 1e-9
 TOUCHING = 1e-2
 
 
-def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
+def common_points(pair: Real) -> tuple[Real, Mask]:
     """Points (n, 4, 3) of the projective plane, unit vectors up to sign, and which of them there are, (n, 4).
 
-    first, second: (n, 3, 3) symmetric matrices of the conics. Bezout: four at most, unless they share a line:
-    then two of its points, and the one that they have besides. The
-    quartic of one unknown is solved as the eigenvalues of its companion, then all is polished by Newton's steps:
-    complex points as such, then their real parts, both ways where the conics nearly touch. Derived here.
+    pair: (n, 2, 3, 3) symmetric matrices of the conics. Bezout: four at most, unless they share a line: then two
+    of its points, and the one that they have besides. The quartic of one unknown is solved as the eigenvalues of its
+    companion, then all is polished by Newton's steps: complex points as such, then their real parts, both ways where
+    the conics nearly touch. Derived here.
     """
-    pair = np.stack([first, second], axis=1)
     size = np.abs(pair).max(axis=(1, 2, 3), keepdims=True)
     # A pair as good as the given one, whose members are of one size and least alike.
     flat = pair.reshape(len(pair), 2, 9) / np.where(size == 0, 1, size)[..., 0]
     parts = np.linalg.svd(flat, full_matrices=False)[2].reshape(-1, 2, 3, 3)
-    starts = _polished(parts, _roots(parts), FIRST_STEPS)
-    # Of a complex point, the phase at which its largest part is real.
-    at = np.argmax(np.abs(starts), axis=-1)[..., None]
-    lead = np.take_along_axis(starts, at, axis=-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        starts = starts * (np.conj(lead) / np.abs(lead))
-    unreal = np.linalg.norm(starts.imag, axis=-1)
-    which: Whole = np.nonzero(unreal < NEARLY_REAL)[0]
-    tried = starts.real[unreal < NEARLY_REAL]
-    tried /= np.linalg.norm(tried, axis=-1, keepdims=True)
-    which, tried = _both_ways(parts, which, tried)
-    found = _polished(parts[which], tried[:, None].astype(float), STEPS)[:, 0]
-    off = np.abs(_values(parts[which], found[:, None])).max(axis=(-1, -2))
+    starts, _ = _polished(parts, _roots(parts), FIRST_STEPS)
+    # Of a complex point, the phase at which its imaginary part is least.
+    starts = starts * np.exp(-0.5j * np.angle(np.vecdot(np.conj(starts), starts)))[..., None]
+    near = _size(starts.imag)[..., 0] < NEARLY_REAL
+    which: Whole = np.nonzero(near)[0]
+    tried = starts.real[near]
+    which, tried = _both_ways(parts, which, tried / _size(tried))
+    found, off = (each[:, 0] for each in _polished(parts[which], tried[:, None], STEPS))
     points, there = _gathered(len(pair), which, found, off)
-    for k in np.nonzero(there.sum(axis=-1) > 2)[0]:
+    # The same as `IN_LINE` asks, of more than are in one line: vectors of length 1 span no more than this.
+    flat = np.abs(np.linalg.det(points[:, :3])) <= 1.5 * IN_LINE
+    for k in np.nonzero(flat & there[:, 2])[0]:
         if (other := _off_the_line(parts[k], points[k, :3])) is not None:
             points[k, 2], there[k] = other, [True, True, True, False]
     return points, there
@@ -62,16 +58,23 @@ def common_points(first: Real, second: Real) -> tuple[Real, Mask]:
 
 def _gathered(count: int, which: Whole, found: Real, off: Real) -> tuple[Real, Mask]:
     """At most four different points of each pair, those that are met best."""
-    points, there = np.zeros((count, 4, 3)), np.zeros((count, 4), dtype=bool)
-    held = np.zeros(count, dtype=int)
     good = np.nonzero(off <= MET)[0]
-    for k in good[np.argsort(off[good], kind="stable")]:
-        row = which[k]
-        known = points[row, : held[row]]
-        apart = np.minimum(np.abs(known - found[k]).max(axis=-1), np.abs(known + found[k]).max(axis=-1))
-        if held[row] < 4 and not (apart < ONE).any():
-            points[row, held[row]], there[row, held[row]] = found[k], True
-            held[row] += 1
+    good = good[np.lexsort((off[good], which[good]))]
+    row = which[good]
+    # Those of each pair side by side, the best first.
+    place = np.arange(len(row)) - np.searchsorted(row, row)
+    many = max(4, int(place.max(initial=-1)) + 1)
+    points, there = np.zeros((count, many, 3)), np.zeros((count, many), dtype=bool)
+    points[row, place], there[row, place] = found[good], True
+    apart = [np.abs(points[:, :, None] + sign * points[:, None]).max(axis=-1) for sign in (-1, 1)]
+    # With those before it only.
+    same = np.tril((np.minimum(*apart) < ONE) & there[:, None], -1)
+    if many > 4 or same.any():
+        for k in range(1, many):
+            there[:, k] &= ~(same[:, k] & there).any(axis=-1)
+        order = np.argsort(~there, axis=-1, kind="stable")[:, :4]
+        points, there = (np.take_along_axis(each, at, 1) for each, at in ((points, order[..., None]), (there, order)))
+        points = np.where(there[..., None], points, 0)
     return points, there
 
 
@@ -96,92 +99,107 @@ def _values(parts: Real, x: Array) -> Array:
     return value
 
 
-def _polished(parts: Real, x: Array, steps: int) -> Array:
-    """Vectors (n, k, 3) after Newton's steps on the unit sphere: of all that they come by, the best."""
-    x = x / np.linalg.norm(x, axis=-1, keepdims=True)
-    value = _values(parts, x)
+def _polished(parts: Real, x: Array, steps: int) -> tuple[Array, Real]:
+    """Unit vectors (n, k, 3) after Newton's steps on the unit sphere, of all that they come by the best.
+
+    Besides, what the conics are there, at most, (n, k).
+    """
+    # Both conics as one row of coefficients: a product of matrices takes half the time of einsum's for a few.
+    x = x / _size(x)
+    forms = parts.transpose(0, 2, 1, 3).reshape(len(parts), 3, 6)
+    slopes = _slopes(forms, x)
+    value = _at(slopes, x)
     best, least = x, np.abs(value).max(axis=-1)
     for done in range(steps if x.size else 0):
-        slopes = 2 * np.einsum("ncij,nkj->nkci", parts, x)
-        rows = np.concatenate([slopes, np.conj(x)[..., None, :]], axis=-2)
-        step = _solved(rows, np.concatenate([value, np.zeros((*x.shape[:2], 1))], axis=-1))
-        x = x - step
-        x = x / np.linalg.norm(x, axis=-1, keepdims=True)
-        value = _values(parts, x)
+        x = x - _step(slopes, value, x)
+        x = x / _size(x)
+        slopes = _slopes(forms, x)
+        value = _at(slopes, x)
         off = np.abs(value).max(axis=-1)
         # Where the conics touch the last steps are rounding over nearly nothing, and lead away.
         better = off < least
-        best, least = np.where(better[..., None], x, best), np.where(better, off, least)
-        if done > 2 and not better.any():
+        if not better.any() and (done > 2 or bool((least <= MET).all())):
             break
-    return best
+        best, least = np.where(better[..., None], x, best), np.where(better, off, least)
+    return best, least
 
 
-def _solved(rows: Array, value: Array) -> Array:
-    """Solutions of 3 x 3 systems by cross products, 0 where singular: a point where the conics touch stays."""
-    a, b, c = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
-    bc, ca, ab = _across(b, c), _across(c, a), _across(a, b)
-    volume = np.sum(a * bc, axis=-1, keepdims=True)
+def _slopes(forms: Real, x: Array) -> Array:
+    """Half the gradients (n, k, 2, 3) of both conics at vectors (n, k, 3)."""
+    return (x @ forms).reshape(*x.shape[:2], 2, 3)
+
+
+def _at(slopes: Array, x: Array) -> Array:
+    """Both conics (n, k, 2) there."""
+    value: Array = np.matmul(slopes, x[..., None])[..., 0]
+    return value
+
+
+def _size(x: Array) -> Real:
+    """Lengths (..., 1) of vectors (..., 3); NumPy's own takes three times as long for a few."""
+    size: Real = np.sqrt(np.vecdot(x, x).real)[..., None]
+    return size
+
+
+def _step(slopes: Array, value: Array, x: Array) -> Array:
+    """Newton's steps (n, k, 3) square to x, 0 where there are many: a point where the conics touch stays.
+
+    s with 2 a s = p, 2 b s = q and c s = 0, where c is x conjugate, is c x (q a - p b) over twice a x b along c.
+    """
+    a, b = slopes[..., 0, :], slopes[..., 1, :]
+    volume = np.vecdot(x, _across(a, b))[..., None]
+    way = _across(np.conj(x), value[..., 1:] * a - value[..., :1] * b)
     with np.errstate(divide="ignore", invalid="ignore"):
-        x = (value[..., :1] * bc + value[..., 1:2] * ca + value[..., 2:] * ab) / volume
+        step: Array = 0.5 * way / volume
+    step = np.where(np.isfinite(step), step, 0.0)
     # A step of more than this leaps away from where the quartic saw a root.
-    x = np.where(np.isfinite(x), x, 0.0)
-    step: Array = x / np.maximum(1.0, 10 * np.linalg.norm(x, axis=-1, keepdims=True))
+    step = step / np.maximum(1.0, 10 * _size(step))
     return step
+
+
+# The three places after each one, and before it.
+AHEAD, BEHIND = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 def _across(a: Array, b: Array) -> Array:
     """Vector products; NumPy's own takes five times as long for a few."""
-    ahead, behind = [1, 2, 0], [2, 0, 1]
-    product: Array = a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
+    product: Array = a.take(AHEAD, -1) * b.take(BEHIND, -1) - a.take(BEHIND, -1) * b.take(AHEAD, -1)
     return product
+
+
+# Where in a matrix of nine the coefficients of a conic's powers stand, and how often; see `_roots`.
+PLACES, TIMES = np.array([[8, 8, 8], [8, 2, 5], [0, 1, 4]]), np.array([[0, 0, 1], [0, 2, 2], [1, 2, 1]])
 
 
 def _roots(parts: Real) -> Complex:
     """Complex vectors (n, 4, 3) near all common points: the last unknown eliminated, then told from the others."""
-    (a, b) = parts[:, 0], parts[:, 1]
-
-    def by_power(m: Real) -> tuple[Real, Real, Real]:
-        # Coefficients of z^2, z, 1, each a polynomial in t with (t, 1, z), highest power first.
-        return (
-            m[:, 2, 2:],
-            2 * np.stack([m[:, 0, 2], m[:, 1, 2]], axis=-1),
-            np.stack([m[:, 0, 0], 2 * m[:, 0, 1], m[:, 1, 1]], axis=-1),
-        )
-
-    (a2, a1, a0), (b2, b1, b0) = by_power(a), by_power(b)
+    # Coefficients of z^2, z, 1, each a polynomial in t with (t, 1, z), highest power first, (n, 2, 3, 3).
+    by_power = parts.reshape(-1, 2, 9)[..., PLACES] * TIMES
+    # First the conic that has the larger leading coefficient.
+    swap = np.abs(by_power[:, 0, 0, 2]) < np.abs(by_power[:, 1, 0, 2])
+    by_power = np.where(swap[:, None, None, None], by_power[:, ::-1], by_power)
+    (a2, a1, a0), (b2, b1, b0) = ((one[:, 0, 2:], one[:, 1, 1:], one[:, 2]) for one in by_power.swapaxes(0, 1))
     one = a2 * b0 - b2 * a0
     two = a2 * b1 - b2 * a1
     three = _product(a1, b0) - _product(b1, a0)
     quartic = _product(one, one) - _product(two, three)
     lead = quartic[:, :1]
-    tiny = np.abs(lead) < 1e-14 * np.abs(quartic).max(axis=-1, keepdims=True)
-    quartic = quartic / np.where(tiny, 1e-14 * np.abs(quartic).max(axis=-1, keepdims=True) + 1e-300, lead)
-    companion = np.zeros((len(a), 4, 4))
+    least = 1e-14 * np.abs(quartic).max(axis=-1, keepdims=True)
+    quartic = quartic / np.where(np.abs(lead) < least, least + 1e-300, lead)
+    companion = np.zeros((len(parts), 4, 4))
     companion[:, 0] = -quartic[:, 1:]
     companion[:, [1, 2, 3], [0, 1, 2]] = 1
     t = np.linalg.eigvals(companion).astype(complex)
-
-    def at(poly: Real) -> Complex:
-        value = np.zeros_like(t)
-        for k in range(poly.shape[-1]):
-            value = value * t + poly[:, k : k + 1]
-        return value
-
-    # Of the two roots in z of the conic that has the larger leading coefficient, the one that meets the other.
-    swap = np.abs(a2) < np.abs(b2)
-    p, q, r = (np.where(swap, at(v), at(u)) for u, v in ((a2, b2), (a1, b1), (a0, b0)))
+    powers = np.stack([t * t, t, np.ones_like(t)], axis=1)
+    p, q, r, *other = (by_power.reshape(-1, 6, 3) @ powers).swapaxes(0, 1)
+    # Of the two roots in z of the first conic, the one that meets the other.
     root = np.sqrt(q * q - 4 * p * r)
     root = np.where((np.conj(q) * root).real < 0, -root, root)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.stack([-(q + root) / (2 * p), -2 * r / (q + root)])
     z = np.where(np.isfinite(z), z, 0)
-    other = [np.where(swap, at(u), at(v)) for u, v in ((a2, b2), (a1, b1), (a0, b0))]
-    scale = 1 + np.abs(t) ** 2 + np.abs(z) ** 2
-    off = np.abs((other[0] * z + other[1]) * z + other[2]) / scale
-    z = np.where(off[0] <= off[1], z[0], z[1])
-    x = np.stack([t, np.ones_like(t), z], axis=-1)
-    roots: Complex = x / np.linalg.norm(x, axis=-1, keepdims=True)
+    off = np.abs((other[0] * z + other[1]) * z + other[2]) / (1 + np.abs(t) ** 2 + np.abs(z) ** 2)
+    roots: Complex = np.stack([t, powers[:, 2], np.where(off[0] <= off[1], *z)], axis=-1)
     return roots
 
 
@@ -195,21 +213,24 @@ def _product(p: Real, q: Real) -> Real:
 
 def _both_ways(parts: Real, which: Whole, x: Real) -> tuple[Whole, Real]:
     """Real starts (k, 3) and, where the conics nearly touch, those on both sides of where they do."""
-    rows = 2 * np.einsum("kcij,kj->kci", parts[which], x)
+    rows = 2 * (parts[which] @ x[:, None, :, None])[..., 0]
     # In the plane that touches the sphere there.
-    flat = rows - np.sum(rows * x[:, None], axis=-1, keepdims=True) * x[:, None]
-    left, sizes, right = np.linalg.svd(flat)
-    near = np.nonzero(sizes[:, 1] <= TOUCHING * sizes[:, 0])[0]
+    flat = rows - np.vecdot(rows, x[:, None])[..., None] * x[:, None]
+    # The product of its singular values, and the sum of their squares.
+    area, square = np.abs(np.vecdot(_across(flat[:, 0], flat[:, 1]), x)), np.vecdot(flat, flat).sum(axis=-1)
+    near = np.nonzero(area <= TOUCHING * square)[0]
     if not len(near):
         return which, x
     own, x0 = which[near], x[near]
-    slow, fast = right[near, 1], right[near, 0]
+    left, sizes, right = np.linalg.svd(flat[near])
+    slow, fast = right[:, 1], right[:, 0]
     value = _values(parts[own], x0[:, None])[:, 0]
-    x0 = x0 - fast * (np.sum(left[near, :, 0] * value, axis=-1) / sizes[near, 0])[:, None]
+    x0 = x0 - fast * (np.sum(left[:, :, 0] * value, axis=-1) / sizes[:, 0])[:, None]
     # Along the slow way w(x0 + s v) is a quadratic in s.
-    w = np.einsum("kc,kcij->kij", left[near, :, 1], parts[own])
+    w = np.einsum("kc,kcij->kij", left[:, :, 1], parts[own])
     a, b, c = (np.einsum("ki,kij,kj->k", u, w, v) for u, v in ((slow, slow), (slow, x0), (x0, x0)))
     with np.errstate(divide="ignore", invalid="ignore"):
         middle, half = -b / a, np.sqrt(np.maximum(b * b - a * c, 0)) / np.abs(a)
-    sides = [x0 + slow * np.nan_to_num(np.clip(middle + way * half, -0.5, 0.5))[:, None] for way in (-1, 1)]
+        both = np.nan_to_num(np.clip([middle - half, middle + half], -0.5, 0.5))
+    sides = [x0 + slow * along[:, None] for along in both]
     return np.concatenate([which, own, own]), np.concatenate([x, *sides])

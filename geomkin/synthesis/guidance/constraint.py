@@ -91,23 +91,44 @@ def normalised(z: Complex) -> tuple[Complex, Complex, Real]:
     return (z - middle) / size, middle, size
 
 
-def freedom(z: Complex, u: Complex) -> int:
-    """How many of the eight coefficients' relations the poses leave open: 3 where they fix finitely many dyads."""
-    sizes = np.linalg.svd(rows(normalised(z)[0], u), compute_uv=False)
-    return 8 - int(np.sum(sizes > RANK * sizes[0]))
+@dataclass(frozen=True, eq=False)
+class Relations:
+    """What poses (..., n) ask of the eight coefficients, in unit sizes: singular values, greatest first, and vectors.
+
+    The origins' middle and size are (..., 1), mm.
+    """
+
+    middle: Complex
+    size: Real
+    values: Real
+    vectors: Real
+
+    __repr__ = one_line
+
+    @property
+    def freedom(self) -> int:
+        """How many relations the poses, of one set, leave open: 3 where they fix finitely many dyads."""
+        return 8 - int(np.sum(self.values > RANK * self.values[..., 0]))
 
 
-def pairs_of_least(z: Complex, u: Complex) -> tuple[Pairs, Mask]:
-    """The dyads (sets, 4), and which there are, of poses (sets, n): real members of the three least coefficients' rows.
+def relations(z: Complex, u: Complex) -> Relations:
+    """Of poses (..., n)."""
+    scaled, middle, size = normalised(z)
+    _, values, vectors = np.linalg.svd(rows(scaled, u))
+    return Relations(middle, size, values, vectors)
+
+
+def pairs_of_least(poses: Relations) -> tuple[Pairs, Mask]:
+    """The dyads (..., 4), and which there are, of poses (..., n): real members of the three least coefficients' rows.
 
     Of five poses these are all dyads there are. Of more, those that are met exactly are among them.
     """
-    scaled, middle, size = normalised(z)
-    open_ = np.linalg.svd(rows(scaled, u), full_matrices=True)[2][..., -3:, :]
-    conics = np.einsum("nai,cij,nbj->cnab", open_, SIDE, open_)
-    points, there = common_points(conics[0], conics[1])
-    told = np.einsum("nka,nai->nki", points, open_)
-    found, good = pairs_of(told)
+    middle, size, open_ = poses.middle, poses.size, poses.vectors[..., -3:, :]
+    conics = open_[..., None, :, :] @ SIDE @ open_[..., None, :, :].swapaxes(-1, -2)
+    points, there = common_points(conics.reshape(-1, 2, 3, 3))
+    shape = open_.shape[:-2]
+    points, there = points.reshape(*shape, 4, 3), there.reshape(*shape, 4)
+    found, good = pairs_of(points @ open_)
     return (
         Pairs(
             np.where(found.fixed_far, found.fixed, middle + size * found.fixed),
@@ -175,8 +196,10 @@ def sharpened(z: Complex, u: Complex, pairs: Pairs) -> Pairs:
         value = (np.conj(step) * total).real
         by_m = np.conj(total) * (u[1:] - u[0]) + np.conj(step) * (u[1:] + u[0])
         slopes = np.stack([by_m.real, -by_m.imag, -2 * step.real, -2 * step.imag], axis=-1)
-        good = near & (np.linalg.cond(slopes) < 1e14)
-        change = np.linalg.solve(np.where(good[:, None, None], slopes, np.eye(4)), value[..., None])[..., 0]
+        left, sizes, right = np.linalg.svd(slopes)
+        good = near & (sizes[:, 3] > 1e-14 * sizes[:, 0])
+        along = (value[:, None] @ left) / np.where(good[:, None], sizes, 1.0)[:, None]
+        change = (along @ right)[:, 0]
         tried = Pairs(
             np.where(good, pairs.fixed - change[:, 2] - 1j * change[:, 3], pairs.fixed),
             np.where(good, pairs.moving - change[:, 0] - 1j * change[:, 1], pairs.moving),

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...plane.vec import Complex, Real, Whole
 from .circle_fit import distances
-from .constraint import FAR, Pairs, joined, missed, normalised, pairs_of_least
+from .constraint import FAR, Pairs, joined, missed, normalised, pairs_of_least, relations
 from .least_squares import least_squares
 from .poses import inverse
 
@@ -28,8 +28,8 @@ def fitted_dyads(origins: Complex, directions: Complex) -> Pairs:
     z, middle, size = normalised(origins)
     sets = list(combinations(range(len(z)), 5)) if len(z) < 12 else _spread(len(z))
     chosen = np.array(sets)[np.unique(np.linspace(0, len(sets) - 1, MOST_FIVES).astype(int))]
-    whole, fives = pairs_of_least(z[None], directions[None]), pairs_of_least(z[chosen], directions[chosen])
-    starts = joined([whole[0].at(whole[1]), fives[0].at(fives[1])])
+    sets_of_all = relations(z, directions), relations(z[chosen], directions[chosen])
+    starts = joined([found.at(there) for found, there in map(pairs_of_least, sets_of_all)])
     body = starts.moving_far | (~starts.fixed_far & (np.abs(starts.moving) > np.abs(starts.fixed)))
     on_ground = _polished(z, directions, starts.at(~body))
     on_body = _polished(*inverse(z, directions), starts.at(body).swapped).swapped

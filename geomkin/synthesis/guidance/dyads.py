@@ -14,7 +14,7 @@ from ...errors import DesignError
 from ...plane.vec import Complex, Mask, Real
 from .burmester import both_ways, slides_of
 from .circle_fit import fitted_circles
-from .constraint import Pairs, freedom, joined, missed, pairs_of_least, sharpened
+from .constraint import Pairs, joined, missed, pairs_of_least, relations, sharpened
 from .displacement_poles import PARALLEL
 from .dyad_fits import fitted_dyads
 from .poses import Poses, inverse, placed
@@ -85,7 +85,8 @@ def dyads_through(
         return told(z, u, partners(z, u, _row("moving", moving)))
     if fixed is not None:
         return told(z, u, partners(*inverse(z, u), _row("fixed", fixed)).swapped)
-    free = freedom(z, u)
+    asked = relations(z, u)
+    free = asked.freedom
     if free > 4 or np.abs(u - u[0]).max() <= PARALLEL:
         why = f"found {len(z)}, for which every point of the body is as good as any other"
         raise DesignError("poses", why, "give moving or fixed points besides, or more poses that turn the body")
@@ -93,15 +94,14 @@ def dyads_through(
         return told(z, u, _along_curves(z, u, count))
     if len(z) > 5:
         return told(z, u, _straightened(z, u, fitted_dyads(z, u)))
-    found, there = pairs_of_least(z[None], u[None])
-    found = _straightened(z, u, sharpened(z, u, found.at(there)))
+    found, there = pairs_of_least(asked)
     # A body with two angles only is also held by what forbids it all others, which is no dyad.
-    return told(z, u, found.at(missed(z, u, found) <= MISSED * _size(z, u, found)))
+    return told(z, u, _straightened(z, u, sharpened(z, u, found.at(there))), MISSED)
 
 
 def _along_curves(z: Complex, u: Complex, count: int) -> Pairs:
     """The slides, then dyads along the curves of four poses, to which others, if any, add nothing."""
-    four = next(list(k) for k in combinations(range(len(z)), 4) if freedom(z[list(k)], u[list(k)]) == 4)
+    four = next(list(k) for k in combinations(range(len(z)), 4) if relations(z[list(k)], u[list(k)]).freedom == 4)
     ground, body = both_ways(z[four], u[four])
     loops = ground.cubic.loops
     each = max(1, count // max(1, len(loops)))
@@ -125,6 +125,8 @@ def partners(z: Complex, u: Complex, moving: Complex) -> Pairs:
 def _straightened(z: Complex, u: Complex, found: Pairs) -> Pairs:
     """Dyads with slides for pivots so far away that a straight line does as well: rounding decided how far."""
     size = np.abs(z - z.mean()).max()
+    if not (np.maximum(np.abs(found.fixed), np.abs(found.moving)) > REMOTE * size).any():
+        return found
     body = _slide(found.moving_far, found.moving, np.conj(u) * (found.fixed[:, None] - z), size)
     ground = _slide(found.fixed_far, found.fixed, z + u * found.moving[:, None], size)
     pinned = ~(found.fixed_far | found.moving_far)
@@ -148,9 +150,11 @@ def _slide(far: Mask, place: Complex, points: Complex, size: float) -> tuple[Mas
     return ~far & (np.abs(place) > REMOTE * size) & (across <= EXACT * (extent + size)), way
 
 
-def told(z: Complex, u: Complex, found: Pairs) -> Dyads:
-    """Dyads (k,) with what they miss."""
-    off = missed(z, u, found)
+def told(z: Complex, u: Complex, found: Pairs, most: float = np.inf) -> Dyads:
+    """Dyads (k,) with what they miss, those that miss by no more than `most` of their size."""
+    off, size = missed(z, u, found), _size(z, u, found)
+    kept = off <= most * size
+    found, off, size = found.at(kept), off[kept], size[kept]
     nowhere, far = complex(np.nan, np.nan), complex(np.inf, np.inf)
     return Dyads(
         np.where(found.fixed_far, far, found.fixed),
@@ -158,7 +162,7 @@ def told(z: Complex, u: Complex, found: Pairs) -> Dyads:
         np.where(found.fixed_far, found.fixed, nowhere),
         np.where(found.moving_far, found.moving, nowhere),
         off,
-        off <= EXACT * _size(z, u, found),
+        off <= EXACT * size,
     )
 
 

@@ -55,8 +55,8 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
     spread = np.abs(origins - origins.mean()).max()
     apart = np.abs(origins[:, None] - origins) / max(spread, np.finfo(float).tiny)
     alike = np.maximum(apart, np.abs(directions[:, None] - directions)) <= ALIKE
-    first, second = np.nonzero(np.triu(alike, 1))
-    if len(first):
+    if np.count_nonzero(alike) > count:
+        first, second = np.nonzero(np.triu(alike, 1))
         raise DesignError(
             "poses", f"poses {first[0] + 1} and {second[0] + 1} are the same", "leave one of them out, or move it"
         )

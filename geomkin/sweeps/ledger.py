@@ -1,0 +1,75 @@
+"""What a sweep has worked out so far, kept line by line, so that one that was stopped goes on where it was."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..errors import FileError, printable
+
+# Bytes that are read back; those of the most combinations there may be stay below it.
+LARGEST = 500_000_000
+
+
+class Ledger:
+    """Rows by key in a file of JSON lines, whose first says what they are of; where that is another, it begins anew.
+
+    known: rows by key; anew: whether there were rows, but of another recipe, other wishes or another version.
+    """
+
+    def __init__(self, path: Path, title: Mapping[str, Any]):
+        self.path = path
+        self.known: dict[str, Any] = {}
+        with _naming(path):
+            content = self._content()
+            lines = content.split(b"\n")
+            self.anew: bool = bool(content) and _read(lines[0]) != title
+            if self.anew or not content:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(_line(title))
+                return
+            for read in map(_read, lines[1:]):
+                if isinstance(read, dict) and isinstance(read.get("key"), str) and isinstance(read.get("row"), dict):
+                    self.known[read["key"]] = read["row"]
+            if lines[-1]:
+                # A line that was being written when the run was stopped.
+                with path.open("rb+") as file:
+                    file.truncate(len(content) - len(lines[-1]))
+
+    def _content(self) -> bytes:
+        if not self.path.exists():
+            return b""
+        if not self.path.is_file():
+            raise FileExistsError(0, "something that is not a file stands under this name")
+        if self.path.stat().st_size > LARGEST:
+            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
+        return self.path.read_bytes()
+
+    def add(self, rows: Mapping[str, Any]) -> None:
+        """Set down further rows, by key, whole lines at once."""
+        with _naming(self.path), self.path.open("ab") as file:
+            file.write(b"".join(_line({"key": key, "row": row}) for key, row in rows.items()))
+
+
+def _line(held: Mapping[str, Any]) -> bytes:
+    return (json.dumps(held) + "\n").encode()
+
+
+def _read(line: bytes) -> Any:
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turns what the system says into an error that names the file."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FileError(f"{printable(path)}: cannot be used ({reason}); choose another place (--out)") from error

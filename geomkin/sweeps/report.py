@@ -1,0 +1,101 @@
+"""A sweep as a page: every value plotted over the key that was varied, and all of it as a table."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ..errors import harmless
+from ..export.page import document
+from ..export.sections import MOST_ROWS, capital, number, section, text, wide
+from ..table import Column
+from .columns import Row, as_text, of_checks, of_told
+
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "sweep.js")
+START = 'mountSweep(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
+# Lines of a plot at most, as many as colours and dashes tell apart.
+MOST_LINES = 6
+# Plots to choose from, and values of a line at most; more make pages of megabytes, and the CSV has them all.
+MOST_PLOTS, MOST_POINTS = 40, 1001
+
+
+def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
+    """The page. name: of the recipe; values: of each key, all of whose combinations are the rows, in order."""
+    found = [*of_checks(rows), *of_told(rows)]
+    refused = sum(bool(row.refused) for row in rows)
+    sound = sum(not row.refused and all(check.passed for check in row.checks) for row in rows)
+    told = f"{len(rows):,} combinations of {text(' and '.join(values))}: in {sound:,} all checks hold"
+    about = f"<p>{told}; {refused:,} the recipe refuses.</p>"
+    data, note = _plotted(values, rows, found)
+    plots = f'<section id="plots" class="values" aria-label="Plots"></section>\n{note}' if data["plots"] else ""
+    unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
+    body = f"{plots}{unplotted}{_table(list(values), rows, found)}\n"
+    island = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return document(f"{name}: a sweep", about, body, island, SCRIPTS, START)
+
+
+def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Sequence[Column]) -> tuple[Any, str]:
+    """The plots as the player takes them, over the first key of numbers, and what is to be said of their lines."""
+    data: dict[str, Any] = {"frames": 0, "columns": [], "plots": []}
+    along = next((key for key, row in values.items() if len(row) > 1 and all(map(_is_number, row))), None)
+    if along is None:
+        return data, ""
+    others = [key for key in values if key != along]
+    place = sorted(values[along])[:MOST_POINTS]
+    lines = list(product(*(values[key] for key in others)))
+    shown = [lines[k] for k in np.unique(np.rint(np.linspace(0, len(lines) - 1, MOST_LINES)).astype(int))]
+    at = {(row.values[along], *(as_text(row.values[key]) for key in others)): k for k, row in enumerate(rows)}
+    data["frames"], data["columns"] = len(place), [_column(along, "", "", place)]
+    limits = [{(c.name, c.unit): (c.limit, f"{c.side} {number(c.limit)}") for c in row.checks} for row in rows]
+    for column in [c for c in found if c.values.dtype.kind in "fi"][:MOST_PLOTS]:
+        named = column.meaning, column.unit
+        told = {held[named] for held in limits if named in held}
+        data["plots"].append(
+            {
+                "title": harmless(capital(column.meaning)),
+                "columns": [len(data["columns"]) + k for k in range(len(shown))],
+                # Limits that differ from one combination to the next are no line.
+                "limits": [[value, said] for value, said in told if len(told) == 1 and math.isfinite(value)],
+            }
+        )
+        for choice in shown:
+            chosen = [f"{key.rpartition('.')[2]} {as_text(value)}" for key, value in zip(others, choice)]
+            picked = [column.values[at[x, *map(as_text, choice)]] for x in place]
+            data["columns"].append(_column(", ".join(chosen) or capital(column.meaning), *named[::-1], picked))
+    left = len(lines) - len(shown)
+    note = f"<p>Of {len(lines):,} lines {len(shown)} are drawn, evenly chosen; the file has them all.</p>"
+    return data, note if left else ""
+
+
+def _column(name: str, unit: str, meaning: str, row: Sequence[Any]) -> dict[str, Any]:
+    told = [float(f"{value:.6g}") if math.isfinite(value) else None for value in row]
+    return {"name": harmless(name), "unit": harmless(unit), "meaning": harmless(meaning), "row": told}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _table(keys: Sequence[str], rows: Sequence[Row], found: Sequence[Column]) -> str:
+    """The first rows, as many as a reader takes in."""
+    told = [f"{capital(c.meaning)}{f', {c.unit}' if c.unit else ''}" for c in found]
+    heads = "".join(f'<th scope="col">{text(head)}</th>' for head in (*keys, "Checks", *told))
+    lines = "".join(_line(keys, row, [c.values[k] for c in found]) for k, row in enumerate(rows[:MOST_ROWS]))
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{lines}</tbody></table>"
+    more = f"<p>And {len(rows) - MOST_ROWS:,} more in the file.</p>" if len(rows) > MOST_ROWS else ""
+    return section("rows", "All combinations", wide("Combinations", table) + more)
+
+
+def _line(keys: Sequence[str], row: Row, found: Sequence[Any]) -> str:
+    values = "".join(f'<th scope="row">{text(as_text(row.values[key]))}</th>' for key in keys)
+    if row.refused:
+        return f'<tr class="fails">{values}<td colspan="{1 + len(found)}">{text(row.refused)}</td></tr>'
+    failed = [check.name for check in row.checks if not check.passed]
+    verdict = text(f"fails: {', '.join(failed)}") if failed else "all hold" if row.checks else "none"
+    cells = "".join(f"<td>{text(one) if isinstance(one, str) else number(float(one))}</td>" for one in found)
+    return f'<tr class="{"fails" if failed else "holds"}">{values}<td>{verdict}</td>{cells}</tr>'

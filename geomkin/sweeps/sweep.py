@@ -1,0 +1,235 @@
+"""A sweep: a recipe over all combinations of values, resumed where it was stopped, told in a CSV and on a page."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Any
+
+from ..arguments import Sort, checked
+from ..brief import one_line
+from ..build import Readable, name_of
+from ..check import Check
+from ..errors import DesignError, GeomkinError, RecipeError, printable
+from ..export.csv import csv
+from ..export.files import write_whole
+from ..progress import tell as tell_progress
+from ..recipe.dump import to_toml
+from ..recipe.load import parsed, table_of
+from ..recipe.recipe import AbstractRecipe
+from ..table import Table
+from ..version import VERSION
+from .columns import columns
+from .ledger import Ledger
+from .report import report
+from .row import Task, check_tell, file_marks, worked_out
+from .values import combinations, listed
+
+# What follows the recipe's name in those of a sweep's files.
+ENDING = ".sweep"
+# Combinations that a process is given at a time. Fewer, and handing them over shows; more, and what a stop loses, and
+# the wait for the last one, grow.
+TOGETHER = 4
+# Jobs handed to an executor before the first is done. Fewer leave a large cluster idle; more fill its memory.
+AHEAD = 256
+
+Rows = Iterator[tuple[int, list[dict[str, Any]]]]
+# Works out batches of combinations: (task, batches) -> (number of the batch, its rows), in any order.
+Worker = Callable[[Task, Sequence[Sequence[Mapping[str, Any]]]], Rows]
+Values = Annotated[Mapping[str, Any], Sort(lambda given: isinstance(given, Mapping), "a table, key to values")]
+Names = Annotated[
+    Sequence[str],
+    Sort(lambda given: isinstance(given, (list, tuple)) and all(isinstance(n, str) for n in given), "a row of texts"),
+]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepRow:
+    """One combination. values: by key; refused: why there is no such mechanism, "" where there is one.
+
+    checks: of the recipe; told: what was asked for besides, None where there is none.
+    """
+
+    values: Mapping[str, Any]
+    refused: str
+    checks: tuple[Check, ...]
+    told: Mapping[str, Any]
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What came of a sweep: a row for each combination, the last key's values running fastest.
+
+    kept: rows that an earlier run had worked out; anew: whether an earlier run was of another recipe or version, and
+    was begun anew; files: path to size in bytes, empty where nothing was to be written.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    rows: tuple[SweepRow, ...]
+    kept: int = 0
+    anew: bool = False
+    files: Mapping[Path, int] = field(default_factory=dict)
+
+    __repr__ = one_line
+
+    @property
+    def table(self) -> Table:
+        """The rows as columns: the keys, why one was refused, which checks failed, what they found, what was told."""
+        return Table(columns(self.keys, self.rows))
+
+
+@checked
+def sweep(
+    recipe: AbstractRecipe | Readable,
+    values: Values,
+    tell: Names = (),
+    out: str | Path | None = None,
+    executor: Executor | None = None,
+) -> Sweep:
+    """Work out a recipe, or what `load` finds, for all combinations of values under some of its keys.
+
+    values: dotted key, such as "gear.teeth" or "program[0].rise", to a row of values, or to a text as the command
+    takes it: "8:120:4" (start:stop:step, the stop included where it is met), "-0.5,0,0.5", "spur,ring"; 10,000
+    combinations at most. What the recipe refuses is a row with the reason. tell: what is told besides the checks: a
+    table's column as "transmission_angle_deg:least", or `largest` or `last`, and entries of the notes by dotted name.
+    Nothing is worked out that neither the checks nor these need.
+    out: writes `out`/<name>/<name>.sweep.csv, a page, and each row as it is found, so that the same call goes on where
+    it was stopped, unless the recipe, `tell` or the version has changed; without it nothing is written or kept.
+    executor: of `concurrent.futures`, or one that is such, as of Dask's `client.get_executor()`; this process unless
+    given. The results are the same. Raises RecipeError and FileError as `load` does, DesignError for keys and names
+    that are unknown, too many combinations, and an executor that fails; what was found by then is kept.
+    """
+    return swept(recipe, values, tell, out, _here if executor is None else partial(_by_executor, executor))
+
+
+def swept(
+    recipe: AbstractRecipe | Readable,
+    values: Mapping[str, Any],
+    tell: Sequence[str],
+    out: str | Path | None,
+    by: Worker,
+) -> Sweep:
+    """The same, worked out by any worker."""
+    task, name = _task(recipe, tuple(dict.fromkeys(tell)))
+    keyed = {key: listed(key, given) for key, given in values.items()}
+    if not keyed:
+        raise DesignError("values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}')
+    every = list(combinations(keyed))
+    _check_keys(task, keyed)
+    ledger = None if out is None else Ledger(Path(out) / name / f"{name}{ENDING}.jsonl", _title(task))
+    known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
+    keys = [_key_of(task, changes) for changes in every]
+    left = [k for k, key in enumerate(keys) if key not in known]
+    _check_tell(task, [every[k] for k in left])
+    together = 1 if by is _here else TOGETHER
+    batches = [left[k : k + together] for k in range(0, len(left), together)]
+    done = len(every) - len(left)
+    kept = done
+    for number, rows in by(task, [[every[k] for k in batch] for batch in batches]):
+        found = dict(zip((keys[k] for k in batches[number]), rows))
+        known |= found
+        if ledger is not None:
+            ledger.add(found)
+        done += len(found)
+        tell_progress(done / len(every), f"{done} of {len(every)} combinations")
+    told = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
+    result = Sweep(name, tuple(keyed), told, kept, ledger is not None and ledger.anew, {})
+    if out is None:
+        return result
+    folder = Path(out) / name
+    contents = {f"{name}{ENDING}.csv": csv(result.table), f"{name}{ENDING}.html": report(name, keyed, told)}
+    write_whole(folder, contents)
+    return replace(result, files={folder / file: len(content) for file, content in contents.items()})
+
+
+def _task(recipe: AbstractRecipe | Readable, tell: tuple[str, ...]) -> tuple[Task, str]:
+    """What is worked out, read once, and the name of its files."""
+    if isinstance(recipe, AbstractRecipe):
+        data, file, name = tomllib.loads(to_toml(recipe)), recipe.name or recipe.kind, recipe.name
+    elif isinstance(recipe, Mapping):
+        data, file, name = dict(recipe), "recipe", ""
+    elif isinstance(recipe, str) and "\n" in recipe:
+        data, file, name = parsed(recipe), "recipe", ""
+    else:
+        path = Path(recipe)
+        data = table_of(path)
+        # Other processes may work in other folders.
+        return Task(data, str(path), str(path.absolute().parent), tell), name_of(str(path), path.stem)
+    return Task(data, file, str(Path.cwd()), tell), name_of(file, name or str(data.get("kind", "recipe")))
+
+
+def _check_keys(task: Task, values: Mapping[str, Sequence[Any]]) -> None:
+    """Refuse a key that no recipe of its kind knows, in the words in which a recipe that has it is refused."""
+    first = {key: row[0] for key, row in values.items()}
+    try:
+        task.opened(first)
+    except RecipeError as error:
+        for problem in error.problems:
+            asked = any(key.startswith(problem.key) and key[len(problem.key) :][:1] in ("", ".", "[") for key in values)
+            if problem.problem == "unknown key" and asked:
+                raise DesignError(problem.key, problem.problem, problem.remedy) from None
+
+
+def _check_tell(task: Task, every: Iterable[Mapping[str, Any]]) -> None:
+    """Refuse names to tell of that the first recipe that works does not know."""
+    if not task.tell:
+        return
+    for changes in islice(every, 20):
+        try:
+            recipe = task.opened(changes)
+            _ = recipe.checks, recipe.table
+        except GeomkinError:
+            continue
+        return check_tell(task, recipe)
+
+
+def _here(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    for number, batch in enumerate(batches):
+        yield number, worked_out(task, batch)
+
+
+def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    """A window of jobs at a time, so that however many there are, few wait."""
+    waiting: dict[Future[list[dict[str, Any]]], int] = {}
+    ahead = iter(enumerate(batches))
+    try:
+        while True:
+            for number, batch in islice(ahead, AHEAD - len(waiting)):
+                waiting[executor.submit(worked_out, task, batch)] = number
+            if not waiting:
+                return
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                yield waiting.pop(future), future.result()
+    except GeomkinError:
+        raise
+    except Exception as error:
+        why = f"it failed ({type(error).__name__}: {printable(error, 200)})"
+        raise DesignError("executor", why, "give one that works; with `out`, what was found is kept") from error
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _title(task: Task) -> dict[str, Any]:
+    """What all rows of a ledger are of."""
+    text = json.dumps([task.recipe, file_marks(task.recipe, task.folder)], sort_keys=True, default=str)
+    return {"geomkin": VERSION, "recipe": hashlib.sha256(text.encode()).hexdigest(), "tell": list(task.tell)}
+
+
+def _key_of(task: Task, changes: Mapping[str, Any]) -> str:
+    """A row's key: its values, and the files that they name."""
+    return json.dumps([dict(sorted(changes.items())), *file_marks(changes, task.folder)])
+
+
+def _row(changes: Mapping[str, Any], found: Mapping[str, Any]) -> SweepRow:
+    return SweepRow(changes, found["refused"], tuple(Check(*check) for check in found["checks"]), found["told"])
