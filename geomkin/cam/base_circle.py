@@ -38,7 +38,8 @@ class BaseCircle:
     """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
 
     limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even one of a 100,000th of the size of
-    lifts and follower will do, and the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame. Derived here.
+    lifts and follower will do, and the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to
+    blame. Derived here.
     """
 
     radius: float
