@@ -33,6 +33,7 @@ MAY = {
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
     "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
+    "tradeoff": MECHANISMS | GEOMETRY | {"synthesis"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
@@ -51,6 +52,7 @@ ALONE = {
     "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py", "kinds/path_files.py"},
     "click": {"commands.py", "cli.py"},
     "highspy": {"cam/program/least_peak.py"},
+    "mpmath": {"tradeoff/cell.py"},
 }
 
 

@@ -37,8 +37,9 @@ Limit = Literal["pressure angle", "undercut", "reach", "nothing"]
 class BaseCircle:
     """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
 
-    limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even the smallest will do, and
-    the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to blame. Derived here.
+    limit: what forbids a smaller one. "reach": the arm or the offset; "nothing": even one of a 100,000th of the size of
+    lifts and follower will do, and the radius is 0. cam_angle: where it would be broken, rad; nan where no angle is to
+    blame. Derived here.
     """
 
     radius: float
@@ -91,6 +92,11 @@ def least_base_circle(
         raise _hopeless(rules, seen, pressure_angle_deg)
     last = len(good) - 1 - int(good[::-1].argmax())
     first = last - int(np.append(good[last::-1], False).argmin()) + 1
+    # A hill of the pressure angle may stand between two samples: a small cam's is narrow.
+    while first < last and not _fits(program, rules, float(tried[first])):
+        first += 1
+    while last > first and not _fits(program, rules, float(tried[last])):
+        last -= 1
     most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
     if first:
         radius, limit, angle = _border(program, rules, *tried[[first, first - 1]].tolist())
@@ -141,17 +147,19 @@ def _tried(low: float, high: float, scale: float, excess: Callable[[Real], Real]
 def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float) -> tuple[float, Limit, float]:
     """The last good base radius on the way to a bad one, the rule that forbids more, and the cam angle."""
 
-    def worst(radius: float) -> tuple[float, float, Limit]:
-        return max((*_largest(program, rule, radius), name) for name, rule in rules.items())
-
-    motion = program.motion(samples(program.breaks))
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        # Where the samples show a rule broken, no closer look is needed.
-        fits = all(rule(motion, middle).max() <= 0 for rule in rules.values()) and worst(middle)[0] <= 0
-        good, bad = (middle, bad) if fits else (good, middle)
-    _, angle, name = worst(bad)
+        good, bad = (middle, bad) if _fits(program, rules, middle) else (good, middle)
+    _, angle, name = max((*_largest(program, rule, bad), name) for name, rule in rules.items())
     return good, name, angle
+
+
+def _fits(program: Program, rules: dict[Limit, Rule], radius: float) -> bool:
+    """Whether a base radius breaks no rule anywhere."""
+    motion = program.motion(samples(program.breaks))
+    # Where the samples show a rule broken, no closer look is needed.
+    seen = all(rule(motion, radius).max() <= 0 for rule in rules.values())
+    return seen and all(_largest(program, rule, radius)[0] <= 0 for rule in rules.values())
 
 
 def _largest(program: Program, rule: Rule, radius: float) -> tuple[float, float]:

@@ -8,10 +8,16 @@ import numpy as np
 
 from ..sizes import last_fit
 
+# Roll angle below which the involute function is told by its series: its two terms are nearly equal there. Larger, and
+# the series' terms run out before the digits do; smaller, and their difference has lost two of them.
+NEAR_BASE, TERMS = 0.25, 14
+
 
 def involute_function(roll: float) -> float:
     """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll (ISO 21771)."""
-    return float(roll - np.arctan(roll))
+    if abs(roll) > NEAR_BASE:
+        return float(roll - np.arctan(roll))
+    return float(sum((-1) ** k * roll ** (2 * k + 3) / (2 * k + 3) for k in reversed(range(TERMS))))
 
 
 def inverse_involute(angle: float) -> float:
@@ -19,7 +25,7 @@ def inverse_involute(angle: float) -> float:
     # The function is convex: from a start above the root, Newton's steps only fall towards it.
     t = float(np.cbrt(3 * angle)) + angle
     for _ in range(60):
-        step = (t - np.arctan(t) - angle) * (1 + t**2) / t**2 if t > 0 else 0.0
+        step = (involute_function(t) - angle) * (1 + t**2) / t**2 if t > 0 else 0.0
         t = float(t - step)
         if abs(step) <= 1e-16 * t:
             break

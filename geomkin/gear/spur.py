@@ -186,7 +186,9 @@ class SpurGear(AbstractInvoluteGear):
     @property
     def lost_to_undercut(self) -> float:
         """Height of the involute that undercut takes away, mm along the radius."""
-        return max(0.0, self.form_radius - self.base_radius) if self.is_undercut else 0.0
+        roll = self.tooth.rolls[0]
+        # What the form radius is more than the base radius, where that is little.
+        return self.base_radius * roll**2 / (1 + float(np.hypot(1, roll))) if self.is_undercut else 0.0
 
     @property
     def tip_land(self) -> float:

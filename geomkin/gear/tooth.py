@@ -128,23 +128,40 @@ class Tooth(AbstractTooth):
         """Where the root curve of an undercut tooth leaves the involute, to rounding.
 
         The root curve passes the base circle inside the tooth and ends, at the flank's own normal, on
-        the far branch of the involute outside it; in between it crosses the near branch once.
+        the far branch of the involute outside it; in between it crosses the near branch once. Seen from where the line
+        of action touches the base circle, as the rack's corner cuts the point, so that nothing is
+        told by a difference of large numbers where the crossing is near the base circle. Derived here.
         """
-        curve = Moved(self._trochoid(lean_end), self._root_pose)
-        cusp_angle = np.pi / 2 - self.half_angle_at_base
+        base, far = self.base_radius, -self._rack_start
+        end = self.corner_depth / np.cos(lean_end)
 
-        def beyond_base(lean: float) -> float:
-            return abs(complex(curve.point(lean))) - self.base_radius
+        def seen(turn: float) -> tuple[float, float, float]:
+            """Of the point cut at a lean of `turn` from the end's: how far it lies along the line of action and outside
+            it, mm, and by what the squares of its distance from the axis and of the base radius differ.
+            """
+            lean = lean_end + turn
+            # 1 / cos(lean) less the same at the end, as a product.
+            less = np.sin(0.5 * turn) * np.sin(lean_end + 0.5 * turn) / (np.cos(lean) * np.cos(lean_end))
+            reach = 2 * self.corner_depth * less
+            whole = end + self.corner_rounding + reach
+            along = base * far + reach - 2 * whole * np.sin(0.5 * turn) ** 2
+            across = -whole * np.sin(turn)
+            return along, across, along**2 + (2 * base + across) * across
 
-        def inside_tooth(lean: float) -> float:
-            z = complex(curve.point(lean))
-            return float(np.angle(z * np.exp(-1j * cusp_angle))) - involute_function(roll_at(abs(z), self.base_radius))
+        def beyond_base(turn: float) -> float:
+            return seen(turn)[2]
 
-        base = _root(beyond_base, 0.0, lean_end)
-        if inside_tooth(base) <= 0:
+        def inside_tooth(turn: float) -> float:
+            along, across, square = seen(turn)
+            rolled = self.corner_depth * np.sin(turn) / (np.cos(lean_end + turn) * np.cos(lean_end) * self.pitch_radius)
+            roll = np.sqrt(max(square, 0.0)) / base
+            return float(np.arctan2(along, base + across) + rolled - far) - involute_function(roll)
+
+        foot = _root(beyond_base, -lean_end, 0.0)
+        if inside_tooth(foot) <= 0:
             return lean_end, 0.0  # at the very limit: the two meet at the cusp
-        lean = _root(inside_tooth, base, lean_end)
-        return lean, roll_at(abs(complex(curve.point(lean))), self.base_radius)
+        turn = _root(inside_tooth, foot, 0.0)
+        return lean_end + turn, float(np.sqrt(max(seen(turn)[2], 0.0)) / base)
 
 
 def outline(tooth: Tooth) -> Ring:

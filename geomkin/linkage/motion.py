@@ -69,7 +69,10 @@ class Motion:
     def condition(self) -> Real:
         """How many times an error of sizes or drive is seen in the place of the joint that stands worst.
 
-        1/sin of the transmission angle: inf at a limit, nan where there is none. Derived here.
+        1/sin of the transmission angle: inf at a limit, nan where there is none. Of velocities and accelerations near a
+        limit it is the square, as a share of themselves. It does not tell that of two bodies that slide on each other
+        the direction is uncertain where their pins nearly meet: by their sizes over the slide's displacement. Derived
+        here.
         """
         with np.errstate(divide="ignore"):
             return 1 / np.sin(self.transmission_angle)

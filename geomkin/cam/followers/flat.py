@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import fsum
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -217,7 +218,10 @@ class OscillatingFlat(AbstractFace):
 
     def start_angle(self, base_radius: float) -> float:
         """psi at lift 0, rad."""
-        return float(np.arcsin((base_radius - self.face_offset) / self.pivot_distance))
+        c, up = self.pivot_distance, (base_radius, -self.face_offset)
+        # By its tangent, with exact sums: the sine alone tells half of the digits where the face stands nearly square.
+        down = -base_radius, self.face_offset
+        return float(np.arctan2(fsum(up), np.sqrt(fsum((c, *up)) * fsum((c, *down)))))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         """p = c sin(psi) + f; it touches at the distance c cos(psi) / (1 + sgn tau s') from the pivot's foot."""

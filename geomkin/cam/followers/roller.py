@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
+from math import fsum, prod
 from typing import Literal, Self
 
 import numpy as np
@@ -143,7 +144,9 @@ class TranslatingRoller(AbstractRoller):
 
     def start_height(self, base_radius: float) -> float:
         """Height of the roller's centre above the cam's axis at lift 0, mm."""
-        return float(np.sqrt((base_radius + self.roller_radius) ** 2 - self.offset**2))
+        # By factors that are exact: an offset that nearly is the prime radius leaves few digits of their squares.
+        sides = (fsum((base_radius, self.roller_radius, sign * self.offset)) for sign in (1, -1))
+        return float(np.sqrt(prod(sides)))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         centre = self.offset + 1j * (self.start_height(base_radius) + motion.lift)
@@ -214,9 +217,10 @@ class OscillatingRoller(AbstractRoller):
 
     def start_angle(self, base_radius: float) -> float:
         """psi at lift 0, rad."""
-        c, arm, prime = self.pivot_distance, self.arm_length, base_radius + self.roller_radius
-        # By the half angle, which keeps its digits where the three points are nearly in line.
-        opposite, adjacent = (prime - c + arm) * (prime + c - arm), (c + arm - prime) * (c + arm + prime)
+        c, arm, prime = self.pivot_distance, self.arm_length, (base_radius, self.roller_radius)
+        # By the half angle and exact sums, which keep their digits where the three points are nearly in line.
+        opposite = fsum((*prime, -c, arm)) * fsum((*prime, c, -arm))
+        adjacent = fsum((c, arm, -base_radius, -self.roller_radius)) * fsum((c, arm, *prime))
         return 2 * float(np.arctan2(np.sqrt(opposite), np.sqrt(adjacent)))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:

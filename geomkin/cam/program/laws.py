@@ -49,7 +49,9 @@ def cycloidal(x: Real) -> Real:
 def harmonic(x: Real) -> Real:
     """f = (1 - cos(pi x)) / 2: acceleration jumps against a dwell. Peaks pi / 2, pi^2 / 2, pi^3 / 2."""
     turn = np.pi * x
-    return 0.5 * np.stack([1 - np.cos(turn), np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
+    # 1 - cos(turn) would lose the digits of a lift that has just begun.
+    lift = 2 * np.sin(0.5 * turn) ** 2
+    return 0.5 * np.stack([lift, np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
 
 
 def _polynomial(coefficients: list[float]) -> Law:

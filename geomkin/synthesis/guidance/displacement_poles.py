@@ -15,8 +15,8 @@ from ...errors import DesignError
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Segment
-from ...plane.vec import Complex, cross
-from .poses import Poses, inverse, placed
+from ...plane.vec import Complex, Real, cross
+from .poses import Poses, angles, inverse, placed
 
 # Half of an angle between two poses below which they count as parallel, rad: their pole is then 1e13 ways away, where
 # 16 digits tell nothing of it. Larger, and true far poles are lost; smaller, and parallel poses get a pole of rounding.
@@ -31,7 +31,7 @@ def poles(poses: Poses) -> Mapping[tuple[int, int], InstantCentre]:
     at infinity, square to the way between them: its `position` is nan then, and its `direction` tells where.
     Bottema and Roth, Theoretical Kinematics, 1979, chapter III.
     """
-    return _poles(*placed(poses, 2))
+    return _poles(placed(poses, 2)[0], angles(poses))
 
 
 @checked
@@ -45,7 +45,7 @@ def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], In
     origins, directions = placed(poses, 2)
     if not 0 <= reference < len(origins):
         raise DesignError("reference", f"found {reference}", f"give 0 to {len(origins) - 1}")
-    on_body = _poles(*inverse(origins, directions))
+    on_body = _poles(inverse(origins, directions)[0], -angles(poses))
     origin, direction = origins[reference], directions[reference]
     return {
         pair: InstantCentre(origin + direction * pole.reference, direction * pole.arm, pole.weight)
@@ -53,11 +53,11 @@ def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], In
     }
 
 
-def _poles(origins: Complex, directions: Complex) -> dict[tuple[int, int], InstantCentre]:
+def _poles(origins: Complex, turned: Real) -> dict[tuple[int, int], InstantCentre]:
     found = {}
     for j, k in combinations(range(len(origins)), 2):
         # On the perpendicular through the middle of the way, its half times the cotangent of half the turn.
-        half = np.sqrt(directions[k] * np.conj(directions[j]))
+        half = np.exp(0.5j * (turned[k] - turned[j]))
         weight = 0.0 if abs(half.imag) <= PARALLEL else float(half.imag)
         way = origins[k] - origins[j]
         arm = 0.5j * way * half.real
@@ -132,11 +132,12 @@ def circle_of_sliders(poses: Poses) -> SliderCircle:
     Its line passes through the three places of the pin; `dyads_through` with `moving` gives it. DesignError where all
     three poses are parallel: then either every point of the body slides, or none.
     """
-    origins, directions = placed(poses, 3, 3)
+    origins, turned = placed(poses, 3, 3)[0], angles(poses)
     # (M2 - M1) x (M3 - M1) with M the places of a point; m its place at the first pose, from there.
-    turns = directions[1:] * np.conj(directions[0]) - 1
+    half = 0.5 * (turned[1:] - turned[0])
+    turns = 2j * np.sin(half) * np.exp(1j * half)
     ways = origins[1:] - origins[0]
-    curvature = float(cross(turns[0], turns[1]))
+    curvature = float(4 * np.prod(np.sin([*half, 0.5 * (turned[2] - turned[1])])))
     slope = complex(0.5 * 1j * (ways[0] * np.conj(turns[1]) - ways[1] * np.conj(turns[0])))
     level = float(cross(ways[0], ways[1]))
     if abs(turns).max() <= PARALLEL:

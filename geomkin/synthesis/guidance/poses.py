@@ -50,8 +50,7 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
         allowed = f"{least}" if least == most else f"at least {least}" if count < least else f"at most {most}"
         raise DesignError("poses", f"found {count}", f"give {allowed} of them")
     origins: Complex = np.array([complex(pair[0]) for pair in poses])
-    angles: Real = np.array([complex(pair[1]).real for pair in poses])
-    directions: Complex = np.exp(1j * angles)
+    directions: Complex = np.exp(1j * angles(poses))
     spread = np.abs(origins - origins.mean()).max()
     apart = np.abs(origins[:, None] - origins) / max(spread, np.finfo(float).tiny)
     alike = np.maximum(apart, np.abs(directions[:, None] - directions)) <= ALIKE
@@ -61,6 +60,11 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
             "poses", f"poses {first[0] + 1} and {second[0] + 1} are the same", "leave one of them out, or move it"
         )
     return origins, directions
+
+
+def angles(poses: Poses) -> Real:
+    """Their angles as given, rad: differences of them keep the digits that those of directions lose."""
+    return np.array([complex(pair[1]).real for pair in poses])
 
 
 def inverse(origins: Complex, directions: Complex) -> tuple[Complex, Complex]:

@@ -1,0 +1,1 @@
+"""Where methods fail: cells of the stability study, a file of them for each kind of mechanism."""

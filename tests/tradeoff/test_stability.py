@@ -1,0 +1,94 @@
+"""What the library does at each place where methods fail, against arithmetic of 120 digits and textbooks' formulas."""
+
+import csv
+import dataclasses
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.tradeoff import ANSWERS, CELLS, Stability, stability
+from geomkin.tradeoff.cell import answered, measured
+
+every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
+
+
+def judged(cell, distances):
+    found = [measured(cell, x) for x in distances]
+    told = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
+    assert cell.answer in ANSWERS and answered(found) == cell.answer, told
+    for one in found:
+        if cell.condition is not None:
+            assert one.library + np.log10(one.condition) >= 14, "the condition tells the loss"
+    return found
+
+
+@every_cell
+def test_the_library_does_at_each_place_what_the_table_says(cell):
+    judged(cell, (1e-1, 1e-7, 1e-15))
+
+
+@every_cell
+@pytest.mark.campaign
+def test_it_does_so_at_all_distances(cell):
+    judged(cell, [10.0 ** -(k / 3) for k in range(3, 46)])
+
+
+def test_the_textbook_s_formula_breaks_where_the_library_s_does_not():
+    """Without which the study would look at places that are easy."""
+    for place in ("toggle gap", "near-miss of a change point", "offset to the prime radius"):
+        for cell in (c for c in CELLS if c.place == place):
+            one = measured(cell, 1e-11)
+            assert one.library > 14 and one.textbook < 13, cell.name
+
+
+def test_a_loss_without_a_word_is_found():
+    cell = next(c for c in CELLS if c.name == "four-bar, toggle gap: rate")
+
+    def textbook(*sizes):
+        from mpmath import fp
+
+        return cell.formula(fp, *sizes)
+
+    def outcome(**other):
+        return answered([measured(dataclasses.replace(cell, **other), x) for x in (1e-1, 1e-9)])
+
+    far = {"sizes": lambda x: (*cell.sizes(x)[:4], 1.0)}
+    assert outcome() == outcome(**far) == outcome(library=textbook, **far) == "all"
+    assert outcome(library=textbook) == "sizes" and outcome(library=lambda *sizes: 0.0) == "lost"
+
+
+def test_the_file_holds_a_row_for_each_cell():
+    cells = [cell for cell in CELLS if cell.family in ("poles", "instant centre") or cell.place == "small sizes"][:3]
+    found = Stability(tuple((measured(cell, 1e-2), measured(cell, 1e-14)) for cell in cells))
+    rows = list(csv.DictReader(io.StringIO(found.csv().decode())))
+    assert [row["family"] for row in rows] == [cell.family for cell in cells]
+    assert float(rows[0]["library_1e-02"]) > 13 and rows[0]["library_1e-14"] == "refused"
+    assert rows[1]["library_1e-14"] == "nan" and float(rows[1]["textbook_1e-14"]) < 3
+    assert found.section().count("<tr>") == 5
+
+
+@pytest.mark.parametrize("distances", [[], [1e-3, 1e-2], [0.5], [1e-16], [[1e-3]]])
+def test_distances_that_cannot_be_are_refused(distances):
+    with pytest.raises(gk.DesignError, match="falling numbers"):
+        stability(np.array(distances))
+
+
+def test_the_kept_table_says_of_every_cell_what_is_held_here():
+    file = Path(__file__).parents[2] / "out" / "chart" / "stability.csv"
+    kept = list(csv.DictReader(io.StringIO(file.read_text("utf-8"))))
+    does = {(row["family"], row["place"], row["result"]): row["library_does"] for row in kept}
+    assert does == {(cell.family, cell.place, cell.result): ANSWERS[cell.answer] for cell in CELLS}
+
+
+def test_a_least_base_circle_keeps_the_angle_where_its_hill_is_narrow():
+    """A knife edge on half a cosine: sin(alpha) = A / (R + A), and looks of a finer comb than the search's."""
+    program = gk.Program((gk.Rise("harmonic", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360)))
+    for degrees in (89,):
+        found = gk.cam.least_base_circle(gk.TranslatingRoller(0.0), program, pressure_angle_deg=degrees)
+        assert found.radius == pytest.approx(10 / np.sin(np.radians(degrees)) - 10, rel=1e-8)
+        cam = gk.Cam(gk.TranslatingRoller(0.0), program, found.radius)
+        comb = np.concatenate([np.geomspace(1e-6, 1, 20001), 2 * np.pi - np.geomspace(1e-6, 1, 20001)])
+        assert np.degrees(np.abs(gk.pressure_angle(cam, comb))).max() <= degrees * (1 + 1e-9)
