@@ -1,0 +1,18 @@
+"""Speed against accuracy: how long each way to a result takes on this machine, and how far it errs."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .families import FAMILIES as FAMILIES
+    from .family import Method as Method
+    from .family import MethodFamily as MethodFamily
+    from .files import chart_files as chart_files
+    from .front import pareto_front as pareto_front
+    from .measurement import Measurement as Measurement
+    from .results import Chart as Chart
+    from .results import FamilyChart as FamilyChart
+    from .results import chart as chart
+else:
+    from ..lazy import attach
+
+    __getattr__, __dir__ = attach(__name__)
