@@ -57,7 +57,9 @@ class MethodFamily(Generic[P, R]):
     with its reference; it is called once a chart, not timed. count: from problem and results, how many results there
     are, each one `per`, such as `pose`. error: from problem and results, the error of each, (results,) or fewer, in
     `unit`, 0 or more, nan or inf where the method failed; not timed. reference: how the right results are known.
-    floor: an error below which there is only rounding: smaller ones count as equal.
+    floor: an error below which there is only rounding: smaller ones count as equal. weigh: from problem and results,
+    what they cost whoever goes on with them, such as how many vertices they have; weighed: what that is; left out where
+    time alone counts.
     """
 
     name: str
@@ -71,6 +73,8 @@ class MethodFamily(Generic[P, R]):
     count: Callable[[P, R], int]
     error: Callable[[P, R], Real]
     methods: tuple[Method[P, R], ...]
+    weighed: str = ""
+    weigh: Callable[[P, R], float] | None = None
 
     __repr__ = one_line
 

@@ -16,12 +16,21 @@ from .results import Chart, FamilyChart
 COLUMNS = (
     "family", "method", "default", "on_front", "setting_name", "setting", "error_unit", "largest_error", "rms_error",
     "missed_share", "per", "seconds_per_result", "results_per_call", "calls_per_batch", "batches", "spread",
+    "weight_name", "weight", "on_weight_front",
 )  # fmt: skip
 
 
 def chart_files(chart: Chart) -> Mapping[str, bytes]:
-    """`chart.csv`, `chart.html`, and a picture `<family>.svg` of each family: name to content."""
+    """`chart.csv`, `chart.html`, and a picture `<family>.svg` of each family: name to content.
+
+    Where results have a weight, such as bytes, there is `<family>-by-bytes.svg` too.
+    """
     pictures = {f"{one.family.name}.svg": picture(one) for one in chart.families}
+    pictures |= {
+        f"{one.family.name}-by-{one.family.weighed}.svg": picture(one, True)
+        for one in chart.families
+        if one.family.weigh
+    }
     return {"chart.csv": _csv(chart), "chart.html": page(chart), **pictures}
 
 
@@ -37,12 +46,13 @@ def _csv(chart: Chart) -> bytes:
 
 def _rows(one: FamilyChart) -> Iterator[list[object]]:
     methods = {method.name: method for method in one.family.methods}
-    for p, on in zip(one.points, one.on_front.tolist()):
+    fronts = zip(one.points, one.on_front.tolist(), one.on_weight_front.tolist())
+    for p, on, light in fronts:
         method = methods[p.method]
         yield [
             p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), one.family.unit,
             _n(p.largest), _n(p.rms), _n(p.missed), one.family.per, _n(p.seconds), p.results, p.calls, p.batches,
-            _n(p.spread),
+            _n(p.spread), one.family.weighed, _n(p.weight), int(light) if one.family.weigh else "",
         ]  # fmt: skip
 
 

@@ -20,6 +20,8 @@ FULL, QUICK = 1.0, 2.5
 BATCH = 4e-3
 # Batches of a point at least, however long they take; the least of one alone may be any disturbance.
 LEAST = 3
+# Processor seconds of one call that is no more disturbed than a batch: in a quick chart it is not made twice.
+LONG = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,7 @@ class Measurement:
     setting: nan where there is none. largest, rms: of the errors, in the family's unit, over the results that it found;
     missed: share of the results that it did not find. seconds: processor time per result, the least of `batches` of
     `calls` calls with `results` results each. spread: how much slower the median batch was, as a share: what of the
-    time is noise.
+    time is noise. weight: what the results cost whoever goes on with them; nan in a family where time alone counts.
     """
 
     family: str
@@ -43,6 +45,7 @@ class Measurement:
     calls: int
     batches: int
     spread: float
+    weight: float = np.nan
 
     __repr__ = one_line
 
@@ -56,6 +59,7 @@ class _Trial:
     call: Callable[[], Any]
     results: int
     errors: Any
+    weight: float
     calls: int = 1
     times: list[float] = field(default_factory=list)
 
@@ -89,15 +93,21 @@ def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], ob
     trials = []
     for k, (method, setting) in enumerate(chosen):
         call = method.make(problem, setting)
+        start = time.process_time()
         found = call()
+        spent = time.process_time() - start
         errors = np.asarray(family.error(problem, found), dtype=float)
-        trials.append(_Trial(method, setting, call, family.count(problem, found), errors))
+        weight = family.weigh(problem, found) if family.weigh else np.nan
+        trial = _Trial(method, setting, call, family.count(problem, found), errors, weight)
+        trial.times = [spent] if quick and spent > LONG else []
+        trials.append(trial)
         tell(0.3 * (k + 1) / len(chosen))
     for k, trial in enumerate(trials):
-        trial.calibrate()
+        if not trial.times:
+            trial.calibrate()
         tell(0.3 + 0.2 * (k + 1) / len(trials))
     budget = QUICK / len(trials) if quick else FULL
-    for share in _rounds(trials, budget):
+    for share in _rounds([t for t in trials if not quick or t.times[0] * t.calls < LONG], budget):
         tell(0.5 + 0.5 * share)
     return tuple(_told(family.name, trial) for trial in trials)
 
@@ -132,4 +142,5 @@ def _told(family: str, trial: _Trial) -> Measurement:
         calls=trial.calls,
         batches=len(trial.times),
         spread=float(np.median(trial.times)) / least - 1,
+        weight=trial.weight,
     )

@@ -84,12 +84,25 @@ def _section(one: FamilyChart) -> str:
 <p>{text(family.about)}</p>
 {_verdict(one)}
 <div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{drawing(one)}</div>
-<p class="soft">The right results are known by {text(family.reference)}. Errors below {_number(family.floor)}
-{text(family.unit)} are rounding.</p>
+{_weights(one)}<p class="soft">The right results are known by {text(family.reference)}. Errors below
+{_number(family.floor)} {text(family.unit)} are rounding.</p>
 <details><summary>The methods</summary><dl>{"".join(_told(method) for method in family.methods)}</dl></details>
 <details><summary>The numbers</summary>
 <div class="wide" tabindex="0" role="region" aria-label="Numbers: {text(family.title)}">{_table(one)}</div></details>
 </section>
+"""
+
+
+def _weights(one: FamilyChart) -> str:
+    """The same with the results' weight for their time, where they have one."""
+    family = one.family
+    if not family.weigh:
+        return ""
+    label, weighed = f"Picture: {text(family.title)}, {text(family.weighed)}", text(family.weighed)
+    light = [bool(on) for p, on in zip(one.points, one.on_weight_front) if p in [q for q, _ in one.defaults]]
+    stands = f"Here the default is on the front at {sum(light)} of {len(light)}." if light else ""
+    return f"""<p>Whoever goes on with them pays for their {weighed}. {stands}</p>
+<div class="wide" tabindex="0" role="region" aria-label="{label}">{drawing(one, True)}</div>
 """
 
 
@@ -135,7 +148,7 @@ def _table(one: FamilyChart) -> str:
     unit, per = text(one.family.unit), text(one.family.per)
     heads = (
         "method", "setting", f"largest error, {unit}", f"rms error, {unit}", f"time per {per}", "on the front",
-        "measured", "spread",
+        "measured", "spread", *([text(one.family.weighed)] if one.family.weigh else ()),
     )  # fmt: skip
     rows = "".join(_row(methods[p.method], p, bool(on)) for p, on in zip(one.points, one.on_front))
     head = "".join(f'<th scope="col">{name}</th>' for name in heads)
@@ -146,11 +159,12 @@ def _row(method: Method[object, object], p: Measurement, on: bool) -> str:
     name = text(method.name) + (" (default)" if method.is_default else "")
     setting = f"{text(method.setting)} {p.setting:g}" if method.setting else ""
     missed = f", misses {p.missed:.1%}" if p.missed else ""
+    weight = f"<td>{p.weight:g}</td>" if np.isfinite(p.weight) else ""
     often = f"{p.batches} times {p.calls} calls of {p.results}"
     return (
         f'<tr{" class=default" if method.is_default else ""}><th scope="row">{name}</th><td>{setting}</td>'
         f"<td>{_number(p.largest)}{missed}</td><td>{_number(p.rms)}</td><td>{_time(p.seconds)}</td>"
-        f"<td>{'yes' if on else 'no'}</td><td>{often}</td><td>{p.spread:.0%}</td></tr>"
+        f"<td>{'yes' if on else 'no'}</td><td>{often}</td><td>{p.spread:.0%}</td>{weight}</tr>"
     )
 
 

@@ -1,4 +1,4 @@
-"""A family's chart as an SVG picture: time per result across, error upwards, both by decades."""
+"""A family's chart as an SVG picture: time per result, or weight, across, error upwards, both by decades."""
 
 from __future__ import annotations
 
@@ -30,18 +30,20 @@ PREFIXES = {-12: "ps", -9: "ns", -6: "µs", -3: "ms", 0: "s", 3: "ks"}
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def picture(one: FamilyChart) -> bytes:
+def picture(one: FamilyChart, weighed: bool = False) -> bytes:
     """The picture as a file of its own; it brings no style, so that a page may hold it as it is."""
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one) + "\n").encode("utf-8")
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed) + "\n").encode("utf-8")
 
 
-def drawing(one: FamilyChart) -> str:
-    """The picture as one `svg` element."""
+def drawing(one: FamilyChart, weighed: bool = False) -> str:
+    """The picture as one `svg` element. weighed: with the results' weight across instead of the time."""
     family = one.family
-    label = f"{family.title}: {len(one.points)} points, time per {family.per} against error in {family.unit}"
+    across = f"{family.weighed if weighed else 'time'} per {family.per}"
+    label = f"{family.title}: {len(one.points)} points, {across} against error in {family.unit}"
     shown = [m for m in family.methods if any(p.method == m.name for p in one.points)]
     height = max(LEAST_HEIGHT, TOP + ROW * (len(shown) + 4)) + 54
-    axes = _Axes.around(one, height - TOP - 54)
+    view = _View(one, weighed)
+    axes = _Axes.around(view, height - TOP - 54)
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" '
@@ -49,13 +51,29 @@ def drawing(one: FamilyChart) -> str:
             'font-family="DejaVu Sans, Verdana, sans-serif" font-size="12" fill="#1b2127">',
             f'<rect width="{WIDTH}" height="{height}" fill="#fff"/>',
             f'<text x="{LEFT}" y="24" font-size="16" font-weight="bold">{text(family.title)}</text>',
-            *_grid(axes, family.per, family.unit),
-            *_front(one, axes),
-            *(line for k, m in enumerate(family.methods) for line in _marks(one, axes, m, k)),
+            *_grid(axes, across, family.unit, _whole if weighed else _seconds),
+            *_front(view, axes),
+            *(line for k, m in enumerate(family.methods) for line in _marks(view, axes, m, k)),
             *_legend([(family.methods.index(m), m) for m in shown]),
             "</svg>",
         ]
     )
+
+
+@dataclass(frozen=True)
+class _View:
+    """The points with what is drawn across: seconds, or weights."""
+
+    one: FamilyChart
+    weighed: bool
+
+    def cost(self, point: Measurement) -> float:
+        return point.weight if self.weighed else point.seconds
+
+    @property
+    def points(self) -> Iterator[tuple[Measurement, bool]]:
+        """Each with whether it is on the front."""
+        return zip(self.one.points, (self.one.on_weight_front if self.weighed else self.one.on_front).tolist())
 
 
 @dataclass(frozen=True)
@@ -67,14 +85,14 @@ class _Axes:
     height: int
 
     @classmethod
-    def around(cls, one: FamilyChart, height: int) -> _Axes:
-        seconds = [p.seconds for p in one.points]
+    def around(cls, view: _View, height: int) -> _Axes:
+        one = view.one
         errors = [e for p in one.points if np.isfinite(e := one.shown_error(p))]
-        return cls(_decades(seconds), _decades(errors or [one.family.floor]), height)
+        return cls(_decades([view.cost(p) for p in one.points]), _decades(errors or [one.family.floor]), height)
 
-    def x(self, seconds: float) -> float:
+    def x(self, cost: float) -> float:
         first, last = self.across
-        return LEFT + PLOT * (float(np.log10(seconds)) - first) / (last - first)
+        return LEFT + PLOT * (float(np.log10(cost)) - first) / (last - first)
 
     def y(self, error: float) -> float:
         first, last = self.upwards
@@ -87,19 +105,19 @@ def _decades(values: list[float]) -> tuple[int, int]:
     return int(np.floor(low)), int(np.ceil(high))
 
 
-def _grid(axes: _Axes, per: str, unit: str) -> Iterator[str]:
+def _grid(axes: _Axes, across: str, unit: str, told: Callable[[int], str]) -> Iterator[str]:
     bottom, right = TOP + axes.height, LEFT + PLOT
     for power in _ticks(axes.across, 6):
         x = _n(axes.x(10.0**power))
         yield f'<path d="M{x} {TOP}V{_n(bottom)}" stroke="#dde2e6"/>'
-        yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{_seconds(power)}</text>'
+        yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{told(power)}</text>'
     for power in _ticks(axes.upwards, 9):
         y = _n(axes.y(10.0**power))
         yield f'<path d="M{LEFT} {y}H{right}" stroke="#dde2e6"/>'
         name = "10" + str(power).translate(RAISED) if abs(power) > 3 else f"{10.0**power:g}"
         yield f'<text x="{LEFT - 7}" y="{y}" dy="4" text-anchor="end">{name}</text>'
     yield f'<path d="M{LEFT} {TOP}V{_n(bottom)}H{right}" fill="none" stroke="#1b2127"/>'
-    yield f'<text x="{LEFT + PLOT / 2:g}" y="{_n(bottom + 40)}" text-anchor="middle">time per {text(per)}</text>'
+    yield f'<text x="{LEFT + PLOT / 2:g}" y="{_n(bottom + 40)}" text-anchor="middle">{text(across)}</text>'
     middle = _n(TOP + axes.height / 2)
     yield (
         f'<text transform="translate(16 {middle}) rotate(-90)" text-anchor="middle">largest error, {text(unit)}</text>'
@@ -119,21 +137,26 @@ def _seconds(power: int) -> str:
     return f"{10.0 ** (power - prefix):g} {PREFIXES[prefix]}"
 
 
-def _front(one: FamilyChart, axes: _Axes) -> Iterator[str]:
-    """Steps along what can be had: as little error as is to be had in so much time."""
-    best = sorted({(p.seconds, one.shown_error(p)) for p, on in zip(one.points, one.on_front) if on})
+def _whole(power: int) -> str:
+    return f"{10**power:,}"
+
+
+def _front(view: _View, axes: _Axes) -> Iterator[str]:
+    """Steps along what can be had: as little error as is to be had at so much cost."""
+    best = sorted({(view.cost(p), view.one.shown_error(p)) for p, on in view.points if on})
     if best:
-        steps = "".join(f"H{_n(axes.x(seconds))}V{_n(axes.y(error))}" for seconds, error in best)
+        steps = "".join(f"H{_n(axes.x(cost))}V{_n(axes.y(error))}" for cost, error in best)
         yield f'<path class="front" d="M{_n(axes.x(best[0][0]))} {TOP}{steps}H{LEFT + PLOT}" {_FRONT}/>'
 
 
 _FRONT = 'fill="none" stroke="#8d979f" stroke-width="4" stroke-linejoin="round"'
 
 
-def _marks(one: FamilyChart, axes: _Axes, method: Method[object, object], k: int) -> Iterator[str]:
+def _marks(view: _View, axes: _Axes, method: Method[object, object], k: int) -> Iterator[str]:
     """A method's points, tied by a line where they are several; full on the front, hollow off it."""
-    points = [(p, on) for p, on in zip(one.points, one.on_front) if p.method == method.name and _is_seen(p)]
-    places = [(axes.x(p.seconds), axes.y(one.shown_error(p))) for p, _ in points]
+    one = view.one
+    points = [(p, on) for p, on in view.points if p.method == method.name and _is_seen(p)]
+    places = [(axes.x(view.cost(p)), axes.y(one.shown_error(p))) for p, _ in points]
     colour, shape = _look(k)
     if len(places) > 1:
         line = "L".join(f"{_n(x)} {_n(y)}" for x, y in places)
@@ -142,7 +165,8 @@ def _marks(one: FamilyChart, axes: _Axes, method: Method[object, object], k: int
         place = f'transform="translate({_n(x)} {_n(y)})"'
         if method.is_default:
             yield f'<circle {place} r="10" fill="none" stroke="#1b2127" stroke-width="2"/>'
-        told = f"{p.method}{_at(method, p)}: {p.seconds:.2g} s per {one.family.per}, error {p.largest:.2g}"
+        cost = f"{p.weight:g} {one.family.weighed}" if view.weighed else f"{p.seconds:.2g} s"
+        told = f"{p.method}{_at(method, p)}: {cost} per {one.family.per}, error {p.largest:.2g}"
         yield (
             f'<path class="point" {place} d="{shape}" fill="{colour if on else "#fff"}" stroke="{colour}" '
             f'stroke-width="1.8"><title>{text(told)}</title></path>'

@@ -26,7 +26,7 @@ from .measurement import Measurement, measured
 
 @dataclass(frozen=True, eq=False)
 class FamilyChart:
-    """One family's measured points. on_front: of each point, whether no other beats it."""
+    """One family's measured points. on_front: of each point, whether no other beats it; on_weight_front: by weight."""
 
     family: MethodFamily[Any, Any]
     points: tuple[Measurement, ...]
@@ -36,8 +36,15 @@ class FamilyChart:
     @cached_property
     def on_front(self) -> Mask:
         """(points,): by time per result and largest error; what misses results is never on it."""
-        seconds, errors = zip(*[(p.seconds, self.shown_error(p) if not p.missed else np.nan) for p in self.points])
-        return pareto_front(seconds, errors)
+        return self._front([p.seconds for p in self.points])
+
+    @cached_property
+    def on_weight_front(self) -> Mask:
+        """(points,): the same by weight; all False in a family where time alone counts."""
+        return self._front([p.weight for p in self.points])
+
+    def _front(self, costs: list[float]) -> Mask:
+        return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
 
     def shown_error(self, point: Measurement) -> float:
         """A point's largest error, not below what is rounding."""
