@@ -1,4 +1,4 @@
-"""The commands: run, check, list, new, schema."""
+"""The commands: run, check, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -119,6 +119,33 @@ def schema() -> None:
     from .recipe.schema import schema
 
     click.echo(json.dumps(schema(KINDS), indent=1))
+
+
+@cli.command("chart")
+@click.argument("families", nargs=-1, metavar="[FAMILY]...")
+@click.option("--quick", is_flag=True, help="Within a minute: fewer settings, the slowest methods left out.")
+@click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
+def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
+    """Measure speed against accuracy, of all FAMILIES of methods or those named, into OUT/chart/."""
+    from .errors import DesignError, GeomkinError, printable
+    from .export.files import write_whole
+    from .progress import shown
+    from .tradeoff.files import chart_files
+    from .tradeoff.results import chart
+
+    def tell(share: float, what: str) -> None:
+        click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
+
+    try:
+        with shown(tell if _is_terminal(sys.stderr) else lambda share, what: None):
+            measured = chart(families, quick)
+        write_whole(out / "chart", chart_files(measured))
+    except DesignError as error:
+        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
+    except GeomkinError as error:
+        raise click.ClickException(str(error)) from None
+    points = sum(len(one.points) for one in measured.families)
+    click.echo(f"{printable(out / 'chart')}: {len(measured.families)} families, {points} points")
 
 
 def _files(paths: Iterable[Path]) -> list[Path]:

@@ -33,11 +33,24 @@ MAY = {
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
     "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
-    "tradeoff": MECHANISMS | GEOMETRY | {"synthesis"},
+    # Whatever has methods to compare, but no recipe's kind.
+    "tradeoff": MECHANISMS | GEOMETRY | {"synthesis", "part", "shop", "export"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
-    "commands": {"build", "recipe", "kinds", "export"},
+    "commands": {"build", "recipe", "kinds", "export", "tradeoff"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
+    "__init__": {
+        "build",
+        "kinds",
+        "part",
+        "check",
+        "export",
+        "judge",
+        "shop",
+        "recipe",
+        "show",
+        "synthesis",
+        "tradeoff",
+    }
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},
@@ -211,7 +224,20 @@ def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
     assert (tmp_path / "spur-gear" / ("gear.stl" if formats == "stl" else f"spur-gear.{formats}")).exists()
 
 
-ROOMS = ["cam", "export", "gear", "judge", "kinds", "linkage", "plane", "recipe", "shop", "show", "synthesis"]
+ROOMS = [
+    "cam",
+    "export",
+    "gear",
+    "judge",
+    "kinds",
+    "linkage",
+    "plane",
+    "recipe",
+    "shop",
+    "show",
+    "synthesis",
+    "tradeoff",
+]
 
 
 def test_every_public_name_is_there_and_documented():

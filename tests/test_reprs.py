@@ -13,6 +13,7 @@ import geomkin as gk
 from geomkin.brief import LONGEST, one_line, short
 
 from .hostile.test_wrong_arguments import GOOD, PUBLIC
+from .tradeoff.toy import CHART
 
 RECIPES = Path(__file__).parent.parent / "recipes"
 
@@ -56,6 +57,7 @@ def everything() -> list[object]:
     kept += [
         gk.synthesis.Found(linkage=gk.FourBar(3, 1, 3, 2), branch=1, drive=np.zeros(2), transmission_angle_deg=9.0)
     ]
+    kept += [CHART]
     kept += [gk.load(file) for file in sorted(RECIPES.glob("*.toml"))]
     kept += [gk.load(RECIPES / f"{name}.toml") for name in ("crank-rocker", "roller-cam", "gear-pair")]
     kept += [(recipe.table, recipe.checks, recipe.parts) for recipe in kept[-3:]]

@@ -1,4 +1,4 @@
-"""Areas bounded by polygons: union, offset, overlap, simplicity, triangles. The only place that loads shapely.
+"""Areas bounded by polygons: union, difference, offset, overlap, triangles. The only place that loads shapely.
 
 A region is given and returned as loops: complex arrays, starts not repeated, outlines
 counterclockwise and holes clockwise.
@@ -27,6 +27,11 @@ def is_simple(loop: Complex) -> bool:
 def union(loops: Sequence[Complex]) -> list[Loops]:
     """The area covered by any of the given simple polygons, as separate regions, each outline first."""
     return _regions(shapely.union_all([shapely.Polygon(xy(loop)) for loop in loops]))
+
+
+def without(loops: Loops, others: Sequence[Complex]) -> list[Loops]:
+    """What is left of a region where the simple polygons among `others` have been cut away, each outline first."""
+    return _regions(_polygon(loops).difference(shapely.union_all([shapely.Polygon(xy(loop)) for loop in others])))
 
 
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:

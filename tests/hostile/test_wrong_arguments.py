@@ -46,7 +46,7 @@ STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
 # Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.judge, gk.shop, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.judge, gk.shop, gk.tradeoff, gk)
     for name in dir(room)
     if not name.startswith("_") and not inspect.ismodule(getattr(room, name))
 }
@@ -218,6 +218,8 @@ GOOD = {
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
     "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
+    "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "because": "", "despite": "", "slow": False},
+    "pareto_front": {"seconds": np.array([1.0, 2.0]), "errors": np.array([2.0, 1.0])},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
@@ -230,6 +232,7 @@ MADE = {
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
     "FunctionGenerator", "Peak", "SliderFunctionGenerator",
+    "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files",
 }  # fmt: skip
 BAD = {
     "None": None,

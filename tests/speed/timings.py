@@ -21,6 +21,7 @@ import numpy as np
 from figures import best_ms, textbook
 
 import geomkin as gk
+from geomkin.tradeoff.results import processor
 
 ROOT = Path(__file__).parent.parent.parent
 KEPT = Path(__file__).with_name("timings.csv")
@@ -90,17 +91,9 @@ def outlines():
         yield f"outline: {name}, chords of 0.01 mm", best_ms(lambda made=made: gk.flatten(made(), 0.01), 50), plain
 
 
-def machine():
-    """Processor and cores."""
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "")
-    return f"{model or platform.processor() or platform.machine()}, {os.cpu_count()} cores"
-
-
 def main():
     before = list(csv.DictReader(KEPT.read_text().splitlines())) if KEPT.exists() else []
-    where = [datetime.date.today().isoformat(), machine(), platform.python_version(), np.__version__]
+    where = [datetime.date.today().isoformat(), processor(), platform.python_version(), np.__version__]
     rows = []
     for cases in (processes, motions, outlines):
         for case, ms, floor in cases():

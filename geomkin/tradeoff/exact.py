@@ -1,0 +1,141 @@
+"""Points of linkages in 50 digits, with their velocities and accelerations: circles that meet, in decimal arithmetic.
+
+It shares no formula with the solver: the square of a distance is kept, once, and differentiated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+
+# Digits told; the work is done in more, since linkages near a toggle lose half of them.
+DIGITS = 50
+WORKED = 2 * DIGITS + 10
+
+
+@contextmanager
+def many_digits() -> Iterator[None]:
+    """Within, decimals have the digits that these functions need."""
+    with localcontext() as context:
+        context.prec = WORKED
+        yield
+
+
+@dataclass(frozen=True)
+class Vector:
+    """A vector in decimals."""
+
+    x: Decimal
+    y: Decimal
+
+    def __add__(self, other: Vector) -> Vector:
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __sub__(self, other: Vector) -> Vector:
+        return Vector(self.x - other.x, self.y - other.y)
+
+    def times(self, factor: Decimal) -> Vector:
+        return Vector(self.x * factor, self.y * factor)
+
+    def dot(self, other: Vector) -> Decimal:
+        return self.x * other.x + self.y * other.y
+
+    def cross(self, other: Vector) -> Decimal:
+        return self.x * other.y - self.y * other.x
+
+    @property
+    def left(self) -> Vector:
+        """Turned by a quarter."""
+        return Vector(-self.y, self.x)
+
+
+ZERO = Vector(Decimal(0), Decimal(0))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a point is, and the first and second derivative of that by the drive."""
+
+    at: Vector
+    first: Vector
+    second: Vector
+
+    def __sub__(self, other: Place) -> Place:
+        return Place(self.at - other.at, self.first - other.first, self.second - other.second)
+
+    @property
+    def turning(self) -> tuple[Decimal, Decimal]:
+        """First and second derivative of the angle of a vector of constant length."""
+        square = self.at.dot(self.at)
+        return self.at.cross(self.first) / square, self.at.cross(self.second) / square
+
+
+def fixed(x: float, y: float = 0.0) -> Place:
+    """A point of the ground."""
+    return Place(Vector(Decimal(x), Decimal(y)), ZERO, ZERO)
+
+
+def circling(radius: float, angle: float) -> Place:
+    """A point of a crank about the origin, at the very angle that the float is, rad."""
+    cosine, sine = cosine_sine(Decimal(angle))
+    at = Vector(cosine, sine).times(Decimal(radius))
+    return Place(at, at.left, at.times(Decimal(-1)))
+
+
+def pinned(one: Place, other: Place, length: float, length_2: float, branch: int) -> Place:
+    """The pin at these distances from two points; branch +1: left of the line from the first to the second."""
+    b, c, apart = Decimal(length), Decimal(length_2), other.at - one.at
+    square = apart.dot(apart)
+    along = (square + b * b - c * c) / (2 * square)
+    left = branch * ((b * b - along * along * square) / square).sqrt()
+    at = one.at + apart.times(along) + apart.left.times(left)
+    # (pin - base)^2 is constant for both bases: differentiated once and twice, two equations each.
+    arms = [at - base.at for base in (one, other)]
+    first = _solved(arms, [arm.dot(base.first) for arm, base in zip(arms, (one, other))])
+    rates = [first - base.first for base in (one, other)]
+    right = [arm.dot(base.second) - rate.dot(rate) for arm, base, rate in zip(arms, (one, other), rates)]
+    return Place(at, first, _solved(arms, right))
+
+
+def sliding(one: Place, length: float, height: float, branch: int) -> Place:
+    """The pin at this distance from a point, on the line y = height; branch +1: on the +x side."""
+    down = Decimal(height) - one.at.y
+    across = branch * (Decimal(length) ** 2 - down * down).sqrt()
+    arm = Vector(across, down)
+    first = Vector(arm.dot(one.first) / across, Decimal(0))
+    rate = first - one.first
+    return Place(one.at + arm, first, Vector((arm.dot(one.second) - rate.dot(rate)) / across, Decimal(0)))
+
+
+def carried(start: Place, end: Place, local: complex) -> Place:
+    """A point of the body whose x axis runs from a pin to another, at `local` from the first, mm."""
+    axis = end - start
+    length = axis.at.dot(axis.at).sqrt()
+    x, y = Decimal(local.real) / length, Decimal(local.imag) / length
+    return Place(
+        *(s + a.times(x) + a.left.times(y) for s, a in zip(
+            (start.at, start.first, start.second), (axis.at, axis.first, axis.second)
+        ))
+    )  # fmt: skip
+
+
+def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
+    """By their series, of an angle of a few turns."""
+    cosine, sine, term, k = Decimal(1), Decimal(0), Decimal(1), 0
+    while abs(term) > Decimal(10) ** -WORKED or k < abs(angle):
+        k += 1
+        term = term * angle / k
+        if k % 2:
+            sine += term if k % 4 == 1 else -term
+        else:
+            cosine += term if k % 4 == 0 else -term
+    return cosine, sine
+
+
+def _solved(rows: list[Vector], right: list[Decimal]) -> Vector:
+    """The vector whose products with two others are these."""
+    one, two = rows
+    share = one.cross(two)
+    return Vector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)

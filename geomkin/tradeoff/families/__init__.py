@@ -1,0 +1,34 @@
+"""The table of families, in the order in which the chart shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..family import MethodFamily
+from .cam_profile import CAM_PROFILE
+from .conjugate_tooth import CONJUGATE_TOOTH
+from .curve_flattening import CAM_FLATTENING, GEAR_FLATTENING
+from .file_writing import CSV_WRITING, DXF_WRITING, STL_WRITING
+from .four_bar_position import POSITION, TOGGLE
+from .function_synthesis import FUNCTION_SYNTHESIS
+from .gear_root import GEAR_ROOT
+from .path_synthesis import PATH_SYNTHESIS
+
+FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
+    family.name: family
+    for family in (
+        POSITION,
+        TOGGLE,
+        CAM_FLATTENING,
+        GEAR_FLATTENING,
+        CAM_PROFILE,
+        GEAR_ROOT,
+        CONJUGATE_TOOTH,
+        FUNCTION_SYNTHESIS,
+        PATH_SYNTHESIS,
+        CSV_WRITING,
+        DXF_WRITING,
+        STL_WRITING,
+    )
+}

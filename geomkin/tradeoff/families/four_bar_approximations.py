@@ -1,0 +1,171 @@
+"""Position of a four-bar by iteration, and from tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, sin
+
+import numpy as np
+
+from ...linkage.solve.continuation import newton_raphson
+from ...plane.vec import Real
+from ..family import Method
+from .four_bar_closed_forms import by_unit_vectors
+from .four_bar_problem import FRAMES, Directions, FourBarProblem
+
+Call = Callable[[], Directions]
+
+
+def _newton_cold(problem: FourBarProblem, steps: float) -> Call:
+    a, b, c, d = problem.lengths
+    start = [float(np.angle(z[FRAMES // 4])) for z in problem.directions]
+
+    def call() -> Directions:
+        px, py = d - a * np.cos(problem.drive), -a * np.sin(problem.drive)
+        coupler, rocker = np.full(FRAMES, start[0]), np.full(FRAMES, start[1])
+        with np.errstate(all="ignore"):
+            for _ in range(int(steps)):
+                bx, by = b * np.cos(coupler), b * np.sin(coupler)
+                cx, cy = c * np.cos(rocker), c * np.sin(rocker)
+                off_x, off_y, share = bx - cx - px, by - cy - py, 1 / (by * cx - bx * cy)
+                coupler, rocker = (
+                    coupler + (off_x * cx + off_y * cy) * share,
+                    rocker + (off_x * bx + off_y * by) * share,
+                )
+        return np.exp(1j * coupler), np.exp(1j * rocker)
+
+    return call
+
+
+def _newton_warm(problem: FourBarProblem, tolerance: float) -> Call:
+    a, b, c, d = problem.lengths
+    start = [float(np.angle(z[0])) for z in problem.directions]
+    angles = problem.drive.tolist()
+
+    def call() -> Directions:
+        coupler, rocker = start
+        found = []
+        for t in angles:
+            ux, uy = d - a * cos(t), -a * sin(t)
+            for _ in range(30):
+                bx, by, cx, cy = b * cos(coupler), b * sin(coupler), c * cos(rocker), c * sin(rocker)
+                off_x, off_y, share = bx - cx - ux, by - cy - uy, (by * cx - bx * cy) or 1e-300
+                one, two = (off_x * cx + off_y * cy) / share, (off_x * bx + off_y * by) / share
+                coupler, rocker = coupler + one, rocker + two
+                if abs(one) + abs(two) < tolerance:
+                    break
+            found.append((coupler, rocker))
+        turned = np.exp(1j * np.array(found))
+        return turned[:, 0], turned[:, 1]
+
+    return call
+
+
+def _root_finder(problem: FourBarProblem, tolerance: float) -> Call:
+    a, b, c, d = problem.lengths
+    start = np.array([float(np.angle(z[0])) for z in problem.directions])
+
+    def call() -> Directions:
+        angles, found = start, []
+        for u in (d - a * np.exp(1j * problem.drive)).tolist():
+
+            def off(x: Real, u: complex = u) -> Real:
+                z = b * np.exp(1j * x[0]) - c * np.exp(1j * x[1]) - u
+                return np.array([z.real, z.imag])
+
+            def slope(x: Real) -> Real:
+                z = 1j * b * np.exp(1j * x[0]), -1j * c * np.exp(1j * x[1])
+                return np.array([[z[0].real, z[1].real], [z[0].imag, z[1].imag]])
+
+            angles = newton_raphson(off, slope, angles, tolerance).value
+            found.append(angles)
+        turned = np.exp(1j * np.array(found))
+        return turned[:, 0], turned[:, 1]
+
+    return call
+
+
+def _linear_table(problem: FourBarProblem, entries: float) -> Call:
+    knots, (coupler, rocker) = _table(problem, int(entries))
+
+    def call() -> Directions:
+        one, two = (np.exp(1j * np.interp(problem.drive, knots, row)) for row in (coupler, rocker))
+        return one, two
+
+    return call
+
+
+def _cubic_table(problem: FourBarProblem, entries: float) -> Call:
+    count = int(entries)
+    _, rows = _table(problem, count)
+    # Through four neighbours each (Lagrange), as coefficients of the powers of the way past the knot.
+    around = [np.roll(rows[:, :-1], k, axis=1) for k in (1, 0, -1, -2)]
+    before, here, ahead, after = around
+    powers = (
+        here,
+        ahead - here / 2 - before / 3 - after / 6,
+        (before + ahead) / 2 - here,
+        (here - ahead) / 2 + (after - before) / 6,
+    )
+
+    def call() -> Directions:
+        place = problem.drive * (count / (2 * np.pi))
+        k = place.astype(np.intp)
+        s = place - k
+        k %= count
+        p = [power[:, k] for power in powers]
+        turned = np.exp(1j * (p[0] + s * (p[1] + s * (p[2] + s * p[3]))))
+        return turned[0], turned[1]
+
+    return call
+
+
+def _table(problem: FourBarProblem, entries: int) -> tuple[Real, Real]:
+    """Angles of the crank, half an entry beside the frames, and of coupler and rocker, (2, entries + 1)."""
+    knots = np.arange(entries + 1) * (2 * np.pi / entries)
+    angles = np.angle(by_unit_vectors(*problem.lengths, knots))
+    angles = np.unwrap(np.where(np.isfinite(angles), angles, 0.0))
+    angles[:, -1] = angles[:, 0]
+    return knots, angles
+
+
+ITERATIONS: tuple[Method[FourBarProblem, Directions], ...] = (
+    Method(
+        "Newton, cold",
+        "All frames at once from the pose at a quarter turn, by so many steps on the loop's two equations.",
+        _newton_cold,
+        "steps",
+        (2, 3, 4, 5, 6, 8),
+    ),
+    Method(
+        "Newton, warm",
+        "Frame by frame in plain Python, each from the frame before, until both angles change by less than the "
+        "tolerance.",
+        _newton_warm,
+        "tolerance, rad",
+        (1e-2, 1e-5, 1e-9),
+    ),
+    Method(
+        "root finder per frame",
+        "The library's newton_raphson called for each frame, from the frame before.",
+        _root_finder,
+        "tolerance",
+        (1e-3, 1e-13),
+    ),
+)
+TABLES: tuple[Method[FourBarProblem, Directions], ...] = (
+    Method(
+        "linear table",
+        "Angles at so many even steps of the crank, got ready beforehand, and straight lines between.",
+        _linear_table,
+        "entries",
+        (100, 1000, 10000),
+    ),
+    Method(
+        "cubic table",
+        "The same table with a cubic through the four nearest entries.",
+        _cubic_table,
+        "entries",
+        (100, 1000, 10000),
+    ),
+)

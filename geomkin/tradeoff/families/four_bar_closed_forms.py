@@ -1,0 +1,173 @@
+"""Position of a four-bar in closed form: the library's ways and the textbooks'."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import fsum
+
+import numpy as np
+
+from ...linkage.solve.branch import chosen
+from ...linkage.solve.driver_dyads import CrankDriven
+from ...linkage.solve.move import move, planned
+from ...linkage.solve.solution import LinkageSolution
+from ...plane.vec import Real
+from ..family import Method
+from .four_bar_problem import Directions, FourBarProblem
+
+Call = Callable[[], Directions]
+
+
+def _library(problem: FourBarProblem, _: float) -> Call:
+    def call() -> Directions:
+        motion = move(problem.linkage, problem.drive)
+        return motion.coupler.direction, motion.rocker.direction
+
+    return call
+
+
+def _toggle_proof(problem: FourBarProblem, _: float) -> Call:
+    a, b, c, d = problem.lengths
+    one, two = closing_gaps(a, b, c, d)
+
+    def call() -> Directions:
+        half = 0.5 * problem.drive
+        x, y = 2 * np.sqrt(a * d) * np.cos(half), 2 * np.sqrt(a * d) * np.sin(half)
+        s = (d - a) ** 2 + y * y
+        u = (d - a) + (y * y - 1j * (x * y)) / (2 * d)
+        over = 0.5 / s
+        p = 0.5 + (b - c) * (b + c) * over
+        bar = (p + 1j * (np.sqrt((one + x * x) * (two + y * y)) * over)) * u
+        return bar / b, (bar - u) / c
+
+    return call
+
+
+def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
+    """(b + c)^2 - (a + d)^2 and (d - a)^2 - (b - c)^2, without the digits that squares would lose."""
+    return fsum((b, c, -a, -d)) * (a + b + c + d), fsum((d, -a, -b, c)) * fsum((d, -a, b, -c))
+
+
+def _general_dyad(problem: FourBarProblem, _: float) -> Call:
+    general = problem.linkage.linkage
+    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
+
+    def call() -> Directions:
+        solution = LinkageSolution(general, steps, problem.drive, chosen(1))
+        return solution.direction("coupler"), solution.direction("rocker")
+
+    return call
+
+
+def _unit_vectors(problem: FourBarProblem, _: float) -> Call:
+    a, b, c, d = problem.lengths
+    return lambda: by_unit_vectors(a, b, c, d, problem.drive)
+
+
+def by_unit_vectors(a: float, b: float, c: float, d: float, drive: Real) -> Directions:
+    """The diagonal's unit vector, with what of the coupler lies along and beside it."""
+    u = d - a * np.exp(1j * drive)
+    length = np.abs(u)
+    along = (length * length + (b * b - c * c)) / (2 * length)
+    with np.errstate(invalid="ignore"):
+        beside = np.sqrt(b * b - along * along)
+    bar = (along + 1j * beside) * (u / length)
+    return bar / b, (bar - u) / c
+
+
+def _half_angles(problem: FourBarProblem, _: float) -> Call:
+    a, b, c, d = problem.lengths
+    k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2 * a * c)
+    k4, k5 = d / b, (c * c - d * d - a * a - b * b) / (2 * a * b)
+
+    def call() -> Directions:
+        cosine, sine = np.cos(problem.drive), np.sin(problem.drive)
+        shared = -2 * sine
+        rocker = _half_angle(cosine - k1 - k2 * cosine + k3, shared, k1 - (k2 + 1) * cosine + k3, -1)
+        coupler = _half_angle(cosine - k1 + k4 * cosine + k5, shared, k1 + (k4 - 1) * cosine + k5, -1)
+        return np.exp(1j * coupler), np.exp(1j * rocker)
+
+    return call
+
+
+def _half_angle(first: Real, middle: Real, last: Real, sign: int) -> Real:
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(middle * middle - 4 * first * last)
+    angle: Real = 2 * np.arctan2(-middle + sign * root, 2 * first)
+    return angle
+
+
+def _diagonal(problem: FourBarProblem, _: float) -> Call:
+    a, b, c, d = problem.lengths
+
+    def call() -> Directions:
+        px, py = a * np.cos(problem.drive), a * np.sin(problem.drive)
+        square = (d - px) ** 2 + py * py
+        length, lean = np.sqrt(square), np.arctan2(-py, d - px)
+        with np.errstate(invalid="ignore"):
+            coupler = lean + np.arccos((b * b + square - c * c) / (2 * b * length))
+            rocker = lean + np.pi - np.arccos((c * c + square - b * b) / (2 * c * length))
+        return np.exp(1j * coupler), np.exp(1j * rocker)
+
+    return call
+
+
+def _single(problem: FourBarProblem, _: float) -> Call:
+    a, b, c, d = (np.float32(v) for v in problem.lengths)
+    drive = problem.drive.astype(np.float32)
+
+    def call() -> Directions:
+        ux, uy = d - a * np.cos(drive), -a * np.sin(drive)
+        square = ux * ux + uy * uy
+        along = (square + (b - c) * (b + c)) / (2 * square)
+        with np.errstate(invalid="ignore"):
+            beside = np.sqrt(b * b / square - along * along)
+        bx, by = along * ux - beside * uy, along * uy + beside * ux
+        return (bx + 1j * by) / b, (bx - ux + 1j * (by - uy)) / c
+
+    return call
+
+
+CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
+    Method(
+        "geomkin.move",
+        "The library's call: bounds of the crank, branches and all; the toggle-proof form is what it works out.",
+        _library,
+        because="one form for all sizes, which keeps all its digits up to the toggle and through it.",
+        despite="What it takes longer is the finding of the plan and the checks of a call; see the toggle-proof form "
+        "in plain NumPy, the same formula without them.",
+    ),
+    Method(
+        "toggle-proof form, plain NumPy",
+        "Every quantity that vanishes at a toggle is a product of factors, and the constants among them are exact "
+        "(derived for geomkin).",
+        _toggle_proof,
+    ),
+    Method(
+        "general dyad solver",
+        "The library's solver of two bars between any two moving points: Heron's formula in Kahan's factors.",
+        _general_dyad,
+    ),
+    Method(
+        "unit vectors",
+        "The textbook's vector form: along the diagonal's unit vector and beside it (Erdman and Sandor, Mechanism "
+        "Design, chapter 3).",
+        _unit_vectors,
+    ),
+    Method(
+        "half-angle (Freudenstein)",
+        "Freudenstein's equation as a quadratic in the tangent of half the angle (Norton, Design of Machinery, "
+        "section 4.5).",
+        _half_angles,
+    ),
+    Method(
+        "diagonal and cosine rule",
+        "Two triangles on the _diagonal, their angles by the cosine rule.",
+        _diagonal,
+    ),
+    Method(
+        "single precision",
+        "The vector form in 32-bit numbers, from angles and sizes that were made such beforehand.",
+        _single,
+    ),
+)

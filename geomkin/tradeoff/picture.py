@@ -1,0 +1,213 @@
+"""A family's chart as an SVG picture: time per result, or weight, across, error upwards, both by decades."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..export.sections import text
+from .family import Method
+from .measurement import Measurement
+from .results import FamilyChart
+
+# Sizes in the picture's units, which are points of a screen. Narrower, and the legend's names run over the edge.
+WIDTH, LEFT, PLOT, TOP, LEAST_HEIGHT, ROW = 820, 74, 440, 46, 400, 19
+# Told apart by their lightness too: each stands out 4.5 to 1 from white.
+COLOURS = ("#0064a0", "#b83200", "#00664a", "#9a3d77", "#6b5100", "#444c54")
+# Marks about the origin; as many as have no factor in common with the colours, so that pairs repeat late.
+SHAPES = (
+    "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z",
+    "M-4.5 -4.5h9v9h-9z",
+    "M0 -5.5L5.5 4.5H-5.5z",
+    "M0 -6L5.5 0L0 6L-5.5 0z",
+    "M0 5.5L5.5 -4.5H-5.5z",
+    "M-2 -5.5h4v3.5h3.5v4h-3.5v3.5h-4v-3.5h-3.5v-4h3.5z",
+    "M0 -6L1.8 -2H6L2.8 1.2L4 5.8L0 3.2L-4 5.8L-2.8 1.2L-6 -2H-1.8z",
+)
+PREFIXES = {-12: "ps", -9: "ns", -6: "µs", -3: "ms", 0: "s", 3: "ks"}
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def picture(one: FamilyChart, weighed: bool = False) -> bytes:
+    """The picture as a file of its own; it brings no style, so that a page may hold it as it is."""
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed) + "\n").encode("utf-8")
+
+
+def drawing(one: FamilyChart, weighed: bool = False) -> str:
+    """The picture as one `svg` element. weighed: with the results' weight across instead of the time."""
+    family = one.family
+    across = f"{family.weighed if weighed else 'time'} per {family.per}"
+    label = f"{family.title}: {len(one.points)} points, {across} against error in {family.unit}"
+    shown = [m for m in family.methods if any(p.method == m.name for p in one.points)]
+    height = max(LEAST_HEIGHT, TOP + ROW * (len(shown) + 4)) + 54
+    view = _View(one, weighed)
+    axes = _Axes.around(view, height - TOP - 54)
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" '
+            f'height="{height}" role="img" aria-label="{text(label)}" '
+            'font-family="DejaVu Sans, Verdana, sans-serif" font-size="12" fill="#1b2127">',
+            f'<rect width="{WIDTH}" height="{height}" fill="#fff"/>',
+            f'<text x="{LEFT}" y="24" font-size="16" font-weight="bold">{text(family.title)}</text>',
+            *_grid(axes, across, family.unit, _whole if weighed else _seconds),
+            *_front(view, axes),
+            *(line for k, m in enumerate(family.methods) for line in _marks(view, axes, m, k)),
+            *_legend([(family.methods.index(m), m) for m in shown]),
+            "</svg>",
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class _View:
+    """The points with what is drawn across: seconds, or weights."""
+
+    one: FamilyChart
+    weighed: bool
+
+    def cost(self, point: Measurement) -> float:
+        return point.weight if self.weighed else point.seconds
+
+    @property
+    def points(self) -> Iterator[tuple[Measurement, bool]]:
+        """Each with whether it is on the front."""
+        return zip(self.one.points, (self.one.on_weight_front if self.weighed else self.one.on_front).tolist())
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """Decades shown, across and upwards: from the first to the last of each pair."""
+
+    across: tuple[int, int]
+    upwards: tuple[int, int]
+    height: int
+
+    @classmethod
+    def around(cls, view: _View, height: int) -> _Axes:
+        one = view.one
+        errors = [e for p in one.points if np.isfinite(e := one.shown_error(p))]
+        return cls(_decades([view.cost(p) for p in one.points]), _decades(errors or [one.family.floor]), height)
+
+    def x(self, cost: float) -> float:
+        first, last = self.across
+        return LEFT + PLOT * (float(np.log10(cost)) - first) / (last - first)
+
+    def y(self, error: float) -> float:
+        first, last = self.upwards
+        return TOP + self.height * (last - float(np.log10(error))) / (last - first)
+
+
+def _decades(values: list[float]) -> tuple[int, int]:
+    """From a little below the least value to a little above the largest."""
+    low, high = np.log10(min(values)) - 0.15, np.log10(max(values)) + 0.15
+    return int(np.floor(low)), int(np.ceil(high))
+
+
+def _grid(axes: _Axes, across: str, unit: str, told: Callable[[int], str]) -> Iterator[str]:
+    bottom, right = TOP + axes.height, LEFT + PLOT
+    for power in _ticks(axes.across, 6):
+        x = _n(axes.x(10.0**power))
+        yield f'<path d="M{x} {TOP}V{_n(bottom)}" stroke="#dde2e6"/>'
+        yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{told(power)}</text>'
+    for power in _ticks(axes.upwards, 9):
+        y = _n(axes.y(10.0**power))
+        yield f'<path d="M{LEFT} {y}H{right}" stroke="#dde2e6"/>'
+        name = "10" + str(power).translate(RAISED) if abs(power) > 3 else f"{10.0**power:g}"
+        yield f'<text x="{LEFT - 7}" y="{y}" dy="4" text-anchor="end">{name}</text>'
+    yield f'<path d="M{LEFT} {TOP}V{_n(bottom)}H{right}" fill="none" stroke="#1b2127"/>'
+    yield f'<text x="{LEFT + PLOT / 2:g}" y="{_n(bottom + 40)}" text-anchor="middle">{text(across)}</text>'
+    middle = _n(TOP + axes.height / 2)
+    yield (
+        f'<text transform="translate(16 {middle}) rotate(-90)" text-anchor="middle">largest error, {text(unit)}</text>'
+    )
+
+
+def _ticks(decades: tuple[int, int], most: int) -> range:
+    """At most so many powers of ten, evenly."""
+    first, last = decades
+    step = -(-(last - first) // most)
+    return range(first, last + 1, step)
+
+
+def _seconds(power: int) -> str:
+    """10^power seconds, as people say it."""
+    prefix = min(max(3 * (power // 3), min(PREFIXES)), max(PREFIXES))
+    return f"{10.0 ** (power - prefix):g} {PREFIXES[prefix]}"
+
+
+def _whole(power: int) -> str:
+    return f"{10**power:,}"
+
+
+def _front(view: _View, axes: _Axes) -> Iterator[str]:
+    """Steps along what can be had: as little error as is to be had at so much cost."""
+    best = sorted({(view.cost(p), view.one.shown_error(p)) for p, on in view.points if on})
+    if best:
+        steps = "".join(f"H{_n(axes.x(cost))}V{_n(axes.y(error))}" for cost, error in best)
+        yield f'<path class="front" d="M{_n(axes.x(best[0][0]))} {TOP}{steps}H{LEFT + PLOT}" {_FRONT}/>'
+
+
+_FRONT = 'fill="none" stroke="#8d979f" stroke-width="4" stroke-linejoin="round"'
+
+
+def _marks(view: _View, axes: _Axes, method: Method[object, object], k: int) -> Iterator[str]:
+    """A method's points, tied by a line where they are several; full on the front, hollow off it."""
+    one = view.one
+    points = [(p, on) for p, on in view.points if p.method == method.name and _is_seen(p)]
+    places = [(axes.x(view.cost(p)), axes.y(one.shown_error(p))) for p, _ in points]
+    colour, shape = _look(k)
+    if len(places) > 1:
+        line = "L".join(f"{_n(x)} {_n(y)}" for x, y in places)
+        yield f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="1" stroke-dasharray="2 2"/>'
+    for (p, on), (x, y) in zip(points, places):
+        place = f'transform="translate({_n(x)} {_n(y)})"'
+        if method.is_default:
+            yield f'<circle {place} r="10" fill="none" stroke="#1b2127" stroke-width="2"/>'
+        cost = f"{p.weight:g} {one.family.weighed}" if view.weighed else f"{p.seconds:.2g} s"
+        told = f"{p.method}{_at(method, p)}: {cost} per {one.family.per}, error {p.largest:.2g}"
+        yield (
+            f'<path class="point" {place} d="{shape}" fill="{colour if on else "#fff"}" stroke="{colour}" '
+            f'stroke-width="1.8"><title>{text(told)}</title></path>'
+        )
+
+
+def _at(method: Method[object, object], point: Measurement) -> str:
+    return f" ({method.setting} {point.setting:g})" if method.setting else ""
+
+
+def _is_seen(point: Measurement) -> bool:
+    return bool(np.isfinite(point.largest))
+
+
+def _look(k: int) -> tuple[str, str]:
+    """Colour and mark of the k-th method."""
+    return COLOURS[k % len(COLOURS)], SHAPES[k % len(SHAPES)]
+
+
+def _legend(methods: list[tuple[int, Method[object, object]]]) -> Iterator[str]:
+    x, row = LEFT + PLOT + 24, _rows()
+    for k, method in methods:
+        y = row()
+        colour, shape = _look(k)
+        yield f'<path transform="translate({x} {y})" d="{shape}" fill="{colour}" stroke="{colour}"/>'
+        weight = ' font-weight="bold"' if method.is_default else ""
+        if method.is_default:
+            yield f'<circle cx="{x}" cy="{y}" r="9" fill="none" stroke="#1b2127" stroke-width="2"/>'
+        yield f'<text x="{x + 16}" y="{y}" dy="4"{weight}>{text(method.name)}</text>'
+    y = row() + ROW // 2
+    yield f'<path d="M{x - 8} {y}h16" {_FRONT}/><text x="{x + 16}" y="{y}" dy="4">Pareto front: nothing beats it</text>'
+    y += ROW
+    yield f'<circle cx="{x}" cy="{y}" r="7" fill="none" stroke="#1b2127" stroke-width="2"/>'
+    yield f'<text x="{x + 16}" y="{y}" dy="4">the library&#8217;s default</text>'
+    yield f'<text x="{x - 8}" y="{y + ROW}" dy="4">full: on the front; hollow: beaten</text>'
+
+
+def _rows() -> Callable[[], int]:
+    heights = iter(range(TOP + 8, 10_000, ROW))
+    return lambda: next(heights)
+
+
+def _n(value: float) -> str:
+    return f"{value:.1f}".removesuffix(".0")
