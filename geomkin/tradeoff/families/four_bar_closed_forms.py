@@ -27,20 +27,22 @@ def _library(problem: FourBarProblem, _: float) -> Call:
 
 
 def _toggle_proof(problem: FourBarProblem, _: float) -> Call:
-    a, b, c, d = problem.lengths
+    lengths = problem.lengths
+    return lambda: by_toggle_proof_form(lengths, problem.drive)
+
+
+def by_toggle_proof_form(lengths: tuple[float, float, float, float], drive: Real) -> Directions:
+    """Factors instead of differences of squares; crank, coupler, rocker, ground."""
+    a, b, c, d = lengths
     one, two = closing_gaps(a, b, c, d)
-
-    def call() -> Directions:
-        half = 0.5 * problem.drive
-        x, y = 2 * np.sqrt(a * d) * np.cos(half), 2 * np.sqrt(a * d) * np.sin(half)
-        s = (d - a) ** 2 + y * y
-        u = (d - a) + (y * y - 1j * (x * y)) / (2 * d)
-        over = 0.5 / s
-        p = 0.5 + (b - c) * (b + c) * over
-        bar = (p + 1j * (np.sqrt((one + x * x) * (two + y * y)) * over)) * u
-        return bar / b, (bar - u) / c
-
-    return call
+    half, k = 0.5 * drive, 2 * np.sqrt(a * d)
+    x, y = k * np.cos(half), k * np.sin(half)
+    s = (d - a) ** 2 + y * y
+    u = (d - a) + (y * y - 1j * (x * y)) / (2 * d)
+    over = 0.5 / s
+    p = 0.5 + (b - c) * (b + c) * over
+    bar = (p + 1j * (np.sqrt((one + x * x) * (two + y * y)) * over)) * u
+    return bar / b, (bar - u) / c
 
 
 def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
@@ -128,15 +130,16 @@ def _single(problem: FourBarProblem, _: float) -> Call:
     return call
 
 
+LIBRARY: Method[FourBarProblem, Directions] = Method(
+    "geomkin.move",
+    "The library's call: bounds of the crank, branches and all; the toggle-proof form is what it works out.",
+    _library,
+    because="one form for all sizes, which keeps all its digits up to the toggle and through it.",
+    despite="What it takes longer is the finding of the plan and the checks of a call; see the toggle-proof form "
+    "in plain NumPy, the same formula without them.",
+)
 CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
-    Method(
-        "geomkin.move",
-        "The library's call: bounds of the crank, branches and all; the toggle-proof form is what it works out.",
-        _library,
-        because="one form for all sizes, which keeps all its digits up to the toggle and through it.",
-        despite="What it takes longer is the finding of the plan and the checks of a call; see the toggle-proof form "
-        "in plain NumPy, the same formula without them.",
-    ),
+    LIBRARY,
     Method(
         "toggle-proof form, plain NumPy",
         "Every quantity that vanishes at a toggle is a product of factors, and the constants among them are exact "
@@ -150,14 +153,13 @@ CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
     ),
     Method(
         "unit vectors",
-        "The textbook's vector form: along the diagonal's unit vector and beside it (Erdman and Sandor, Mechanism "
-        "Design, chapter 3).",
+        "The textbooks' vector form: so far along the diagonal's unit vector, and so far beside it.",
         _unit_vectors,
     ),
     Method(
         "half-angle (Freudenstein)",
         "Freudenstein's equation as a quadratic in the tangent of half the angle (Norton, Design of Machinery, "
-        "section 4.5).",
+        "chapter 4).",
         _half_angles,
     ),
     Method(
