@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from . import linkage as linkage
     from . import plane as plane
     from . import recipe as recipe
+    from . import scenes as scenes
     from . import shop as shop
-    from . import show as show
     from . import synthesis as synthesis
     from .build import load as load
     from .build import make as make

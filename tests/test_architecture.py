@@ -28,15 +28,15 @@ MAY = {
     "export": {"plane", "part", "table", "check", "scene", "web"},
     "synthesis": MECHANISMS | GEOMETRY,
     "judge": MECHANISMS | GEOMETRY | {"synthesis", "check"},
-    "show": MECHANISMS | GEOMETRY | {"synthesis", "part", "scene"},
+    "scenes": MECHANISMS | GEOMETRY | {"synthesis", "part", "scene"},
     "shop": MECHANISMS | GEOMETRY | {"synthesis", "part"},
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
-    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
+    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
+    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "scenes", "synthesis"}
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},
@@ -208,7 +208,7 @@ def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
     assert (tmp_path / "spur-gear" / ("gear.stl" if formats == "stl" else f"spur-gear.{formats}")).exists()
 
 
-ROOMS = ["cam", "export", "gear", "judge", "kinds", "linkage", "plane", "recipe", "shop", "show", "synthesis"]
+ROOMS = ["cam", "export", "gear", "judge", "kinds", "linkage", "plane", "recipe", "shop", "scenes", "synthesis"]
 
 
 def test_every_public_name_is_there_and_documented():

@@ -12,8 +12,8 @@ from geomkin import GearPair, RingGear, SpurGear
 from geomkin.gear import GearRack, RackPair
 from geomkin.part import Part
 from geomkin.plane import Circle
+from geomkin.scenes import gear_scene, pair_scene
 from geomkin.shop.gear.gears import GearStock, RingStock, gear_parts
-from geomkin.show import gear_scene, pair_scene
 
 from .gallery import FINE, frames, marks, named, point, recipe, seen
 
@@ -198,4 +198,4 @@ def test_planets_are_one_part_and_a_ring_stands_still():
     carrier, first = named(scene, "carrier"), planets[0]
     np.testing.assert_allclose(carrier.direction * first.origin[0], first.origin, atol=1e-9)
     alone = replace(recipe("planetary").gears, planets=1)
-    assert "planet" in [b.name for b in gk.show.planetary_scene(alone, recipe("planetary").table).bodies]
+    assert "planet" in [b.name for b in gk.scenes.planetary_scene(alone, recipe("planetary").table).bodies]
