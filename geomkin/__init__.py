@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from .linkage.named.slider_crank import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move
+    from .notebook import show as show
     from .part import Part as Part
     from .plane.arcs import to_arcs as to_arcs
     from .plane.curve import AbstractCurve as AbstractCurve

@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
+WORDS = {"arguments", "brief", "display", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.
@@ -34,9 +34,25 @@ MAY = {
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
     "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
+    # All that can be shown, and what shows it.
+    "notebook": MECHANISMS
+    | GEOMETRY
+    | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe", "kinds", "export", "build"},
     "commands": {"build", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "scenes", "synthesis"}
+    "__init__": {
+        "build",
+        "notebook",
+        "kinds",
+        "part",
+        "check",
+        "export",
+        "judge",
+        "shop",
+        "recipe",
+        "scenes",
+        "synthesis",
+    }
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},

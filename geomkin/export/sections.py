@@ -11,16 +11,14 @@ from ..check import Check
 from ..errors import harmless
 from ..part import Part
 from ..plane.curve import reach
-from ..plane.flatten import flatten
 from ..plane.measure import area, length
-from ..plane.vec import Complex
 from ..scene import Scene
 from .island import kept_frames, shown_columns
 from .job import Job
-from .path import path
+from .thumbnail import extent, thumbnail
 
-# Distance between a part in small and its chords, as a share of its size: what 60 pixels show.
-SMALL = 4e-3
+# Distance between a part and the chords that its size is read off, as a share of that size: four digits are told.
+FOUR_DIGITS = 5e-5
 # How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
 SAME = 0.02
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
@@ -118,28 +116,14 @@ def _part(part: Part, tint: str) -> str:
 
 
 def _extent(part: Part) -> tuple[float, float]:
-    low, high = _box(flatten(part.outline, SMALL * reach(part.outline)))
+    low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
     return (high - low).real, (high - low).imag
 
 
-def _box(points: Complex) -> tuple[complex, complex]:
-    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
-
-
 def _thumbnail(part: Part, tint: str) -> str:
-    """All of them 60 by 40 pixels, y up."""
-    size = reach(part.outline)
-    low, high = _box(flatten(part.outline, SMALL * size))
-    digits = 2 - int(np.floor(np.log10(size)))
-    drawn = path((part.outline, *part.holes), SMALL * size, digits)
-    room = max((high - low).real / 56, (high - low).imag / 36)
-    middle = (low + high) / 2
-    left, top = middle.real - 30 * room, -middle.imag - 20 * room
-    box = " ".join(f"{value:.4g}" for value in (left, top, 60 * room, 40 * room))
-    return (
-        f'<svg class="small" viewBox="{box}" width="60" height="40" aria-hidden="true">'
-        f'<path class="plate {tint}" transform="scale(1 -1)" d="{drawn}"/></svg>'
-    )
+    """All of them of one size."""
+    curves = (part.outline, *part.holes)
+    return thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
 
 
 def tints_of(scene: Scene) -> dict[str, str]:
