@@ -169,10 +169,49 @@ def _short(name: str, wide: float) -> str:
 
 
 def notes(held: Mapping[str, object]) -> str:
-    """What is known of the design besides, where it is said in a word or some numbers."""
-    told = [(name, said) for name, value in held.items() if (said := _said(value))]
-    rows = "".join(f"<dt>{text(_capital(_named(name)))}</dt><dd>{text(said)}</dd>" for name, said in told)
-    return _section("notes", "About it", f"<dl>{rows}</dl>") if rows else ""
+    """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
+    inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
+    inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
+    return _section("notes", "About it", inside) if inside else ""
+
+
+def _said_of(told: Mapping[str, str]) -> str:
+    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(said)}</dd>" for name, said in told.items())
+    return f"<dl>{rows}</dl>" if rows else ""
+
+
+def _more(name: str, value: object, found: object) -> str:
+    """What has sizes of its own, or alike things as a table, without the sizes that all share with the one `found`."""
+    if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
+        things = [{"name": key.replace("_", " "), **_flat(one)} for key, one in value.items()]
+    elif isinstance(value, Mapping):
+        told = _said_of(_flat(value))
+        return f"<h3>{_head(name)}</h3>{told}" if told else ""
+    else:
+        alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
+        things = [_flat(one) for one in value[:MOST_ROWS]] if alike else []  # type: ignore[index]
+    names = list(dict.fromkeys(key for thing in things for key in thing))
+    if isinstance(found, Mapping) and len(things) > 1:
+        names = [n for n in names if n not in found or len({thing.get(n, "") for thing in things}) > 1]
+    if not names:
+        return ""
+    heads = "".join(f'<th scope="col">{_head(key)}</th>' for key in names)
+    cells = ("".join(f"<td>{text(thing[key]) if key in thing else ''}</td>" for key in names) for thing in things)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<h3>{_head(name)}</h3>{_wide(_head(name), table)}"
+
+
+def _flat(thing: Mapping[str, object]) -> dict[str, str]:
+    """Everything of a thing that is said in a word or some numbers, what it holds in turn under both names."""
+    said = {key: _said(value) for key, value in thing.items()}
+    inner = {key: _flat(value) for key, value in thing.items() if isinstance(value, Mapping)}
+    said |= {f"{key}, {name}": one for key, flat in inner.items() for name, one in flat.items()}
+    return {key: one for key, one in said.items() if one}
+
+
+def _head(name: str) -> str:
+    return text(_capital(_named(name)))
 
 
 def _named(name: str) -> str:

@@ -167,6 +167,9 @@ def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
     yield from of("angular velocities", "_omega")
     yield from of("angular accelerations", "_alpha")
     yield from of("sliding, place", "_displacement")
+    yield from of("sliding, velocity", "_velocity")
+    yield from of("sliding, acceleration", "_acceleration")
+    yield from of("Coriolis acceleration", "_coriolis_x", "_coriolis_y")
     for point in points:
         yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
         yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
