@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from . import linkage as linkage
     from . import plane as plane
     from . import recipe as recipe
+    from . import scenes as scenes
     from . import shop as shop
-    from . import show as show
     from . import synthesis as synthesis
     from . import tradeoff as tradeoff
     from .build import load as load
@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from .linkage.named.slider_crank import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move
+    from .notebook import show as show
     from .part import Part as Part
     from .plane.arcs import to_arcs as to_arcs
     from .plane.curve import AbstractCurve as AbstractCurve

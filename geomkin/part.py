@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from .arguments import check_fields
 from .brief import one_line
+from .display import still
 from .names import check_names
 from .plane.curve import AbstractCurve
 
@@ -34,3 +35,6 @@ class Part:
     def __post_init__(self) -> None:
         check_fields(self)
         check_names("name", [self.name], "a part")
+
+    def _repr_svg_(self) -> str | None:
+        return still(self, (self.outline, *self.holes), self.marks)

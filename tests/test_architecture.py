@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
+WORDS = {"arguments", "brief", "display", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.
@@ -28,18 +28,23 @@ MAY = {
     "export": {"plane", "part", "table", "check", "scene", "web"},
     "synthesis": MECHANISMS | GEOMETRY,
     "judge": MECHANISMS | GEOMETRY | {"synthesis", "check"},
-    "show": MECHANISMS | GEOMETRY | {"synthesis", "part", "scene"},
+    "scenes": MECHANISMS | GEOMETRY | {"synthesis", "part", "scene"},
     "shop": MECHANISMS | GEOMETRY | {"synthesis", "part"},
     # Text only: it knows no mechanism, and of formats their names.
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
-    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
+    "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe"},
     # Whatever has methods to compare, but no recipe's kind.
     "tradeoff": MECHANISMS | GEOMETRY | {"synthesis", "part", "shop", "export"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
+    # All that can be shown, and what shows it.
+    "notebook": MECHANISMS
+    | GEOMETRY
+    | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe", "kinds", "export", "build"},
     "commands": {"build", "recipe", "kinds", "export", "tradeoff"},
     "cli": {"commands"},
     "__init__": {
         "build",
+        "notebook",
         "kinds",
         "part",
         "check",
@@ -47,7 +52,7 @@ MAY = {
         "judge",
         "shop",
         "recipe",
-        "show",
+        "scenes",
         "synthesis",
         "tradeoff",
     }
@@ -234,7 +239,7 @@ ROOMS = [
     "plane",
     "recipe",
     "shop",
-    "show",
+    "scenes",
     "synthesis",
     "tradeoff",
 ]

@@ -16,7 +16,7 @@ import geomkin as gk
 from geomkin import lazy
 
 PACKAGE = Path(gk.__file__).parent
-ROOMS = [gk, gk.cam, gk.export, gk.gear, gk.judge, gk.linkage, gk.plane, gk.shop, gk.show, gk.synthesis]
+ROOMS = [gk, gk.cam, gk.export, gk.gear, gk.judge, gk.linkage, gk.plane, gk.shop, gk.scenes, gk.synthesis]
 every_room = pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.__name__)
 # What says that a copy of geomkin works: its names are listed, loaded and run.
 TRIED = "import geomkin as gk; print(gk.__file__, len(dir(gk)), len(dir(gk.plane)), gk.area(gk.plane.Circle(0j, 1)))"

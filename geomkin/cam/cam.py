@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..brief import one_line
+from ..display import moving
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
@@ -57,6 +58,7 @@ class Cam:
         self.follower.check(self.program, self.base_radius, self.sense)
 
     __repr__ = one_line
+    _repr_html_ = moving
 
     @property
     def prime_radius(self) -> float:

@@ -11,16 +11,14 @@ from ..check import Check
 from ..errors import harmless
 from ..part import Part
 from ..plane.curve import reach
-from ..plane.flatten import flatten
 from ..plane.measure import area, length
-from ..plane.vec import Complex
 from ..scene import Scene
 from .island import kept_frames, shown_columns
 from .job import Job
-from .path import path
+from .thumbnail import extent, thumbnail
 
-# Distance between a part in small and its chords, as a share of its size: what 60 pixels show.
-SMALL = 4e-3
+# Distance between a part and the chords that its size is read off, as a share of that size: four digits are told.
+FOUR_DIGITS = 5e-5
 # How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
 SAME = 0.02
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
@@ -118,28 +116,14 @@ def _part(part: Part, tint: str) -> str:
 
 
 def _extent(part: Part) -> tuple[float, float]:
-    low, high = _box(flatten(part.outline, SMALL * reach(part.outline)))
+    low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
     return (high - low).real, (high - low).imag
 
 
-def _box(points: Complex) -> tuple[complex, complex]:
-    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
-
-
 def _thumbnail(part: Part, tint: str) -> str:
-    """All of them 60 by 40 pixels, y up."""
-    size = reach(part.outline)
-    low, high = _box(flatten(part.outline, SMALL * size))
-    digits = 2 - int(np.floor(np.log10(size)))
-    drawn = path((part.outline, *part.holes), SMALL * size, digits)
-    room = max((high - low).real / 56, (high - low).imag / 36)
-    middle = (low + high) / 2
-    left, top = middle.real - 30 * room, -middle.imag - 20 * room
-    box = " ".join(f"{value:.4g}" for value in (left, top, 60 * room, 40 * room))
-    return (
-        f'<svg class="small" viewBox="{box}" width="60" height="40" aria-hidden="true">'
-        f'<path class="plate {tint}" transform="scale(1 -1)" d="{drawn}"/></svg>'
-    )
+    """All of them of one size."""
+    curves = (part.outline, *part.holes)
+    return thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
 
 
 def tints_of(scene: Scene) -> dict[str, str]:
@@ -185,10 +169,49 @@ def _short(name: str, wide: float) -> str:
 
 
 def notes(held: Mapping[str, object]) -> str:
-    """What is known of the design besides, where it is said in a word or some numbers."""
-    told = [(name, said) for name, value in held.items() if (said := _said(value))]
-    rows = "".join(f"<dt>{text(capital(_named(name)))}</dt><dd>{text(said)}</dd>" for name, said in told)
-    return section("notes", "About it", f"<dl>{rows}</dl>") if rows else ""
+    """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
+    inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
+    inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
+    return section("notes", "About it", inside) if inside else ""
+
+
+def _said_of(told: Mapping[str, str]) -> str:
+    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(said)}</dd>" for name, said in told.items())
+    return f"<dl>{rows}</dl>" if rows else ""
+
+
+def _more(name: str, value: object, found: object) -> str:
+    """What has sizes of its own, or alike things as a table, without the sizes that all share with the one `found`."""
+    if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
+        things = [{"name": key.replace("_", " "), **_flat(one)} for key, one in value.items()]
+    elif isinstance(value, Mapping):
+        told = _said_of(_flat(value))
+        return f"<h3>{_head(name)}</h3>{told}" if told else ""
+    else:
+        alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
+        things = [_flat(one) for one in value[:MOST_ROWS]] if alike else []  # type: ignore[index]
+    names = list(dict.fromkeys(key for thing in things for key in thing))
+    if isinstance(found, Mapping) and len(things) > 1:
+        names = [n for n in names if n not in found or len({thing.get(n, "") for thing in things}) > 1]
+    if not names:
+        return ""
+    heads = "".join(f'<th scope="col">{_head(key)}</th>' for key in names)
+    cells = ("".join(f"<td>{text(thing[key]) if key in thing else ''}</td>" for key in names) for thing in things)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<h3>{_head(name)}</h3>{wide(_head(name), table)}"
+
+
+def _flat(thing: Mapping[str, object]) -> dict[str, str]:
+    """Everything of a thing that is said in a word or some numbers, what it holds in turn under both names."""
+    said = {key: _said(value) for key, value in thing.items()}
+    inner = {key: _flat(value) for key, value in thing.items() if isinstance(value, Mapping)}
+    said |= {f"{key}, {name}": one for key, flat in inner.items() for name, one in flat.items()}
+    return {key: one for key, one in said.items() if one}
+
+
+def _head(name: str) -> str:
+    return text(capital(_named(name)))
 
 
 def _named(name: str) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import checked
+from ..display import still
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.pose import Pose
@@ -90,6 +91,9 @@ class AbstractGear(_AbstractToothed):
     @abstractmethod
     def outline(self) -> AbstractCurve:
         """The whole gear as one closed counterclockwise curve of exact pieces; of a ring the hole of its plate."""
+
+    def _repr_svg_(self) -> str | None:
+        return still(self, (self.outline,))
 
     @property
     def hole_room(self) -> float:

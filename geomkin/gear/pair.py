@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import RealsOrNan, checked
 from ..brief import one_line
+from ..display import moving
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Real
@@ -41,6 +42,7 @@ class GearPair:
     centre_distance: Settled = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
     __repr__ = one_line
+    _repr_html_ = moving
 
     def __post_init__(self) -> None:
         check_sizes(self)

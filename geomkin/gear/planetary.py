@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import NUMBER, RealsOrNan, checked, refused
 from ..brief import one_line
+from ..display import moving
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.vec import Real
@@ -32,6 +33,7 @@ class PlanetarySet:
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
     __repr__ = one_line
+    _repr_html_ = moving
 
     def __post_init__(self) -> None:
         check_sizes(self)

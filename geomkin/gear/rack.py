@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arguments import RealsOrNan, checked
 from ..brief import one_line
+from ..display import moving
 from ..errors import DesignError
 from ..plane.pose import Pose
 from ..plane.primitives import Polyline
@@ -154,6 +155,7 @@ class RackPair:
     )
 
     __repr__ = one_line
+    _repr_html_ = moving
 
     def __post_init__(self) -> None:
         check_sizes(self)

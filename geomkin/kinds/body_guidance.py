@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
@@ -22,7 +22,7 @@ from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, pose_axes, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..synthesis.guidance.displacement_poles import poles
+from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ..synthesis.guidance.filemon_waldron import rectification
 from ..synthesis.guidance.guidance import BodyGuide, body_guides
 from ..synthesis.guidance.guide_groups import KINDS, Kind
@@ -188,21 +188,54 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
-        labels = [f"pose {k + 1}" for k in range(len(self.wanted.pairs))]
-        return [SceneCurve(curve, "wanted", label) for curve, label in zip(self.axes, labels)]
+        """The poses; of up to five their poles, and of three what its pins were chosen by, where the body is first."""
+        pairs, near = self.wanted.pairs, 0.01 * self.extent
+        shown = [SceneCurve(curve, "wanted", f"pose {k + 1}") for k, curve in enumerate(self.axes)]
+        for (j, k), pole in poles(pairs).items() if len(pairs) <= 5 else ():
+            place = complex(pole.position)
+            if abs(place - self.middle) <= self.room:
+                shown.append(SceneCurve(Circle(place, near), "centre", f"pole of poses {j + 1} and {k + 1}"))
+        if len(pairs) == 3:
+            circles, lines = self.regions
+            label = "image-pole circle: no driven pin lies within an odd number of them"
+            shown += [SceneCurve(curve, "construction", label) for curve in circles]
+            label = "line of the driven link: the driving pin lies on one side of all three"
+            shown += [SceneCurve(curve, "construction", label) for curve in lines]
+            if "slider" in self.found.linkage.linkage.bodies:
+                sliding = circle_of_sliders(pairs).curve(self.room)
+                shown.append(SceneCurve(sliding, "construction", "circle of sliders: where a pin that slides may sit"))
+        return shown
+
+    @property
+    def middle(self) -> complex:
+        """Of the poses and the pins, mm."""
+        low, high = (complex(end(self.seen.real), end(self.seen.imag)) for end in (np.min, np.max))
+        return (low + high) / 2
+
+    @property
+    def room(self) -> float:
+        """Distance from the middle, mm, beyond which a construction hides the rest of a drawing."""
+        return (0.5 + ROOM) * self.extent
+
+    def near(self, curves: Iterable[AbstractCurve]) -> list[AbstractCurve]:
+        """Those that are circles near by: what is larger or a line hides all else."""
+        return [c for c in curves if isinstance(c, Circle) and abs(c.centre - self.middle) + c.radius <= self.room]
+
+    @property
+    def regions(self) -> tuple[list[AbstractCurve], tuple[AbstractCurve, ...]]:
+        """Of three poses: image-pole circles near by, and the lines of the driven link through its pin."""
+        linkage = self.found.linkage.linkage
+        driven = [pin for pin, on in linkage.pins.items() if "coupler" in on and linkage.driver not in on]
+        motion = move(linkage, self.found.drive[:1], self.found.branch)
+        place = complex(motion.point(driven[0]).position[0]) if driven else None
+        found = rectification(self.wanted.pairs, place, self.extent / 2)
+        return self.near(found.circles), found.lines
 
     def marks(self, plate: PlateStock) -> list[AbstractCurve]:
         """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
-        pairs, guide, seen, extent = self.wanted.pairs, self.found, self.seen, self.extent
-        motion = move(guide.linkage, guide.drive[:1], guide.branch)
-        marks: list[AbstractCurve] = [*skeleton(motion, 0, plate), *self.axes]
-        middle = complex(np.ptp(seen.real) / 2 + seen.real.min(), np.ptp(seen.imag) / 2 + seen.imag.min())
-        if len(pairs) == 3:
-            room = (0.5 + ROOM) * extent
-            for curve in rectification(pairs).circles:
-                if isinstance(curve, Circle) and abs(curve.centre - middle) + curve.radius <= room:
-                    marks.append(curve)
-        return marks
+        motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
+        circles = self.regions[0] if len(self.wanted.pairs) == 3 else []
+        return [*skeleton(motion, 0, plate), *self.axes, *circles]
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -21,8 +21,8 @@ from ..plane.primitives import Circle
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..scene import Scene
+from ..scenes.instant import centrodes_scene
 from ..shop.drawing import PlateStock, engraved
-from ..show.instant import centrodes_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
 from .linkage_tables import Branches, SideOrFollow, branch_of, branches_entry

@@ -22,8 +22,8 @@ from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
+from ..scenes.conjugate import conjugate_scene
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
-from ..show.conjugate import conjugate_scene
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points

@@ -24,8 +24,8 @@ from ..plane.vec import Complex
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..scene import Scene, SceneMark
+from ..scenes.linkage import linkage_scene
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..show.linkage import linkage_scene
 from ..sizes import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

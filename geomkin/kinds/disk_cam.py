@@ -34,8 +34,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
+from ..scenes.cam import cam_scene
 from ..shop.cam import CamStock, cam_parts
-from ..show.cam import cam_scene
 from ..sizes import entry
 from ..table import Table
 

@@ -23,8 +23,8 @@ from ..plane.primitives import Arc, Circle, Segment
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..scene import Scene
+from ..scenes.instant import inflection_scene
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..show.instant import inflection_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, finite, xy_columns
 from .linkage_tables import Side

@@ -27,9 +27,9 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
+from ..scenes.linkage import linkage_scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
-from ..show.linkage import linkage_scene
 from ..sizes import entry
 from ..table import Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry

@@ -16,8 +16,8 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
+from ..scenes.gear import planetary_scene
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
-from ..show.gear import planetary_scene
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown

@@ -24,8 +24,8 @@ from ..plane.vec import Complex, rounded
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
+from ..scenes.vectors import polygons_scene
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..show.vectors import polygons_scene
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Column, Table
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry

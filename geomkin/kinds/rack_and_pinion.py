@@ -16,8 +16,8 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
+from ..scenes.gear import pair_scene
 from ..shop.gear.gears import GearStock, gear_parts
-from ..show.gear import pair_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, shown

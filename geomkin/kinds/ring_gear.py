@@ -15,8 +15,8 @@ from ..part import Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
+from ..scenes.gear import gear_scene
 from ..shop.gear.gears import RingStock, gear_parts
-from ..show.gear import gear_scene
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes

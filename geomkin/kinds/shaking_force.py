@@ -25,10 +25,10 @@ from ..part import Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
 from ..scene import Limit, Plot, Role, Scene
+from ..scenes.linkage import linkage_scene
+from ..scenes.vectors import force_scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
-from ..show.linkage import linkage_scene
-from ..show.vectors import force_scene
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

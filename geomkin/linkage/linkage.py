@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arguments import Place, Sort, check_fields, is_place
 from ..brief import LONGEST, one_line
+from ..display import moving
 from ..errors import DesignError, shown
 from ..names import check_names
 from ..plane.vec import Array, Complex, Real, direction_deg
@@ -34,6 +35,8 @@ Bodies = Annotated[
 
 class AbstractLinkage(ABC):
     """A linkage by whatever describes it: the sizes of a FourBar, a SliderCrank, ..., or the bodies of a Linkage."""
+
+    _repr_html_ = moving
 
     @property
     @abstractmethod

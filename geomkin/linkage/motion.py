@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import checked
 from ..brief import clipped, short
+from ..display import moving
 from ..errors import DesignError
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from ..table import Column, Table, finite, xy_columns
@@ -37,6 +38,8 @@ class Motion:
     drive: Real
     timing: Timing
     solution: LinkageSolution
+
+    _repr_html_ = moving
 
     def __repr__(self) -> str:
         driver, bodies = short(self.linkage.driver), short(self.linkage.bodies)

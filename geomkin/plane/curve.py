@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..brief import one_line
+from ..display import still
 from .vec import Complex, Real, cross
 
 
@@ -47,6 +48,9 @@ class AbstractCurve(ABC):
     @abstractmethod
     def closed(self) -> bool:
         """Whether the end is the start, and the curve an outline: it may run either way round."""
+
+    def _repr_svg_(self) -> str | None:
+        return still(self, (self,))
 
     def curvature(self, t: ArrayLike) -> Real:
         """Signed curvature, 1/mm, positive where the curve turns left along rising t; not finite at a cusp.

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self
 from ..arguments import checked
 from ..brief import one_line
 from ..check import Check
+from ..display import moving
 from ..part import Part
 from ..scene import Scene
 from ..table import Table
@@ -36,6 +37,8 @@ class AbstractRecipe(ABC):
     advice: ClassVar[str] = ""
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
+
+    _repr_html_ = moving
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..brief import one_line
+from ..display import moving
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.named.double_sliders import EllipticTrammel
 from ..linkage.named.four_bar import FourBar
@@ -34,6 +35,7 @@ class Found:
     defects: tuple[str, ...] = ()
 
     __repr__ = one_line
+    _repr_html_ = moving
 
     @property
     def lengths(self) -> Mapping[str, float]:

@@ -6,9 +6,6 @@ if TYPE_CHECKING:
     from .cell import ANSWERS as ANSWERS
     from .cell import Cell as Cell
     from .cell import Digits as Digits
-    from .study import CELLS as CELLS
-    from .study import Stability as Stability
-    from .study import stability as stability
     from .families import FAMILIES as FAMILIES
     from .family import Method as Method
     from .family import MethodFamily as MethodFamily
@@ -18,6 +15,9 @@ if TYPE_CHECKING:
     from .results import Chart as Chart
     from .results import FamilyChart as FamilyChart
     from .results import chart as chart
+    from .study import CELLS as CELLS
+    from .study import Stability as Stability
+    from .study import stability as stability
 else:
     from ..lazy import attach
 

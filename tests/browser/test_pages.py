@@ -205,3 +205,39 @@ def test_prints_all_of_it(folder, opened):
     page.emulate_media(media="print")
     assert page.is_visible("svg.drawing") and page.is_visible("#checks") and not page.is_visible(".controls")
     assert len(page.pdf()) > 20_000
+
+
+NOTEBOOK = {
+    "linkage": lambda: gk.FourBar(100, 30, 90, 70, 40 + 25j),
+    "pair": lambda: gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
+    "curve": lambda: gk.CouplerCurve(gk.FourBar(100, 30, 90, 70, 40 + 25j), "coupler_point"),
+    "parts": lambda: gk.load(RECIPES / "crank-rocker.toml").parts,
+    "nasty": lambda: gk.load(RECIPES / "crank-rocker.toml").called(
+        '</script></iframe><img src=x onerror="alert(1)">\'&\u202ea'
+    ),
+}
+
+
+@pytest.mark.parametrize("what", NOTEBOOK)
+def test_a_notebook_s_frame_moves_as_the_page_does_and_reaches_nothing(what, folder, chromium):
+    """The frame stands in a page as strict as any: it runs by its own policy, in a world of its own."""
+    cell = folder / f"{what}-cell.html"
+    cell.write_text(f"<!doctype html><title>cell</title><div id=output>{gk.show(NOTEBOOK[what]())._repr_html_()}</div>")
+    context = chromium.new_context(offline=True, viewport={"width": 900, "height": 800})
+    page, said, asked = context.new_page(), [], []
+    page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(cell.resolve().as_uri())
+    frame = page.frame_locator("iframe")
+    frame.locator("#player[data-ready]").wait_for()
+    if what != "parts":
+        frame.locator("#player[data-frame='0']").wait_for(state="detached")
+    assert page.locator("img").count() == frame.locator("img").count() == 0 and page.locator("body > *").count() == 1
+    inner = page.frames[1]
+    assert inner.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    assert inner.evaluate("document.querySelector('svg.drawing').getBoundingClientRect().bottom < window.innerHeight")
+    assert inner.evaluate("(() => { try { return !parent.document } catch { return true } })()")
+    assert not said and set(asked) <= {cell.resolve().as_uri(), "about:srcdoc", "data:,"}
+    page.screenshot(path=str(folder / f"{what}.png"))
+    context.close()

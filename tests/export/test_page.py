@@ -18,7 +18,7 @@ from geomkin.export.job import Loose
 from geomkin.export.packed import packed, unpacked
 from geomkin.export.page import page, write
 from geomkin.export.path import path
-from geomkin.export.sections import worst_frame
+from geomkin.export.sections import notes, worst_frame
 from geomkin.recipe import Files
 from geomkin.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 
@@ -239,3 +239,32 @@ def test_the_plot_library_keeps_its_licence_beside_it():
     folder = Path(gk.__file__).parent / "web" / "uplot"
     assert "MIT" in (folder / "LICENSE").read_text() and "v1.6.32" in (folder / "uPlot.iife.min.js").read_text()[:100]
     assert b"uPlot (v1.6.32)" in page(job_of(turning()))
+
+
+def test_what_is_known_besides_is_told_in_words_sizes_and_tables():
+    """Rivals of what was found are told by what sets them apart; nothing of it is markup."""
+    found = {"ground": 10.0, "crank": 2.5, "origin_mm": [0.0, 0.0]}
+    held = {
+        "family": {"free_angle_deg": [0.0, 45.0]},
+        "found": found,
+        "ranked": [found, {**found, "crank": 3.0}],
+        "segments": [{"peak": 1.0, "units": "mm"}, {"peak": 2.0, "units": "mm"}],
+        "measures_mm": {"first_<b>": {"span": {"teeth": 3, "measure": 15.4}}, "second": {"span": {"teeth": 4}}},
+        "none": {"defects": []},
+        "empty": [],
+        "stack": {"layers": [["ground"]], "pins": [{"name": "a"}]},
+    }
+    told = notes(held)
+    tables = [re.findall(r"<t[hd]\b[^>]*>(.*?)</t[hd]>", table) for table in told.split("<h3>")[1:]]
+    assert [title.split("</h3>")[0] for title in told.split("<h3>")[1:]] == [
+        "Family",
+        "Found",
+        "Ranked",
+        "Segments",
+        "Measures, mm",
+    ]
+    assert "<dt>Free angle, °</dt><dd>0, 45</dd>" in told and "<dt>Origin, mm</dt><dd>0, 0</dd>" in told
+    assert tables[2] == ["Crank", "2.5", "3"]
+    assert tables[3] == ["Peak", "Units", "1", "mm", "2", "mm"]
+    assert tables[4] == ["Name", "Span, teeth", "Span, measure", "first &lt;b&gt;", "3", "15.4", "second", "4", ""]
+    assert notes({"stack": held["stack"], "found": {}}) == ""

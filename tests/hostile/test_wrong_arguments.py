@@ -189,6 +189,7 @@ GOOD = {
     "velocity_state_four_bar": {"state": STATE, "speeds": (2.0, -3.0), "fixed": (1 + 1j, 2 + 0j)},
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
+    "show": {"thing": FOUR_BAR},
     "slider_crank_stroke": {"stroke": 80.0, "crank_turn_deg": 190, "offset": None, "crank": 38.0, "coupler": None, "free_angle_deg": None, "largest_ratio": 50},
     "opening": {"motion": MOTION},
     "CamStock": {"thickness": 5.0, "bore": 8.0, "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},

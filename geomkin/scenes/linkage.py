@@ -79,13 +79,13 @@ def _bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, int]) ->
 
 
 def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
-    """Bodies that nothing is cut of, as lines from their first point to the others."""
+    """Bodies that nothing is cut of, as lines from each point to the next and back to the first."""
     for name, points in motion.linkage.bodies.items():
         if name in with_parts or name == motion.linkage.ground or len(points) < 2:
             continue
         places = [motion.bodies[name].point(z).position for z in points.values()]
-        for place in places[1:]:
-            yield SceneMark("line", places[0], "construction", name, vector=place - places[0])
+        for start, end in zip(places, [*places[1:], *(places[:1] if len(places) > 2 else ())]):
+            yield SceneMark("line", start, "construction", name, vector=end - start)
 
 
 def _joints(motion: Motion) -> Iterator[SceneMark]:
@@ -167,6 +167,9 @@ def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
     yield from of("angular velocities", "_omega")
     yield from of("angular accelerations", "_alpha")
     yield from of("sliding, place", "_displacement")
+    yield from of("sliding, velocity", "_velocity")
+    yield from of("sliding, acceleration", "_acceleration")
+    yield from of("Coriolis acceleration", "_coriolis_x", "_coriolis_y")
     for point in points:
         yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
         yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")

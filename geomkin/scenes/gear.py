@@ -19,6 +19,7 @@ from ..scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Column, Table, finite
 from .line_of_action import LineOfAction
 from .meshing import MOST_PITCHES, Meshing, meshing
+from .tooth import tooth_regions
 
 
 @checked
@@ -32,6 +33,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
     turn = 2 * np.pi / gear.teeth * frames.passed
     poses = {name: Pose(np.zeros(turn.shape, complex), np.exp(1j * turn))}
     curves = [SceneCurve(Circle(0j, radius), role, f"{circle} circle") for circle, role, radius in _circles(gear)]
+    curves += tooth_regions(gear, name)
     # A rack of few teeth would run off: it looks the same, but for its ends, when it begins anew with each pitch.
     if tool := gear.tool(2 * np.pi / gear.teeth * (frames.frame % frames.steps / frames.steps)):
         edge, poses["tool"] = tool

@@ -12,8 +12,9 @@ from geomkin import GearPair, RingGear, SpurGear
 from geomkin.gear import GearRack, RackPair
 from geomkin.part import Part
 from geomkin.plane import Circle
+from geomkin.scenes import gear_scene, pair_scene
+from geomkin.scenes.tooth import tooth_regions
 from geomkin.shop.gear.gears import GearStock, RingStock, gear_parts
-from geomkin.show import gear_scene, pair_scene
 
 from .gallery import FINE, frames, marks, named, point, recipe, seen
 
@@ -198,4 +199,30 @@ def test_planets_are_one_part_and_a_ring_stands_still():
     carrier, first = named(scene, "carrier"), planets[0]
     np.testing.assert_allclose(carrier.direction * first.origin[0], first.origin, atol=1e-9)
     alone = replace(recipe("planetary").gears, planets=1)
-    assert "planet" in [b.name for b in gk.show.planetary_scene(alone, recipe("planetary").table).bodies]
+    assert "planet" in [b.name for b in gk.scenes.planetary_scene(alone, recipe("planetary").table).bodies]
+
+
+@pytest.mark.parametrize(
+    ("gear", "regions"),
+    [
+        (SpurGear(24, 2), 4),
+        (SpurGear(8, 4), 5),
+        (SpurGear(20, 2, tip_chamfer=0.1), 5),
+        (SpurGear(20, 2, tip_rounding=0.2), 5),
+        (RingGear(48, 2, addendum=0.8), 4),
+    ],
+)
+def test_regions_of_a_tooth_lie_on_its_outline_end_to_end_but_for_what_is_lost(gear, regions):
+    drawn = {curve.label: curve.curve for curve in tooth_regions(gear, "gear")}
+    assert len(drawn) == regions
+    lost = drawn.pop("involute lost to undercut", None)
+    for curve in drawn.values():
+        places = curve.point(np.linspace(curve.breaks[0], curve.breaks[-1], 9))
+        assert gk.nearest(gear.outline, places)[1].max() < 1e-9 * gear.tip_radius
+    # As often as there are teeth, and twice but for the lands, they are the whole outline.
+    lands = sum(gk.length(drawn[f"{land} land"]) for land in ("bottom", "tip"))
+    sides = sum(gk.length(curve) for curve in drawn.values()) - lands
+    assert gear.teeth * (2 * sides + lands) == pytest.approx(gk.length(gear.outline), rel=1e-9)
+    if lost:
+        assert complex(lost.point(lost.breaks[-1])) == pytest.approx(complex(gear.flank.point(gear.flank.breaks[0])))
+        assert gk.length(lost) / (gk.length(lost) + gk.length(gear.flank)) == pytest.approx(gear.involute_lost)

@@ -1,0 +1,50 @@
+"""What the pins of a guided body are chosen by, as it is drawn, against the poses and the linkage that was found."""
+
+import numpy as np
+import pytest
+
+from .gallery import recipe
+
+
+def curves(name, label):
+    return [curve.curve for curve in recipe(name).scene.curves if label in curve.label]
+
+
+def first_places(name):
+    motion = recipe(name).design.motion
+    return {pin: complex(motion.point(pin).position[0]) for pin in motion.linkage.pins}
+
+
+@pytest.mark.parametrize(("name", "count"), [("three-poses", 3), ("poses-by-slider", 3)])
+def test_a_body_that_turns_about_a_pole_goes_from_pose_to_pose(name, count):
+    poses = recipe(name).wanted.pairs
+    poles = {curve.label: curve.curve.centre for curve in recipe(name).scene.curves if curve.label.startswith("pole")}
+    assert len(poles) == count
+    for label, pole in poles.items():
+        one, other = (poses[int(word) - 1] for word in label.split() if word.isdigit())
+        turned = pole + np.exp(1j * (other[1] - one[1])) * (one[0] - pole)
+        assert turned == pytest.approx(other[0], abs=1e-9 * abs(pole - one[0]) + 1e-9)
+
+
+def test_pins_lie_where_the_regions_allow_them():
+    pins = first_places("three-poses")
+    circles, lines = curves("three-poses", "image-pole circle"), curves("three-poses", "line of the driven link")
+    assert len(circles) == 3 and len(lines) == 3
+    assert sum(abs(circle.centre - pins["rocker_pin"]) < circle.radius for circle in circles) % 2 == 0
+    # Each line passes through the driven pin, and the driving pin is on one side of all, as the link points.
+    sides = []
+    for line in lines:
+        middle, way = (line.start + line.end) / 2, line.end - line.start
+        assert middle == pytest.approx(pins["rocker_pin"], abs=1e-6)
+        sides.append(np.sign(np.imag(np.conj(way) * (pins["crank_pin"] - middle))))
+    assert abs(sum(sides)) == 3
+    # At the first pose the driven link lies along the first of them.
+    along = pins["rocker_pivot"] - pins["rocker_pin"]
+    turns = [np.imag(np.conj(line.end - line.start) * along) / abs(line.end - line.start) for line in lines]
+    assert min(np.abs(turns)) < 1e-6 * abs(along)
+
+
+def test_the_pin_that_slides_sits_on_the_circle_of_sliders():
+    (circle,) = curves("poses-by-slider", "circle of sliders")
+    pin = first_places("poses-by-slider")["slider_pin"]
+    assert abs(pin - circle.centre) == pytest.approx(circle.radius, rel=1e-6)
