@@ -76,7 +76,7 @@ export class Plots {
     const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
     const strokes = columns.map((_, k) => colour(`--s${k % 6}`));
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
-    const label = `${drive.name}, ${unitOf(drive.unit)}`;
+    const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
     const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || "ratio";
     card.columns = columns;
     card.plot = new uPlot({
@@ -185,8 +185,9 @@ function limits(plot, told, stroke, paper, font) {
     ctx.fillStyle = stroke;
     ctx.lineWidth = 4 * dpr;
     ctx.textAlign = "right";
-    ctx.strokeText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
-    ctx.fillText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    const words = unitOf(label).replace(" °", "°");
+    ctx.strokeText(words, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    ctx.fillText(words, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
     ctx.lineWidth = 1.5 * dpr;
   }
   ctx.restore();
