@@ -19,6 +19,7 @@ from .table import Column, Table
 Role = Literal[
     "traced",  # what a point draws, or a part is wanted for: the one accent
     "wanted",  # what was asked for: the second accent
+    "dimension",  # straight curves from one end of a length to the other, their label its size
     "construction",  # thin lines that explain: pitch circles, centre lines, image poles
     "pitch",  # pitch curve of a cam, pitch circles of gears
     "contact",  # where bodies touch, and the path on which they do

@@ -13,7 +13,7 @@ from .job import Job
 from .sections import all_of, text, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "drawing.js", "plots.js", "player.js")
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
 START = 'mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 
 
@@ -76,11 +76,15 @@ def _script(scripts: tuple[str, ...], start: str) -> str:
 
 
 def _tight(line: str) -> str:
-    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts."""
-    if re.search("['/]", line) or line.count("`") > 2:
+    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts.
+
+    A slash begins a pattern where no space follows it, and divides where one does: so the player is written.
+    """
+    if line.count("`") > 2:
         return line
-    pieces = re.split(r'("[^"]*"|`[^`]*`)', line)
-    pieces[::2] = (re.sub(r" ?([=<>?:&|*,;{}()!\[\]]+) ?", r"\1", piece) for piece in pieces[::2])
+    pieces = re.split(r'("[^"]*"|`[^`]*`|/(?! )(?:\\.|\[[^]]*]|[^/\\[])+/)', line)
+    for sign in (r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?", r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?"):
+        pieces[::2] = (re.sub(sign, r"\1", piece) for piece in pieces[::2])
     return "".join(pieces)
 
 

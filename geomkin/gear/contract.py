@@ -188,6 +188,11 @@ class AbstractInvoluteGear(AbstractGear):
         return None
 
     @property
+    def cutting_angle(self) -> float:
+        """Angle of the line along which the tool cuts the flanks, from the tangent of the circles that roll, rad."""
+        return self.pressure_angle
+
+    @property
     def is_undercut(self) -> bool:
         """Whether the tool's tip cuts away part of the involute it has made."""
         return False

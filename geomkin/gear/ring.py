@@ -125,6 +125,10 @@ class RingGear(AbstractInvoluteGear):
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
         return toothed([with_land([self.root_curve, self.flank], self.tooth.half_land)], self.teeth)
 
+    @property
+    def cutting_angle(self) -> float:
+        return self.tooth.cutting_angle
+
     def tool(self, turn: Real) -> tuple[Ring, Pose]:
         """The pinion cutter, which turns inside the ring; where teeth are thinned, in the middle of its ways."""
         cutter = self.cutter

@@ -55,7 +55,7 @@ class RingTooth(AbstractTooth):
     @property
     def least_tip_radius(self) -> float:
         """Radius, mm, from which outwards the cutter's flanks make involutes."""
-        return self.module * float(np.hypot(self._base, self._cutter_distance * np.sin(self._cutting_angle)))
+        return self.module * float(np.hypot(self._base, self._cutter_distance * np.sin(self.cutting_angle)))
 
     @property
     def root_radius(self) -> float:
@@ -71,7 +71,7 @@ class RingTooth(AbstractTooth):
     def rolls(self) -> tuple[float, float]:
         """Roll angles of the involute at the tip, and where the cutter's own flank ends."""
         cut = self.cutter.corner.roll * self.cutter.base_radius
-        end = (cut + self._cutter_distance * np.sin(self._cutting_angle)) / self._base
+        end = (cut + self._cutter_distance * np.sin(self.cutting_angle)) / self._base
         return roll_at(self.tip_radius, self.base_radius), float(end)
 
     def half_angle(self, radius: float) -> float:
@@ -93,7 +93,7 @@ class RingTooth(AbstractTooth):
             reach=m * (corner.radius - wheel),
             rounding=m * self.cutter.tip_radius,
             start=0.0,
-            end=np.pi / 2 - self._cutting_angle,
+            end=np.pi / 2 - self.cutting_angle,
         )
         return Moved(curve, Pose(0j, np.exp(1j * (np.pi / 2 - np.pi / self.teeth + self.half_land))))
 
@@ -156,14 +156,14 @@ class RingTooth(AbstractTooth):
         return self.teeth / 2 * float(np.cos(self.cutter.pressure_angle))
 
     @cached_property
-    def _cutting_angle(self) -> float:
+    def cutting_angle(self) -> float:
         """Working pressure angle with the cutter, rad."""
         return float(np.arctan(inverse_involute(self.working_involute)))
 
     @cached_property
     def _cutter_distance(self) -> float:
         """Distance of the cutter's axis from the ring's, modules."""
-        return (self._base - self.cutter.base_radius) / float(np.cos(self._cutting_angle))
+        return (self._base - self.cutter.base_radius) / float(np.cos(self.cutting_angle))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from ..plane.primitives import Circle
 from ..plane.vec import Complex, Real, dot, unit
 from ..scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Table
+from .dimensions import cam_dimensions
 
 # Lengths of the arrow of the force and of the line beside it, and from a straight roller to its guide, as shares of the
 # prime radius: longer ones leave the picture, shorter ones do not show an angle.
@@ -59,6 +60,7 @@ def cam_scene(
         curves.append(SceneCurve(cam.pitch_curve, "pitch", "pitch curve", "cam"))
     if cut.found:
         curves.append(SceneCurve(UntrimmedOutline(cam).curve, "wanted", "profile that was asked for", "cam"))
+    curves += riding.dimensions(parts)
     marks = (*riding.joints(parts), *riding.force(), *riding.wished())
     around = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
     return Scene(
@@ -133,6 +135,14 @@ class _Riding:
             stem = self.way * (np.ptp(along) + 1.5 * clear)
             yield SceneMark("line", self.centre, "construction", "follower", vector=stem)
             yield SceneMark("slide", guide, "construction", "guide", direction=self.way)
+
+    def dimensions(self, parts: Sequence[Part]) -> Iterator[SceneCurve]:
+        bodies = {part.body for part in parts}
+        arm = next((name for name in sorted(bodies - {"cam", "roller"})), "")
+        pivot, centre = complex(np.asarray(self.pose.origin)[0]), complex(self.centre[0])
+        for curve in cam_dimensions(self.cam, pivot, centre, complex(self.way[0]), arm or "arm"):
+            if curve.body in {"", *bodies}:
+                yield curve
 
     def force(self) -> Iterator[SceneMark]:
         """The pressure angle, between the force on the follower and the way that it is free to go."""

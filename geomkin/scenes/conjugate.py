@@ -16,6 +16,7 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, Real
 from ..scene import Plot, Scene, SceneCurve, SceneMark
 from ..table import Column, Table
+from .dimensions import centre_distance
 from .gear import bodies_at, contact_marks
 from .meshing import meshing
 
@@ -50,6 +51,7 @@ def conjugate_scene(
         SceneCurve(Circle(away, mate.pitch_radius), "pitch", f"pitch circle of the {other}"),
         *(SceneCurve(path, "contact", "path of contact") for path in touching.paths()),
         *(SceneCurve(pin, "construction", "pin", name) for pin in pins),
+        centre_distance(0j, away),
     ]
     marks = [
         SceneMark("fixed pin", still, "construction", f"axis of the {name}"),

@@ -17,6 +17,7 @@ from ..plane.primitives import Circle, Segment
 from ..plane.vec import Complex, Real
 from ..scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Column, Table, finite
+from .dimensions import centre_distance, gear_dimensions
 from .line_of_action import LineOfAction
 from .meshing import MOST_PITCHES, Meshing, meshing
 from .tooth import tooth_regions
@@ -26,21 +27,41 @@ from .tooth import tooth_regions
 def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
     """A gear turning by a pitch, or by a turn where its plate shows that it turns, under the tool that cuts it.
 
-    The tool rolls on the pitch circle. parts: as `gear_parts` gives them, of one body. Derived here.
+    The tool rolls on the pitch circle. A left-hand flank is followed while it is cut, from the end of its involute that
+    is nearer to the axis to the other, and then the next. parts: as `gear_parts` gives them, of one body. Derived here.
     """
     name = parts[0].body if parts else "gear"
-    frames = meshing(0.0, [(gear.teeth, parts)])
-    turn = 2 * np.pi / gear.teeth * frames.passed
+    (start, end), pitch = gear.flank_lengths, 2 * np.pi / gear.teeth
+    frames = meshing((end - start) / gear.base_pitch, [(gear.teeth, parts)])
+    side = -1 if gear.is_ring else 1
+    begun = start / gear.base_radius - gear.cutting_angle - side * gear.tooth.half_angle(gear.base_radius)
+    turn = begun + pitch * frames.passed
     poses = {name: Pose(np.zeros(turn.shape, complex), np.exp(1j * turn))}
     curves = [SceneCurve(Circle(0j, radius), role, f"{circle} circle") for circle, role, radius in _circles(gear)]
     curves += tooth_regions(gear, name)
+    curves += gear_dimensions(gear, name=name)
     # A rack of few teeth would run off: it looks the same, but for its ends, when it begins anew with each pitch.
-    if tool := gear.tool(2 * np.pi / gear.teeth * (frames.frame % frames.steps / frames.steps)):
+    columns = [Column(f"{name}_turn", "deg", f"turn of the {name}, 0 with a tooth on +y", np.degrees(turn))]
+    marks, plots = [_axis(frames, 0j, f"axis of the {name}")], []
+    if tool := gear.tool(np.mod(turn, pitch)):
         edge, poses["tool"] = tool
+        line = np.exp(1j * (np.pi - gear.cutting_angle))
+        first, last = (complex(line * (along - 1j * gear.base_radius)) for along in (start, end))
         curves.append(SceneCurve(edge, "contact", "cutting edge of the tool", "tool"))
-    table = Table((Column(f"{name}_turn", "deg", f"turn of the {name}", np.degrees(turn)),))
-    marks = (_axis(frames, 0j, f"axis of the {name}"),)
-    return _scene(table, frames, bodies_at(parts, poses), curves, marks, ())
+        curves.append(SceneCurve(Segment(first, last), "contact", "where the tool cuts a left-hand flank"))
+        marks += contact_marks(first + line * gear.base_pitch * frames.all_since)
+        columns += _cut(gear, start + gear.base_pitch * frames.since)
+        plots += [Plot(column.meaning, (column.header,)) for column in columns[1:]]
+    return _scene(Table(tuple(columns)), frames, bodies_at(parts, poses), curves, marks, tuple(plots))
+
+
+def _cut(gear: AbstractInvoluteGear, along: Real) -> Iterator[Column]:
+    """Of the flank that is followed, at the tangent lengths at which it is cut, mm; nan where it is not."""
+    radius = np.hypot(gear.base_radius, along)
+    thickness = [gear.thickness(r) if np.isfinite(r) else np.nan for r in radius.tolist()]
+    yield Column("thickness", "mm", "thickness of the tooth where it is cut", np.array(thickness))
+    yield Column("curvature_radius", "mm", "radius of curvature of the flank there", along)
+    yield Column("radius", "mm", "distance of that place from the axis", radius)
 
 
 def _circles(gear: AbstractInvoluteGear) -> Iterator[tuple[str, Role, float]]:
@@ -65,14 +86,17 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     roll = (start + gear.base_pitch * (frames.passed - before)) / gear.base_radius
     poses = dict(zip(pair.names, pair.poses(roll + line.flank_turn)))
     poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, 1j))
+    away = complex(np.asarray(poses[other].origin)[0])
     curves = (
         *line.circles(),
+        *gear_dimensions(gear, 0j, name),
         SceneCurve(line.between(min(0.0, start), max(end, 2 * line.pitch_point)), "construction", "line of action"),
         SceneCurve(line.between(start, end), "contact", "path of contact"),
     )
     marks = [_axis(frames, 0j, f"axis of the {name}")]
     if isinstance(pair, GearPair):
-        marks.append(_axis(frames, complex(np.asarray(poses[other].origin)[0]), f"axis of the {other}"))
+        marks.append(_axis(frames, away, f"axis of the {other}"))
+        curves += (*gear_dimensions(pair.second, away, other), centre_distance(0j, away))
     marks += contact_marks(line.place(start + gear.base_pitch * frames.all_since))
     plots = (
         Plot("specific sliding", (f"{name}_sliding", f"{other}_sliding")),
@@ -137,6 +161,8 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
         SceneCurve(Circle(0j, gears.inner.working_radii[0]), "pitch", "pitch circle of the sun"),
         SceneCurve(Circle(0j, gears.outer.working_radii[1]), "pitch", "pitch circle of the ring"),
         SceneCurve(Circle(0j, abs(away)), "construction", "way of the planets"),
+        *gear_dimensions(gears.sun, 0j, "sun"),
+        centre_distance(0j, away),
         *(SceneCurve(Circle(0j, gears.inner.working_radii[1]), "pitch", f"pitch circle of {n}", n) for n in names),
         # Seen along the first arm both contacts stay on their lines; the ring's is that of a planet turning back.
         SceneCurve(inner.between(*gears.inner.contact_lengths), "contact", "contact of sun and planet", "carrier"),

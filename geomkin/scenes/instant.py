@@ -82,8 +82,8 @@ def centrodes_scene(
     curves = [SceneCurve(curve, "centrode", "fixed centrode") for curve in fixed]
     curves += [SceneCurve(curve, "centrode", "moving centrode", body) for curve in moving]
     scene = linkage_scene(motion, _lengths_where(table, lambda length: np.isfinite(centre)))
-    touch = SceneMark("point", centre, "contact", "instant centre")
-    return replace(scene, curves=tuple(curves), marks=(*scene.marks, touch))
+    touch = SceneMark("point", centre, "centrode", "instant centre")
+    return replace(scene, curves=(*scene.curves, *curves), marks=(*scene.marks, touch))
 
 
 def _lengths_where(table: Table, kept: Callable[[Real], Mask]) -> Table:

@@ -14,6 +14,7 @@ from ..part import Part
 from ..plane.vec import Complex
 from ..scene import Limit, Plot, Scene, SceneBody, SceneMark
 from ..table import Column, Table
+from .dimensions import link_dimensions
 
 # Share of the linkage's size that the longest arrow of a kind is drawn with: longer ones cover the links.
 LONGEST_ARROW = 0.5
@@ -59,7 +60,7 @@ def linkage_scene(
         time,
         motion.closed,
         bodies,
-        (),
+        tuple(link_dimensions(motion.linkage)),
         marks,
         tuple(_plots(table, limits or {})),
         turns and around != 0,

@@ -71,8 +71,8 @@ def _polygon(
             continue
         start, side = pole + scale * tail, scale * (tip - tail)
         if kind == "absolute":
-            yield SceneMark("vector", start, "traced", f"{rate} of {name}, {words}", vector=side)
-            yield SceneMark("point", start + side, "traced", f"{rate[0]} {name}", trail=True)
+            yield SceneMark("vector", start, "traced", f"{rate[0]} {name}, {rate} of it, {words}", vector=side)
+            yield SceneMark("point", start + side, "traced", trail=True)
         else:
             yield SceneMark("line", start, "traced", vector=side)
 

@@ -1,54 +1,49 @@
 // A scene as an SVG drawing: one group a body, of which each frame sets the matrix alone; marks in pixels above them.
+import { Names } from "./names.js";
 import { arrow, axisOf, make, niceLength, pointsOf, px, spaced, STAND } from "./shapes.js";
 
-// Frames at which it is looked where names are in each other's way.
-const LOOKS = 24;
-// What is off until it is asked for; the drawing makes room for it only then, by so much of its size on each side.
-export const OFF = ["centre", "velocity", "acceleration", "centrode", "inflection"];
-const ROOM = 0.3;
-// Pixels kept free around the drawing.
-const MARGIN = 26;
+// What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
+export const OFF = ["dimension", "centre", "velocity", "acceleration"];
+// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on.
+const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.3;
+// Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
+export const MARGIN = 26, FOOT = 18;
+const CLOSEST = 60;
+// Pixels between a name and what it stands beside.
+const BESIDE = 8;
+// Share of the drawing that is seen around a contact that stays in one place.
+const NEAR = 0.05;
 let drawings = 0;
 
 export class Drawing {
   // stage: what the drawing fills; scene, data: as in the page, rows unpacked in data.rows; drive: row of the driver,
-  // every: its steps between two dashes of a trail.
+  // every: its step between two dashes of a trail.
   constructor(stage, scene, data, drive, every) {
-    this.scene = scene;
-    this.data = data;
-    this.frames = data.frames;
+    Object.assign(this, { scene, data, frames: data.frames, by: 1, hidden: new Set(), open: new Set(scene.open) });
     this.id = `hatch${drawings++}`;
-    this.stage = stage;
-    this.hidden = new Set();
-    this.open = new Set(scene.open);
     const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
-    this.svg = make(stage, "svg", { class: "drawing", role: "img", "aria-label": `${title}, drawn at one frame` });
-    const pattern = make(make(this.svg, "defs"), "pattern",
-      { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
-    make(pattern, "path", { d: "M0 0V6", class: "hatch" });
-    this.pattern = pattern;
-    this.guides = make(this.svg, "g");
-    this.plates = make(this.svg, "g");
-    this.world = make(this.svg, "g");
-    this.trails = make(this.svg, "g");
-    this.above = make(this.svg, "g");
-    this.names = make(this.svg, "g", { class: "names" });
-    this.scaleBar = make(this.svg, "g", { class: "scale" });
+    this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing",
+      "aria-label": `${title}: plus and minus zoom, 0 shows all, arrows step it or, where it is zoomed, move what is seen` });
+    this.pattern = make(make(this.svg, "defs"), "pattern", { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
+    make(this.pattern, "path", { d: "M0 0V6", class: "hatch" });
+    for (const layer of ["guides", "plates", "world", "trails", "above", "names", "scaleBar"]) {
+      this[layer] = make(this.svg, "g", { class: layer });
+    }
     this.notice = make(this.svg, "text", { class: "notice", x: 12, y: 24 });
+    this.named = new Names(this);
     this.bodies = scene.bodies.map((body) => this.unpacked(body));
     let tint = 0;
     for (const body of this.bodies) body.tint = body.fixed ? "ground" : `t${tint++ % 8}`;
     for (const body of [...this.bodies].sort((a, b) => a.layer - b.layer)) this.drawBody(body);
-    for (const curve of scene.curves) this.drawCurve(curve);
     this.hasGround = this.bodies.some((body) => body.fixed && body.cut.length);
-    this.named = new Set();
-    this.marks = scene.marks.map((mark) => this.drawMark(mark));
+    this.marks = scene.marks.map((mark) => this.drawMark({ ...mark, ...this.rows(mark) }));
+    for (const curve of scene.curves) this.drawCurve(curve);
     this.bounds = this.extent();
     // Trails are told in ten-thousandths of the drawing, so that few decimals will do whatever its size.
     this.fine = 1e4 / Math.max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1], 1e-9);
     for (const mark of this.marks) if (mark.trail) this.drawTrail(mark, drive, every);
     this.sizePins();
-    this.anchorNames();
+    this.nameAll();
   }
 
   // A pin fills the hole that it sits in.
@@ -68,11 +63,9 @@ export class Drawing {
     return new Set([...this.marks.filter((m) => !m.always).map((m) => m.role), ...this.scene.curves.map((c) => c.role)]);
   }
 
-  row(index) { return this.data.rows[index]; }
-
   unpacked(body) {
-    const turn = this.row(body.turn);
-    return { ...body, lined: [], x: this.row(body.at[0]), y: this.row(body.at[1]), cos: turn.map(Math.cos), sin: turn.map(Math.sin) };
+    const [x, y, turn] = [...body.at, body.turn].map((index) => this.data.rows[index]);
+    return { ...body, lined: [], x, y, cos: turn.map(Math.cos), sin: turn.map(Math.sin) };
   }
 
   drawBody(body) {
@@ -92,41 +85,49 @@ export class Drawing {
   drawCurve(curve) {
     const body = this.bodies.find((other) => other.name === curve.body);
     const d = this.data.paths[curve.path];
+    if (curve.role === "dimension") { this.drawDimension(curve, body, pointsOf(d).points); return; }
     const path = make(body ? body.group : this.world, "path", { d, class: `line ${curve.role}`, "data-role": curve.role });
-    if (body && !OFF.includes(curve.role)) body.lined.push(...pointsOf(d).points);
+    if (body && !FAR.includes(curve.role)) body.lined.push(...pointsOf(d).points);
     if (curve.label) make(path, "title", {}, spaced(curve.label));
   }
 
-  drawMark(told) {
-    const mark = { ...told, x: this.row(told.at[0]), y: this.row(told.at[1]) };
-    mark.always = ["pin", "fixed pin", "slide"].includes(mark.sort);
-    if (told.vector) [mark.u, mark.v] = told.vector.map((index) => this.row(index));
-    if (told.turn !== undefined) mark.turned = this.row(told.turn);
-    if (told.radius !== undefined) mark.r = this.row(told.radius);
-    const group = make(this.above, "g", { class: `mark ${mark.sort.replace(" ", "-")} ${mark.role}` });
-    mark.group = group;
-    make(group, "title", {}, spaced(mark.label || mark.sort));
-    if (mark.sort === "slide") {
-      mark.shape = make(group, "rect", { x: -11, y: -7, width: 22, height: 14, rx: 2 });
+  // A length on a body, or on the ground, is a mark from one of its ends to the other.
+  drawDimension({ label, role }, body, ends) {
+    const mark = { sort: "dimension", role, label };
+    for (const name of ["x", "y", "u", "v"]) mark[name] = new Float64Array(this.frames);
+    for (let k = 0; k < this.frames; k++) {
+      const [[x, y], [u, v]] = ends.map((end) => (body ? this.place(body, ...end, k) : end));
+      Object.entries({ x, y, u: u - x, v: v - y }).forEach(([name, value]) => { mark[name][k] = value; });
+    }
+    this.marks.push(this.drawMark(mark));
+  }
+
+  // What of a mark is told by rows.
+  rows({ at, vector = [], turn, radius }) {
+    const [x, y, u, v, turned, r] = [...at, ...(vector.length ? vector : [undefined, undefined]), turn, radius]
+      .map((index) => this.data.rows[index]);
+    return { x, y, u, v, turned, r };
+  }
+
+  drawMark(mark) {
+    const { sort, role } = mark;
+    mark.always = ["pin", "fixed pin", "slide"].includes(sort);
+    mark.group = make(this.above, "g", { class: `mark ${sort.replace(" ", "-")} ${role}` });
+    const add = (name, attributes) => make(mark.group, name, attributes);
+    make(mark.group, "title", {}, spaced(mark.label || sort));
+    if (sort === "slide") {
+      mark.shape = add("rect", { x: -11, y: -7, width: 22, height: 14, rx: 2 });
       this.drawGuide(mark);
-    } else if (mark.sort === "vector" || mark.sort === "line") {
-      mark.shape = make(group, "path");
-    } else if (mark.sort === "circle") {
-      mark.shape = make(group, "circle");
-    } else if (mark.role === "centre") {
-      mark.shape = make(group, "path", { d: "M-4-4 4 4M-4 4 4-4" });
+    } else if (mark.u) {
+      mark.shape = add("path");
+    } else if (mark.r) {
+      mark.shape = add("circle");
+    } else if (role === "centre") {
+      mark.shape = add("path", { d: "M-4-4 4 4M-4 4 4-4" });
     } else {
-      mark.shape = make(group, "circle", { r: mark.sort === "fixed pin" ? 4.6 : mark.sort === "pin" ? 3.8 : 3.6 });
-      if (mark.sort === "fixed pin") make(group, "circle", { r: 1.5, class: "core" });
-      if (mark.sort === "fixed pin" && !this.hasGround) make(group, "path", { d: STAND });
-    }
-    if (mark.sort === "line" && mark.label && !this.named.has(mark.label)) {
-      this.named.add(mark.label);
-      mark.middle = make(this.names, "text", { class: `name of-body ${mark.role}` }, spaced(mark.label));
-    }
-    if (!mark.always && mark.sort === "point" && mark.label) {
-      const short = spaced(mark.label).replace("instant centre of ", "").replace(" and ", ", ");
-      mark.name = make(this.names, "text", { class: `name ${mark.role}`, "data-role": mark.role }, short);
+      mark.shape = add("circle", { r: sort === "fixed pin" ? 4.6 : sort === "pin" ? 3.8 : 3.6 });
+      if (sort === "fixed pin") add("circle", { r: 1.5, class: "core" });
+      if (sort === "fixed pin" && !this.hasGround) add("path", { d: STAND });
     }
     return mark;
   }
@@ -192,7 +193,7 @@ export class Drawing {
       points.push(...body.lined);
       for (let k = 0; k < this.frames; k++) for (const [u, v] of points) take(...this.place(body, u, v, k));
     }
-    takeMarks(this.marks.filter((mark) => !OFF.includes(mark.role)));
+    takeMarks(this.marks.filter((mark) => !FAR.includes(mark.role)));
     const takeCurves = (wanted) => {
       for (const path of this.world.querySelectorAll("path")) {
         if (!wanted(path.dataset.role)) continue;
@@ -200,11 +201,11 @@ export class Drawing {
         take(x, y); take(x + width, y + height);
       }
     };
-    takeCurves((role) => !OFF.includes(role));
+    takeCurves((role) => !FAR.includes(role));
     if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
     const always = [...ends], room = [ends[2] - ends[0], ends[3] - ends[1]].map((size) => ROOM * size);
     this.asides = {};
-    for (const role of OFF) {
+    for (const role of FAR) {
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);
@@ -218,65 +219,102 @@ export class Drawing {
     return [body.x[k] + u * body.cos[k] - v * body.sin[k], body.y[k] + u * body.sin[k] + v * body.cos[k]];
   }
 
-  // A name stays at one point of its body: of some along it, that at which it covers the fewest others.
-  anchorNames() {
-    this.labels = [];
-    const [left, low, right, high] = this.bounds, taken = [];
-    const unit = Math.max(right - left, high - low) / 560;
-    const looks = Array.from({ length: LOOKS }, (_, k) => Math.round(k * (this.frames - 1) / LOOKS));
-    const pins = this.marks.filter((mark) => mark.always || mark.trail);
-    for (const body of this.bodies) {
-      const points = body.drawn.flatMap((drawn) => drawn.points);
-      const line = this.marks.some((mark) => mark.sort === "line" && mark.label === body.name);
-      if (!points.length && (body.fixed || line || !this.marks.some((mark) => mark.sort === "slide"))) continue;
-      const text = spaced(body.name), wide = text.length * 6.6 * unit, tall = 15 * unit;
-      // What nothing is cut of is named below its block.
-      const axis = points.length ? axisOf(points) : { x: 0, y: -1.8 * tall, u: 0, v: 0 };
-      let best = null;
-      for (const share of [0, -0.28, 0.28, -0.5, 0.5, -0.72, 0.72]) {
-        const [u, v] = [axis.x + share * axis.u, axis.y + share * axis.v];
-        let cost = Math.abs(share);
-        const places = looks.map((k) => this.place(body, u, v, k));
-        places.forEach(([x, y], look) => {
-          for (const other of taken) {
-            const [ox, oy] = other.places[look];
-            if (Math.abs(x - ox) < (wide + other.wide) / 2 && Math.abs(y - oy) < tall) cost += 3;
-          }
-          for (const pin of pins) {
-            const k = looks[look];
-            if (Math.abs(x - pin.x[k]) < wide / 2 + 4 * unit && Math.abs(y - pin.y[k]) < tall / 2 + 4 * unit) cost += 1;
-          }
-        });
-        if (!best || cost < best.cost) best = { cost, u, v, places };
+  // Names of bodies and points, with the places among which each may stand, the best first; all places in pixels.
+  nameAll() {
+    const on = (body, u, v) => (k) => this.screen(...this.place(body, u, v, k));
+    // At a share of a mark's line, on it or so far to one of its sides.
+    const at = (mark, share, side, down = 0) => (k, half) => {
+      const [u, v] = mark.u ? [share * mark.u[k], share * mark.v[k]] : [0, 0], [x, y] = this.screen(mark.x[k] + u, mark.y[k] + v);
+      return [x + side * (half + BESIDE), y + down];
+    };
+    const lines = new Set();
+    for (const mark of this.marks) {
+      const { sort, role, label } = mark, text = spaced(label).split(", ")[0];
+      if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration"].includes(role))) continue;
+      if (mark.u) {
+        if (sort === "line" && lines.has(label)) continue;
+        lines.add(label);
+        const on = sort === "vector" ? [] : [0.5, 0.3, 0.7].map((share) => at(mark, share, 0));
+        const off = [1, 0.7, 0.4, 0.1].flatMap((share) => [at(mark, share, 1), at(mark, share, -1)]);
+        this.named.add(text, `of-body ${role}`, role, [...on, ...off]);
+      } else {
+        const short = text.replace("instant centre of ", "").replace(" and ", ", ");
+        this.named.add(short, role, role, [[1, -8], [1, 8], [-1, -8], [-1, 8], [0, -14], [0, 14], [1, 0], [-1, 0]]
+          .map(([side, down]) => at(mark, 0, side, down)));
       }
-      taken.push({ places: best.places, wide });
-      this.labels.push({ body, u: best.u, v: best.v, shape: make(this.names, "text", { class: "name of-body" }, text) });
+    }
+    for (const body of this.bodies) {
+      const points = body.drawn.flatMap((drawn) => drawn.points), slide = this.marks.find((mark) => mark.sort === "slide");
+      if (points.length) {
+        this.named.add(spaced(body.name), "of-body", "names", spotsOn(body, points).map(([u, v]) => on(body, u, v)));
+      } else if (slide && !body.fixed && !lines.has(body.name)) {
+        // What nothing is cut of is named beside its block.
+        this.named.add(spaced(body.name), "of-body", "names", [24, -20].map((down) => at(body, 0, 0, down)));
+      }
     }
   }
 
-  // Fill the stage, as high as the mechanism asks for within `most` pixels; one scale along and across.
-  fit(wide, most) {
-    const boxes = [this.bounds, ...OFF.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
-    const [left, low, right, high] = this.bounds.map((_, k) => (k < 2 ? Math.min : Math.max)(...boxes.map((box) => box[k])));
-    const across = Math.max(right - left, 1e-9), up = Math.max(high - low, 1e-9);
-    const free = wide - 2 * MARGIN;
-    const tall = Math.max(200, Math.min(most, up * (free / across) + 2 * MARGIN + 18));
-    const s = Math.min(free / across, (tall - 2 * MARGIN - 18) / up);
-    this.s = s;
-    this.tx = wide / 2 - s * (left + right) / 2;
-    this.ty = (tall - 18) / 2 + s * (low + high) / 2;
+  // Across and up, mm, of what is on.
+  size() {
+    const boxes = [this.bounds, ...FAR.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    this.box = this.bounds.map((_, k) => (k < 2 ? Math.min : Math.max)(...boxes.map((box) => box[k])));
+    const [left, low, right, high] = this.box;
+    return [Math.max(right - left, 1e-9), Math.max(high - low, 1e-9)];
+  }
+
+  // So many pixels wide and tall, all of it shown at `scale`, px/mm; what was looked at more closely still is.
+  fit(wide, tall, scale) {
+    Object.assign(this, { wide, tall, scale });
     this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
     this.svg.setAttribute("width", wide);
     this.svg.setAttribute("height", tall);
+    this.look(this.by, this.at);
+  }
+
+  // So many times as close as all of it, with a place, mm, in the middle.
+  look(by, at) {
+    const [left, low, right, high] = this.box;
+    this.by = Math.min(CLOSEST, Math.max(1, by));
+    if (this.by < 1.02) [this.by, at] = [1, undefined];
+    const [x, y] = at ?? [(left + right) / 2, (low + high) / 2];
+    this.at = at && [Math.min(right, Math.max(left, x)), Math.min(high, Math.max(low, y))];
+    const s = this.scale * this.by, [middle, centre] = this.at ?? [x, y];
+    [this.s, this.tx, this.ty] = [s, this.wide / 2 - s * middle, (this.tall - FOOT) / 2 + s * centre];
+    this.svg.classList.toggle("closer", this.by > 1);
     this.pattern.setAttribute("patternTransform", `scale(${1 / s}) rotate(45)`);
     this.world.setAttribute("transform", `matrix(${s} 0 0 ${-s} ${this.tx} ${this.ty})`);
     this.trails.setAttribute("transform", `matrix(${s / this.fine} 0 0 ${-s / this.fine} ${this.tx} ${this.ty})`);
     for (const { rail, hole, shape } of this.marks) {
       if (rail) this.fitRail(rail);
-      if (hole) shape.setAttribute("r", px(Math.min(9, Math.max(3.4, hole * s))));
+      if (hole) shape.setAttribute("r", px(Math.min(9 * Math.sqrt(this.by), Math.max(3.4, hole * s))));
     }
-    this.fitScale(wide, tall);
-    this.last = undefined;
+    this.fitScale(this.wide, this.tall);
+    this.named.arrange();
+    this.show(this.frame ?? 0, true);
+  }
+
+  // Closer so many times, what is at a place on the stage, px, staying there.
+  zoom(times, [x, y] = [this.wide / 2, (this.tall - FOOT) / 2]) {
+    const [u, v] = [(x - this.tx) / this.s, (this.ty - y) / this.s];
+    const by = Math.min(CLOSEST, Math.max(1, this.by * times)), s = this.scale * by;
+    this.look(by, [u + (this.wide / 2 - x) / s, v - ((this.tall - FOOT) / 2 - y) / s]);
+  }
+
+  // What is seen moves by so many pixels; all of it stays where it is.
+  pan(x, y) {
+    if (this.at) this.look(this.by, [this.at[0] - x / this.s, this.at[1] + y / this.s]);
+  }
+
+  // Places, mm, at which bodies touch.
+  get contacts() {
+    return this.marks.filter(({ sort, role }) => sort === "point" && role === "contact")
+      .flatMap((mark) => this.known(mark).map((k) => [mark.x[k], mark.y[k]]));
+  }
+
+  lookAtContact() {
+    const ends = [0, 1].map((axis) => this.contacts.map((place) => place[axis])).map((row) => [Math.min(...row), Math.max(...row)]);
+    const sizes = ends.map(([low, high]) => high - low), size = Math.max(...sizes, NEAR * Math.max(...this.size()));
+    this.look(0.4 * Math.min(this.wide, this.tall) / (size * this.scale), ends.map(([low, high]) => (low + high) / 2));
   }
 
   fitRail({ c, s, low, high, beside, path }) {
@@ -296,22 +334,23 @@ export class Drawing {
     make(this.scaleBar, "text", { x: px(end + 7), y: y + 4 }, `${+length.toPrecision(3)} mm`);
   }
 
-  // Of an on-screen place, mm.
-  toWorld(event) {
-    const box = this.svg.getBoundingClientRect(), zoom = this.svg.viewBox.baseVal.width / box.width;
-    return [(zoom * (event.clientX - box.left) - this.tx) / this.s, (this.ty - zoom * (event.clientY - box.top)) / this.s];
+  // Where an event is on the stage, px; where a place, mm, is.
+  onStage(event) {
+    const box = this.svg.getBoundingClientRect(), zoom = this.wide / box.width;
+    return [zoom * (event.clientX - box.left), zoom * (event.clientY - box.top)];
   }
+
+  screen(x, y) { return [this.tx + this.s * x, this.ty - this.s * y]; }
 
   toggle(role, on) {
     this.svg.classList.toggle(`without-${role}`, !on);
     if (on) this.hidden.delete(role); else this.hidden.add(role);
-    this.last = undefined;
   }
 
   // All of it as it is at frame k.
-  show(k) {
-    if (k === this.last) return;
-    this.last = k;
+  show(k, anew) {
+    if (k === this.frame && !anew) return;
+    this.frame = k;
     const { s, tx, ty } = this;
     for (const body of this.bodies) {
       const x = body.x[k], c = s * body.cos[k], n = s * body.sin[k];
@@ -321,37 +360,23 @@ export class Drawing {
         `matrix(${c.toFixed(4)} ${(-n).toFixed(4)} ${(-n).toFixed(4)} ${(-c).toFixed(4)} ${px(tx + s * x)} ${px(ty - s * body.y[k])})`);
     }
     for (const mark of this.marks) if (!this.hidden.has(mark.role) || mark.always) this.showMark(mark, k);
-    if (!this.hidden.has("names")) {
-      for (const { body, u, v, shape } of this.labels) {
-        const [x, y] = this.place(body, u, v, k);
-        this.put(shape, tx + s * x, ty - s * y + 4);
-      }
-    }
+    if (!this.hidden.has("names")) this.named.show(k);
     this.notice.textContent = this.open.has(k) ? "It cannot be put together here." : "";
-  }
-
-  put(shape, x, y) {
-    const there = Number.isFinite(x + y);
-    shape.setAttribute("visibility", there ? "inherit" : "hidden");
-    if (there) shape.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
   }
 
   showMark(mark, k) {
     const { s } = this, x = this.tx + s * mark.x[k], y = this.ty - s * mark.y[k];
     const there = Number.isFinite(x + y + (mark.u ? mark.u[k] + mark.v[k] : 0));
     mark.group.setAttribute("visibility", there ? "inherit" : "hidden");
-    if (mark.name) this.put(mark.name, x + 8, y - 8);
-    if (mark.middle) this.put(mark.middle, x + s * mark.u[k] / 2, y - s * mark.v[k] / 2 + 4);
     if (!there) return;
     const turn = mark.sort === "slide" ? ` rotate(${px(-mark.turned[k] * 180 / Math.PI)})` : "";
     mark.group.setAttribute("transform", `translate(${px(x)} ${px(y)})${turn}`);
     if (mark.r) mark.shape.setAttribute("r", px(s * mark.r[k]));
-    if (mark.u) mark.shape.setAttribute("d", mark.sort === "line"
-      ? `M0 0L${px(s * mark.u[k])} ${px(-s * mark.v[k])}` : arrow(s * mark.u[k], -s * mark.v[k]));
+    if (mark.u) mark.shape.setAttribute("d", arrow(s * mark.u[k], -s * mark.v[k], { line: 0, vector: 1, dimension: 2 }[mark.sort]));
   }
 
   // The frame at which a body's own point (u, v) is nearest to a place, rather near frame `from` than across a turn.
-  nearestFrame(body, u, v, place, from, cyclic) {
+  nearestFrame({ body, u, v }, place, from, cyclic) {
     const reach = Math.max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1]);
     let best = from, least = Infinity;
     for (let k = 0; k < this.frames; k++) {
@@ -364,4 +389,12 @@ export class Drawing {
     }
     return best;
   }
+}
+
+// Places along a body, in its own frame, those on its plate before those in its openings.
+function spotsOn(body, points) {
+  const { x, y, u, v } = axisOf(points), plate = body.group.querySelector(".plate");
+  const spots = [0, -0.28, 0.28, -0.5, 0.5, -0.72, 0.72, -0.93, 0.93].map((share) => [x + share * u, y + share * v]);
+  const off = new Map(spots.map((spot) => [spot, !plate.isPointInFill(new DOMPoint(...spot))]));
+  return spots.sort((a, b) => off.get(a) - off.get(b));
 }

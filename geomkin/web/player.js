@@ -1,5 +1,6 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
-import { Drawing, OFF } from "./drawing.js";
+import { Drawing, FOOT, MARGIN, OFF } from "./drawing.js";
+import { handle } from "./hands.js";
 import { measured, Plots, shown, unitOf } from "./plots.js";
 import { make, spaced, unpack } from "./shapes.js";
 
@@ -9,12 +10,16 @@ const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 1
 // Turn of the driver, deg, between two dashes of a trail; a driver that slides makes so many steps over its stroke.
 const DASH_DEG = 5, STROKE_DASHES = 72;
 const ROLES = {
-  names: "names", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
+  names: "names", dimension: "dimensions", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
   contact: "contact", centrode: "centrodes", inflection: "inflection circle", centre: "instant centres",
   velocity: "velocities", acceleration: "accelerations",
 };
 // Milliseconds between two times that values are written while it plays: eyes read no faster.
 const READING = 120;
+// How much closer a key or a button takes one, and how far the arrows move what is seen, px.
+const CLOSER = 1.4, MOVE = 40;
+// Pixels between two drawings, as the style has it.
+const GAP = 12;
 
 export function mount(root, data) {
   data.rows = data.series.map((row) => unpack(row, data.frames));
@@ -50,7 +55,7 @@ class Player {
     this.drawings = data.scenes.map((scene, k) => {
       const figure = make(this.stages, "figure", k ? { class: "other" } : {});
       const stage = make(figure, "div", { class: "stage" });
-      if (data.scenes.length > 1) make(figure, "figcaption", {}, k ? scene.label : "as asked for");
+      if (data.scenes.length > 1) make(figure, "figcaption", {}, k ? spaced(scene.label) : "as asked for");
       return new Drawing(stage, scene, data, drive.row, every);
     });
     this.controls();
@@ -73,6 +78,13 @@ class Player {
     this.button = button("Play", "▶", () => this.play(!this.playing));
     button("One step back", "‹", () => { this.play(false); this.step(-1); });
     button("One step on", "›", () => { this.play(false); this.step(1); });
+    button("Zoom out", "−", () => this.zoom(1 / CLOSER));
+    button("Zoom in", "+", () => this.zoom(CLOSER));
+    button("Show all of it", "⤢", () => this.zoom(0));
+    if (this.drawings[0].contacts.length) button("Zoom on the contact", "contact", () => {
+      this.drawings[0].lookAtContact();
+      this.closer(this.drawings[0]);
+    });
     const pass = this.time[data.frames - 1] - this.time[0] || 1;
     const first = SPEEDS.reduce((a, b) => (Math.abs(Math.log(pass / b / FIRST_PASS)) < Math.abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
     const pace = make(bar, "label", { class: "speed" });
@@ -90,6 +102,10 @@ class Player {
   switches() {
     const found = new Set(["names", ...this.drawings.flatMap((drawing) => [...drawing.roles])]);
     const set = make(this.left, "fieldset", { class: "switches" });
+    const scaleOf = (role) => {
+      const told = this.drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 mm is .*/) ?? [] : []));
+      return new Set(told).size === 1 ? unitOf(told[0]) : "";
+    };
     make(set, "legend", {}, "Shown");
     const add = (name, key, on, act) => {
       const label = make(set, "label", { class: `switch ${key}` });
@@ -98,19 +114,16 @@ class Player {
       const sign = make(label, "svg", { width: 18, height: 10, viewBox: "0 0 18 10", "aria-hidden": "true" });
       if (key !== "names") make(sign, "path", { d: "M0 5H18" });
       label.append(name);
-      box.addEventListener("change", () => act(box.checked));
+      box.addEventListener("change", () => { act(box.checked); this.fit(true); });
       act(on);
     };
     for (const role of Object.keys(ROLES)) {
-      if (found.has(role)) add(ROLES[role], role, !OFF.includes(role), (on) => {
+      const scale = scaleOf(role);
+      if (found.has(role)) add(scale ? `${ROLES[role]} (${scale})` : ROLES[role], role, !OFF.includes(role), (on) => {
         for (const drawing of this.drawings) drawing.toggle(role, on);
-        this.fit(true);
       });
     }
-    if (this.drawings.length > 1) add("others beside", "others", true, (on) => {
-      this.stages.classList.toggle("alone", !on);
-      this.fit();
-    });
+    if (this.drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));
   }
 
   // What the plots show for readers who see none: every quantity now, its least and its largest value and where.
@@ -137,7 +150,7 @@ class Player {
   }
 
   wire() {
-    this.drawings.forEach((drawing) => this.wireDrawing(drawing));
+    this.drawings.forEach((drawing) => handle(drawing, this, () => this.closer(drawing)));
     document.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.fit()).observe(this.left);
     const rebuild = () => this.plots.rebuild();
@@ -155,37 +168,16 @@ class Player {
     recipe?.addEventListener("click", () => offer(`${document.getElementById("recipe-text").textContent}\n`, `${this.data.name}.toml`, "text/plain"));
   }
 
-  // A body that is dragged takes the driver along: to the frame at which the point that was taken is nearest.
-  wireDrawing(drawing) {
-    const { svg } = drawing;
-    let held = null;
-    svg.addEventListener("pointerdown", (event) => {
-      const group = event.target.closest?.(".body.moving, .mark");
-      if (!group) return;
-      const [x, y] = drawing.toWorld(event), k = this.frame;
-      const name = group.dataset.body;
-      const body = drawing.bodies.find((other) => other.name === name) ?? markBody(drawing, group, k);
-      if (!body) return;
-      event.preventDefault();
-      this.play(false);
-      const [dx, dy] = [x - body.x[k], y - body.y[k]];
-      held = { body, u: dx * body.cos[k] + dy * body.sin[k], v: dy * body.cos[k] - dx * body.sin[k] };
-      svg.setPointerCapture(event.pointerId);
-      svg.classList.add("held");
-    });
-    svg.addEventListener("pointermove", (event) => {
-      if (held) this.goTo(drawing.nearestFrame(held.body, held.u, held.v, drawing.toWorld(event), this.frame, this.data.cyclic));
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      svg.addEventListener(end, () => { held = null; svg.classList.remove("held"); });
-    }
-  }
-
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const at = event.target, own = at.closest?.("button, select, summary, a, .wide, pre, input[type=checkbox]");
+    const times = { "+": CLOSER, "=": CLOSER, "-": 1 / CLOSER, 0: 0 }[event.key];
+    if (times !== undefined && !at.closest?.("select, input[type=range]")) { this.zoom(times); return; }
     if (event.key === " " && !own) { event.preventDefault(); this.play(!this.playing); return; }
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+    const seen = this.drawings.find(({ svg, by }) => svg === at && by > 1);
+    const move = { ArrowLeft: [MOVE, 0], ArrowRight: [-MOVE, 0], ArrowDown: [0, -MOVE], ArrowUp: [0, MOVE] }[event.key];
+    if (seen && move) { event.preventDefault(); seen.pan(...move); return; }
     const sideways = event.key === "ArrowLeft" || event.key === "ArrowRight";
     if (!step || own || (!sideways && at.getAttribute?.("role") !== "slider") || at === this.slider) return;
     event.preventDefault();
@@ -193,18 +185,29 @@ class Player {
     this.step(event.shiftKey ? 10 * step : step);
   }
 
-  // Drawings as large as there is room for; at once where they changed.
+  // Drawings as large as there is room for, all at one scale; at once where they changed.
   fit(changed) {
-    const shown = this.stages.classList.contains("alone") ? 1 : this.drawings.length;
-    const room = this.stages.clientWidth, across = room > 620 ? Math.min(2, shown) : 1;
-    const wide = Math.floor((room - 12 * (across - 1)) / across);
-    if (wide < 50 || (wide === this.wide && !changed)) return;
-    this.wide = wide;
-    for (const drawing of this.drawings) {
-      drawing.fit(wide, Math.max(260, 0.62 * innerHeight));
-      drawing.show(this.frame);
-    }
+    const room = this.stages.clientWidth;
+    if (room < 50 || (room === this.room && !changed)) return;
+    this.room = room;
+    const drawings = this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings;
+    const columns = room > 620 ? Math.min(2, drawings.length) : 1;
+    const sizes = drawings.map((drawing) => drawing.size()), widest = Math.max(...sizes.map(([across]) => across));
+    // Two side by side share the width by what they need; of any other number all are as wide.
+    const needs = sizes.map(([across]) => (columns === drawings.length ? Math.max(across, widest / 4) : widest));
+    const sum = columns === drawings.length ? needs.reduce((a, b) => a + b) : columns * widest;
+    const free = room - GAP * (columns - 1) - 2 * MARGIN * columns, foot = 2 * MARGIN + FOOT;
+    const tallest = Math.max(...sizes.map(([, up]) => up)), most = Math.max(260, 0.62 * innerHeight) - foot;
+    const scale = Math.min(free / sum, most / tallest), tall = Math.max(200, scale * tallest + foot);
+    drawings.forEach((drawing, k) => drawing.fit(Math.floor(2 * MARGIN + free * needs[k] / sum), tall, scale));
   }
+
+  zoom(times) {
+    for (const drawing of this.drawings) drawing.zoom(times);
+    this.closer(this.drawings[0]);
+  }
+
+  closer({ by }) { this.live.textContent = by > 1 ? `Shown ${by.toPrecision(2)} times as large` : "All of it is shown"; }
 
   play(on) {
     if (on === this.playing) return;
@@ -286,13 +289,6 @@ class Player {
     for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (Number.isFinite(row[k]) ? row[k] : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
-}
-
-// The body on which a pin or a point sits, as one that only moves along: its frame does not turn.
-function markBody(drawing, group) {
-  const mark = drawing.marks.find((other) => other.group === group);
-  if (!mark || mark.sort === "fixed pin") return null;
-  return { x: mark.x, y: mark.y, cos: new Float64Array(drawing.frames).fill(1), sin: new Float64Array(drawing.frames) };
 }
 
 function offer(text, name, type) {

@@ -185,8 +185,9 @@ function limits(plot, told, stroke, paper, font) {
     ctx.fillStyle = stroke;
     ctx.lineWidth = 4 * dpr;
     ctx.textAlign = "right";
-    ctx.strokeText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
-    ctx.fillText(label, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    const words = unitOf(label).replace(" °", "°");
+    ctx.strokeText(words, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
+    ctx.fillText(words, bbox.left + bbox.width - 6 * dpr, y - 5 * dpr);
     ctx.lineWidth = 1.5 * dpr;
   }
   ctx.restore();

@@ -20,20 +20,22 @@ const SIGNS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
 export function unpack(text, frames) {
   const row = new Float64Array(frames);
   if (!text.includes(" ")) return row.fill(+text);
-  const [decimals, times, signs] = text.split(" ");
-  const scale = 10 ** Math.abs(decimals), sums = new Array(+times + 1).fill(0);
-  let k = 0, value = 0, weight = 1;
-  for (const sign of signs) {
-    if (sign === "~") { row[k++] = NaN; continue; }
-    const bits = SIGNS.indexOf(sign);
-    value += (bits & 31) * weight;
-    weight *= 32;
-    if (bits > 31) continue;
-    sums[times] = value % 2 ? -(value - 1) / 2 : value / 2;
+  const [decimals, times, order, runs, signs] = text.split(" ");
+  const codes = Array.from(signs, (sign) => SIGNS.indexOf(sign)), sums = new Array(+times + 1).fill(0);
+  let at = 0, k = 0, known = true;
+  const bit = () => (codes[Math.floor(at / 6)] >> (5 - at++ % 6)) & 1;
+  const next = () => {
+    let more = +order, value = 1;
+    while (!bit()) more++;
+    while (more--) value = 2 * value + bit();
+    value -= 2 ** order;
+    sums[times] = value % 2 ? -(value + 1) / 2 : value / 2;
     for (let n = times - 1; n >= 0; n--) sums[n] += sums[n + 1];
-    row[k++] = decimals < 0 ? sums[0] * scale : sums[0] / scale;
-    value = 0;
-    weight = 1;
+    return decimals < 0 ? sums[0] * 10 ** -decimals : sums[0] / 10 ** decimals;
+  };
+  for (const run of (runs || `${frames}`).split(",")) {
+    for (let n = +run; n > 0; n--) row[k++] = known ? next() : NaN;
+    known = !known;
   }
   return row;
 }
@@ -74,11 +76,12 @@ export function axisOf(points) {
 export const px = (value) => value.toFixed(2);
 export const spaced = (name) => name.replaceAll("_", " ");
 
-// A line from the origin to (u, v), px, with an open head.
-export function arrow(u, v) {
-  const long = Math.hypot(u, v);
-  if (long < 0.5) return "M0 0";
-  const head = Math.min(8, long), [c, s] = [u / long, v / long];
-  const at = (back, off) => `${px(u - back * c - off * s)} ${px(v - back * s + off * c)}`;
-  return `M0 0L${px(u)} ${px(v)}M${at(head, 0.4 * head)}L${px(u)} ${px(v)}L${at(head, -0.4 * head)}`;
+// A line from the origin to (u, v), px, with an open head at its end, at both or at none.
+export function arrow(u, v, heads) {
+  const long = Math.hypot(u, v), size = Math.min(8, long), [c, s] = long ? [u / long, v / long] : [0, 0];
+  const head = (x, y, back) => {
+    const at = (off) => `${px(x - back * c - off * s)} ${px(y - back * s + off * c)}`;
+    return `M${at(0.4 * size)}L${px(x)} ${px(y)}L${at(-0.4 * size)}`;
+  };
+  return `M0 0L${px(u)} ${px(v)}${heads > 0 ? head(u, v, size) : ""}${heads > 1 ? head(0, 0, -size) : ""}`;
 }

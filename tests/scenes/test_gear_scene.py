@@ -166,7 +166,16 @@ def test_the_tool_cuts_the_gear_and_nothing_more(gear):
         cutter, wheel = shapely.Polygon(np.column_stack([z.real, z.imag])), seen(named(scene, "gear"), frame)
         assert cutter.intersection(wheel).area < SLIVER
         gap.append(cutter.distance(wheel))
-    assert max(gap) < NEAR
+        # Where it is said to cut, both are; and there the tooth is as thick as the plate is.
+        for mark in marks(scene, "point"):
+            if np.isfinite(mark.place[frame]) and not gear.thinning:
+                assert max(cutter.distance(point(mark.place[frame])), wheel.distance(point(mark.place[frame]))) < NEAR
+        radius = scene.table["radius"][frame]
+        if np.isfinite(radius):
+            ring = shapely.Point(0, 0).buffer(radius, 4096).exterior
+            across = ring.intersection(wheel).length / gear.teeth
+            assert across == pytest.approx(scene.table["thickness"][frame], abs=8e-3)
+    assert max(gap) < NEAR and len(marks(scene, "point")) > 0
 
 
 def test_a_keyway_shows_that_a_wheel_turns_and_round_bores_do_not():

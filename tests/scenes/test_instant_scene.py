@@ -13,10 +13,11 @@ def test_the_moving_centrode_rolls_on_the_fixed_one(name):
     scene, own = recipe(name).scene, recipe(name)
     coupler, (touch,) = (
         named(scene, "coupler"),
-        [m for m in marks(scene, "point", "instant centre") if m.role == "contact"],
+        [m for m in marks(scene, "point", "instant centre") if m.role == "centrode"],
     )
-    fixed = [curve.curve for curve in scene.curves if not curve.body]
-    moving = [curve.curve for curve in scene.curves if curve.body == "coupler"]
+    rolling = [curve for curve in scene.curves if curve.role == "centrode"]
+    fixed = [curve.curve for curve in rolling if not curve.body]
+    moving = [curve.curve for curve in rolling if curve.body == "coupler"]
     assert len(fixed) == len(moving) > 0
     drive, met = own.centrodes.motion.drive, 0
     for one, two in zip(fixed, moving):
@@ -50,14 +51,14 @@ def test_polygons_start_at_the_position_asked_for_and_are_those_that_are_cut():
     assert scene.drive.values[0] == pytest.approx(own.position) and scene.cyclic
     cut = velocity_polygon(own.motion)
     sides = {
-        mark.label.split(",")[0]: mark for mark in marks(scene, "vector", "1 mm is") if "velocity of" in mark.label
+        mark.label.split(",")[0]: mark for mark in marks(scene, "vector", "1 mm is") if mark.label.startswith("v ")
     }
     absolute = [v for v in cut.vectors if v.kind == "absolute"]
-    ratios = [sides[f"velocity of {v.end}"].vector[0] / v.tip for v in absolute]
+    ratios = [sides[f"v {v.end}"].vector[0] / v.tip for v in absolute]
     assert len(ratios) > 1
     np.testing.assert_allclose(ratios, ratios[0], rtol=1e-9)
     # One pole for all.
-    assert np.ptp([sides[f"velocity of {v.end}"].place[0].real for v in absolute]) < 1e-9
+    assert np.ptp([sides[f"v {v.end}"].place[0].real for v in absolute]) < 1e-9
 
 
 def test_curves_of_an_atlas_are_those_of_its_table():
