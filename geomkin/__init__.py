@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from . import shop as shop
     from . import show as show
     from . import synthesis as synthesis
+    from .build import index as index
     from .build import load as load
     from .build import make as make
     from .build import write as write
