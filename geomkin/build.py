@@ -65,14 +65,15 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     """Make a recipe, or what `load` finds: its files go to `out`/<name>/.
 
     The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
-    another one that was made under its name. only: formats to write of those the recipe asks for; all of them unless
-    given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
+    another one that was made under its name. only: formats to write of those the recipe asks for, or of all there are where it names none; all that
+    it asks for unless given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
     recipe that asks for all formats gets those that its kind has something for.
     Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
     of this recipe has been written, or what was is whole.
     """
     file, recipe = _opened(recipe)
-    wanted = [name for name in recipe.files.write if only is None or name in only]
+    offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
+    wanted = [name for name in offered if only is None or name in only]
     if only is not None and not wanted:
         found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
         raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])

@@ -95,15 +95,14 @@ def _curves(still: Still, tolerance: float) -> Iterator[Shape]:
         points = flatten(curve.curve, max(tolerance, 0.1 * still.tolerance))
         if body := poses.get(curve.body):
             points = body.origin[still.frame] + body.direction[still.frame] * points
-        if np.isfinite(points).all():
-            yield _layer(curve.role), Polyline(rounded(points, digits), is_closed=curve.curve.closed)
+        yield from _line(_layer(curve.role), points, digits, curve.curve.closed)
 
 
 def _marks(still: Still, tolerance: float) -> Iterator[Shape]:
     for mark in still.marks:
         if mark.trail:
             for run in still.trail_runs(mark):
-                yield _layer(mark.role), _open(run, tolerance)
+                yield from _line(_layer(mark.role), run, decimals(tolerance))
         yield from _mark(still, mark, tolerance)
 
 
@@ -113,8 +112,7 @@ def _mark(still: Still, mark: SceneMark, tolerance: float) -> Iterator[Shape]:
     if not np.isfinite(place):
         return
     if mark.vector is not None:
-        if abs(vector := complex(mark.vector[k])) > tolerance:
-            yield _layer(mark.role), _open(np.array([place, place + vector]), tolerance)
+        yield from _line(_layer(mark.role), np.array([place, place + mark.vector[k]]), digits)
         return
     if mark.sort == "slide" and mark.direction is not None:
         corners = px * np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]) * complex(mark.direction[k])
@@ -131,8 +129,13 @@ def _layer(role: str) -> str:
     return role.upper()
 
 
-def _open(points: Complex, tolerance: float) -> Polyline:
-    return Polyline(rounded(points, decimals(tolerance)), is_closed=False)
+def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Iterator[Shape]:
+    """A line through points, without repeats; none where it is too short to be told, or leads nowhere."""
+    points = rounded(points, digits)
+    points = points[np.append(True, points[1:] != points[:-1])]
+    points = points[:-1] if closed and points[-1] == points[0] else points
+    if len(points) > 1 and np.isfinite(points).all():
+        yield layer, Polyline(points, is_closed=closed)
 
 
 def _text(name: Name, still: Still) -> Text:

@@ -42,7 +42,7 @@ def index(folder: Path) -> dict[str, bytes]:
     if not cards:
         raise FileError(f"{printable(folder)}: no recipe was made into it; make some first")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
-    title = folder.resolve().name or "recipes"
+    place = text(folder.resolve().name or "this folder")
     style = tight_style(f"{colours()}{web_file('index.css')}")
     policy = f"default-src 'none'; style-src {hashed(style)}; img-src data:; base-uri 'none'; form-action 'none'"
     page = f"""<!doctype html>
@@ -52,12 +52,12 @@ def index(folder: Path) -> dict[str, bytes]:
 {OURS.decode()}
 <meta http-equiv="Content-Security-Policy" content="{policy}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{text(title)}: {_counted(count, "recipe")}</title>
+<title>Mechanisms in {place}</title>
 <link rel="icon" href="data:,">
 <style>{style}</style>
 </head>
 <body>
-<header><h1><bdi>{text(title)}</bdi></h1><p>{_counted(count, "recipe")}</p></header>
+<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{place}</bdi></p></header>
 <main>
 <ul class="cards">
 {chr(10).join(cards)}
@@ -115,11 +115,12 @@ def _verdict(checks: object) -> str:
     if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
         return ""
     failed = [check["name"] for check in checks if _is_check(check) and not check["passed"]]
-    held = f"{len(checks) - len(failed)} of {_counted(len(checks), 'check')} hold"
     if not failed:
-        return f'<p class="holds">{held}</p>'
-    others = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
-    return f'<p class="fails">{held}: not {text(str(failed[0])[:200])}{others}</p>'
+        told = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
+        return f'<p class="holds">{told}</p>'
+    fails = "fails" if len(failed) == 1 else "fail"
+    told = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
+    return f'<p class="fails">{told}{" and others" if len(failed) > 1 else ""}.</p>'
 
 
 def _is_check(check: object) -> TypeGuard[dict[str, object]]:

@@ -15,7 +15,7 @@ from .still import Still, some_points
 # Height of letters, in pixels of the picture. Smaller, and nobody reads them in a README; larger, and they hide plates.
 LETTER = 11.0
 # Places along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
-ALONG, ACROSS = 21, 9
+ALONG, ACROSS = 21, 11
 # Width of a letter in its height: of the usual ones, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
 # What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
@@ -68,13 +68,17 @@ def stand(still: Still) -> tuple[Name, ...]:
             text = _spaced(body.name)
             best(text, *_on(still, body, half_size(text, tall)), "")
         elif not body.fixed and body.name not in lines and (slide := _slide_of(still, body)) is not None:
-            places = slide + tall * np.array([-1.6j, 1.6j, -2.6j, 2.6j])
-            best(_spaced(body.name), places, np.arange(4) * 0.1, "")
+            aside = half_size(_spaced(body.name), tall).real + 1.2 * tall
+            places = slide + np.array([-1.6j * tall, 1.6j * tall, aside, -aside, -2.8j * tall, 2.8j * tall])
+            best(_spaced(body.name), places, np.arange(6) * 0.1, "")
     for label in dict.fromkeys(m.label for m in still.marks if m.sort == "line" and m.label and m.role != "contact"):
         mark = next(mark for mark in still.marks if mark.sort == "line" and mark.label == label)
         if mark.vector is not None and np.isfinite(mark.place[k] + mark.vector[k]):
             shares = np.array([0.5, 0.35, 0.65, 0.2, 0.8])
-            best(_spaced(label), mark.place[k] + shares * mark.vector[k], np.abs(shares - 0.5), mark.role)
+            on, aside = mark.place[k] + shares * mark.vector[k], half_size(_spaced(label), tall).real + 0.5 * tall
+            steps, away = (0, aside, -aside, 1.7j * tall, -1.7j * tall), np.abs(shares - 0.5)
+            cost = np.concatenate([0.5 * (step != 0) + away for step in steps])
+            best(_spaced(label), np.concatenate([on + step for step in steps]), cost, mark.role)
     for mark in still.marks:
         if mark.sort == "point" and mark.label and np.isfinite(mark.place[k]):
             half = half_size(_spaced(mark.label), tall)
@@ -119,21 +123,28 @@ def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
     places = body.origin[k] + body.direction[k] * (middle + axis * np.append(0, grid))
     # The middle of the letters and both their ends.
     letters = (places[:, None] + 0.9 * half.real * np.array([0, -1, 1])).ravel()
-    inside = np.zeros(len(letters), dtype=bool)
+    inside = _lies_on(still, body, letters)
     covered = np.zeros(len(letters), dtype=bool)
-    for part, outline in zip(body.parts, still.points_of(body)):
-        inside |= within(body.origin[k] + body.direction[k] * outline, letters)
-        for hole in part.holes:
-            inside &= ~within(body.origin[k] + body.direction[k] * some_points(hole), letters)
     for other in still.bodies:
         if other is not body and other.layer >= body.layer and np.isfinite(other.origin[k]):
-            for outline in still.points_of(other):
-                covered |= within(other.origin[k] + other.direction[k] * outline, letters)
+            covered |= _lies_on(still, other, letters)
     away = np.abs(places - places[0]) / (np.abs(off).max() or 1.0)
     on = inside[::3]
     beside, under = (flags.reshape(-1, 3).sum(axis=1) for flags in (~inside, covered))
     cost = AWAY * away + BESIDE * beside + COVERED * under
     return (places[on], cost[on]) if on.any() else (places[:1], cost[:1])
+
+
+def _lies_on(still: Still, body: SceneBody, places: Complex) -> Mask:
+    """Whether places lie on a plate of the body, and not in a hole of it."""
+    own = (places - body.origin[still.frame]) * np.conj(body.direction[still.frame])
+    found = np.zeros(len(places), dtype=bool)
+    for part, outline in zip(body.parts, still.points_of(body)):
+        on = within(outline, own)
+        for hole in part.holes if on.any() else ():
+            on[on] = ~within(some_points(hole), own[on])
+        found |= on
+    return found
 
 
 def within(polygon: Complex, places: Complex) -> Mask:

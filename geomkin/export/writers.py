@@ -50,7 +50,8 @@ WRITERS: dict[str, Writer] = {
     "csv": Writer("table", _in("csv")),
     "page": Writer("scene", _in("page"), tail=".html"),
     "assembly-svg": Writer("scene", _in("assembly_svg"), tail="-assembly.svg"),
-    "assembly-dxf": Writer("scene", _in("assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf"),
+    # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
+    "assembly-dxf": Writer("scene", _in("assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True),
     "animation": Writer("scene", _in("animation"), tail="-animation.svg", asked=True),
 }
 # What is written where a recipe names no formats.
