@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from . import shop as shop
     from . import synthesis as synthesis
     from . import tradeoff as tradeoff
+    from .build import index as index
     from .build import load as load
     from .build import make as make
     from .build import write as write

@@ -13,10 +13,11 @@ from .arguments import Sort, checked
 from .brief import one_line
 from .check import Check
 from .errors import DesignError, Problem, RecipeError, printable
+from .export import index as overview
 from .export.files import remove, write_whole
 from .export.job import Job, Loose, Source
 from .export.summary import FOUND, NAME, files_told, summary
-from .export.writers import WRITERS, ending_of, format_of
+from .export.writers import WRITERS, format_of, tail_of
 from .kinds import KINDS
 from .names import file_name_flaw
 from .part import Part
@@ -64,14 +65,15 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     """Make a recipe, or what `load` finds: its files go to `out`/<name>/.
 
     The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
-    another one that was made under its name. only: formats to write of those the recipe asks for; all of them unless
-    given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
+    another one that was made under its name. only: formats to write of those the recipe asks for, or of all there are where it names none; all that
+    it asks for unless given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
     recipe that asks for all formats gets those that its kind has something for.
     Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
     of this recipe has been written, or what was is whole.
     """
     file, recipe = _opened(recipe)
-    wanted = [name for name in recipe.files.write if only is None or name in only]
+    offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
+    wanted = [name for name in offered if only is None or name in only]
     if only is not None and not wanted:
         found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
         raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
@@ -109,6 +111,20 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 
 @checked
+def index(out: str | Path = "out") -> dict[Path, int]:
+    """Write `out`/index.html, a page with a card for each recipe that was made into `out`; path to size in bytes.
+
+    A card has the picture of the assembly, the kind, how many checks hold, and links to the page and the files. What
+    else lies in the folder is left alone. Raises FileError where nothing was made into it, where a page that is not
+    ours has the name, and for what cannot be written.
+    """
+    folder = Path(out)
+    contents = overview.index(folder)
+    write_whole(folder, contents)
+    return {folder / name: len(content) for name, content in contents.items()}
+
+
+@checked
 def write(
     source: AbstractRecipe | Table | Part | Sequence[Part],
     path: str | Path,
@@ -116,9 +132,10 @@ def write(
     kerf: float | None = None,
     curves: Literal["chords", "arcs"] | None = None,
 ) -> dict[Path, int]:
-    """Write parts, a table, or what a recipe has of either, or its page, to a file; path to size in bytes.
+    """Write parts, a table, or what a recipe has of either, or its page or picture, to a file; path to size in bytes.
 
-    The ending of `path` picks the format, `.html` the page. One that has a file for each part, such as STL, writes
+    The ending of `path` picks the format, `.html` the page; of a recipe `-assembly.svg`, `-assembly.dxf` and
+    `-animation.svg` are pictures of the whole. One that has a file for each part, such as STL, writes
     several beside `path`, named after the parts. tolerance: largest distance, mm, between a curve and what is
     written. kerf: width of the cut, mm: drawings move outlines out and holes in by half of it. curves: outlines in
     drawings as chords or as arcs. What is left out of the three is as the recipe says, or as it is in a recipe
@@ -126,16 +143,16 @@ def write(
     then nothing has been written, or what was is whole.
     """
     path = Path(path)
-    ending = path.suffix[1:].lower()
     files = source.files if isinstance(source, AbstractRecipe) else Files()
     held, needs = _held(source)
-    name = format_of(ending)
-    if not name or WRITERS[name].needs not in needs:
-        endings = [ending_of(name) for name, writer in WRITERS.items() if writer.needs in needs]
-        raise DesignError("path", f"found {printable(path)}", f"give a name that ends in {' or '.join(endings)}")
+    name = format_of(path.name, needs)
+    if not name:
+        tails = [tail_of(name).removeprefix(".") for name, writer in WRITERS.items() if writer.needs in needs]
+        raise DesignError("path", f"found {printable(path)}", f"give a name that ends in {' or '.join(tails)}")
     given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    job = _job(path.stem, held, dataclasses.replace(files, write=(name,), **changes))
+    stem = path.name[: -len(tail_of(name))]
+    job = _job(stem, held, dataclasses.replace(files, write=(name,), **changes))
     contents = WRITERS[name].write(job)
     if len(contents) == 1:
         contents = {path.name: next(iter(contents.values()))}
@@ -172,7 +189,7 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 
 def _job(name: str, source: Source, files: Files) -> Job:
-    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs")
+    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", assembly_at=files.assembly_at)
     if not isinstance(source, AbstractRecipe):
         return job
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))

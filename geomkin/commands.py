@@ -43,13 +43,18 @@ def cli() -> None:
     help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
-    """Make recipes, or all recipes of folders, into OUT/<recipe>/."""
-    from .build import make
-    from .errors import printable
+    """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
+    from .build import index, make
+    from .errors import FileError, printable
 
     files = _files(recipes)
     _refuse_twins(files)
     made, failed = _each(files, lambda file: make(file, out, only))
+    if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
+        try:
+            index(out)
+        except FileError as error:
+            click.secho(str(error), fg="yellow", err=True)
     if made:
         click.echo(_report(made) if _is_terminal(sys.stdout) else "\n".join(map(_line, made)))
     for result in made:

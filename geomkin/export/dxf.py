@@ -1,19 +1,20 @@
-"""DXF for cutting: polylines and true circles, in mm, one layer per operation. Alone in loading ezdxf."""
+"""DXF: polylines and true circles, in mm, for cutting one layer per operation. Alone in loading ezdxf."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 from ezdxf import options, units  # type: ignore[attr-defined]  # not told to be public, but documented
 from ezdxf.document import Drawing
+from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
-from ..plane.primitives import Circle
-from .cut import Loop
+from ..plane.primitives import Circle, Polyline
 from .job import Job
 from .layout import LAYERS, Sheet
 
@@ -28,41 +29,64 @@ def dxf(sheet: Sheet) -> bytes:
 
     The same sheet gives the same bytes.
     """
+    shapes = [(loop.layer, loop.shape) for placed in sheet.placed for loop in placed.loops]
+    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)))
+
+
+@dataclass(frozen=True)
+class Text:
+    """A line of text about its middle, mm."""
+
+    layer: str
+    text: str
+    middle: complex
+    height: float
+
+
+def drawn(
+    layers: Mapping[str, tuple[int, tuple[int, int, int]]],
+    shapes: Iterable[tuple[str, Circle | Polyline]],
+    texts: Iterable[Text],
+    extents: tuple[complex, complex],
+    limits: tuple[complex, complex],
+) -> bytes:
+    """Shapes, each on its layer, as such a file.
+
+    layers: colour index and RGB by name; extents, limits: lower left and upper right corner of what is drawn and of
+    the paper, mm.
+    """
     with _fixed_stamps():
-        return _bytes(_document(sheet))
+        # The library defaults to metres, which reading programs take at its word, 1000 times too large.
+        document = new("R2000", units=units.MM)
+        document.header["$MEASUREMENT"] = 1
+        # Without a plot scale one reading program prints a blank page.
+        document.header["$PSVPSCALE"] = 1.0
+        for name, (index, rgb) in layers.items():
+            document.layers.add(name, color=index).rgb = rgb
+        space = document.modelspace()
+        for layer, shape in shapes:
+            _add(space, layer, shape)
+        for text in texts:
+            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
+            entity.set_placement((text.middle.real, text.middle.imag), align=TextEntityAlignment.MIDDLE_CENTER)
+        # The library fills the header from the layout when it writes.
+        low, high = extents
+        space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
+        space.reset_limits((limits[0].real, limits[0].imag), (limits[1].real, limits[1].imag))
+        return _bytes(document)
 
 
-def _document(sheet: Sheet) -> Drawing:
-    # The library defaults to metres, which reading programs take at its word, 1000 times too large.
-    document = new("R2000", units=units.MM)
-    document.header["$MEASUREMENT"] = 1
-    # Without a plot scale one reading program prints a blank page.
-    document.header["$PSVPSCALE"] = 1.0
-    for name, (index, rgb) in LAYERS.items():
-        document.layers.add(name, color=index).rgb = rgb
-    space = document.modelspace()
-    for placed in sheet.placed:
-        for loop in placed.loops:
-            _add(space, loop)
-    # The library fills the header from the layout when it writes.
-    low, high = sheet.extents
-    space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
-    space.reset_limits((0.0, 0.0), (sheet.width, sheet.height))
-    return document
-
-
-def _add(space: Modelspace, loop: Loop) -> None:
-    attributes = {"layer": loop.layer}
-    if isinstance(loop.shape, Circle):
-        centre = loop.shape.centre
-        space.add_circle((centre.real, centre.imag), loop.shape.radius, dxfattribs=attributes)
+def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
+    attributes = {"layer": layer}
+    if isinstance(shape, Circle):
+        space.add_circle((shape.centre.real, shape.centre.imag), shape.radius, dxfattribs=attributes)
         return
-    vertices = np.asarray(loop.shape.vertices)
-    polyline = space.add_lwpolyline([], close=loop.shape.closed, dxfattribs=attributes)
+    vertices = np.asarray(shape.vertices)
+    polyline = space.add_lwpolyline([], close=shape.closed, dxfattribs=attributes)
     rows = np.zeros((len(vertices), 5))  # x, y, start width, end width, bulge
     rows[:, 0], rows[:, 1] = vertices.real, vertices.imag
-    if loop.shape.bulges is not None:
-        rows[:, 4] = loop.shape.bulges
+    if shape.bulges is not None:
+        rows[:, 4] = shape.bulges
     # Points given one by one are appended in quadratic time: 19 s for 1e5 of them, against 0.9 s.
     polyline.lwpoints.values = rows
 

@@ -53,7 +53,8 @@ class Job:
 
     name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. about:
     one line that introduces it; recipe: gives the text that it is made from; "" where there is none. What a writer asks
-    for and the source has not is a DesignError of `write`.
+    for and the source has not is a DesignError of `write`. assembly_at: where the driver stands in stills, in its own
+    unit; None for anywhere.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Job:
     arcs: bool = False
     about: str = ""
     recipe: Callable[[], str] = str
+    assembly_at: float | None = None
 
     __repr__ = one_line
 

@@ -41,7 +41,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
     """
     script, style = _script(scripts, start), _style()
     policy = (
-        f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; img-src data:; "
+        f"default-src 'none'; script-src {hashed(script)}; style-src {hashed(style)}; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
     told = f"""<!doctype html>
@@ -69,7 +69,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
 @cache
 def _script(scripts: tuple[str, ...], start: str) -> str:
     """Scripts and what they use as one module: files without what ties them, comment lines and idle spaces."""
-    library, *own = (_web(name) for name in scripts)
+    library, *own = (web_file(name) for name in scripts)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
     return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), start, ""])
@@ -91,12 +91,24 @@ def _tight(line: str) -> str:
 @cache
 def _style() -> str:
     """The style, without comments and the spaces that nothing depends on."""
-    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", _web("style.css"), flags=re.DOTALL))
+    return tight_style(web_file("style.css"))
 
 
-def _web(name: str) -> str:
+def tight_style(style: str) -> str:
+    """A style without comments and the spaces that nothing depends on."""
+    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL))
+
+
+def colours() -> str:
+    """The part of the style that gives colours their names, light and dark."""
+    return web_file("style.css").partition("\n* {")[0]
+
+
+def web_file(name: str) -> str:
+    """The text of a file of the player."""
     return files("geomkin.web").joinpath(name).read_text("utf-8").strip()
 
 
-def _hash(content: str) -> str:
+def hashed(content: str) -> str:
+    """How a policy names a script or a style that may be in its page."""
     return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"

@@ -28,16 +28,16 @@ def _steps(curve: AbstractCurve, tolerance: float, digits: int) -> str:
 def _circle(circle: Circle, digits: int) -> str:
     radius = rounded(circle.radius, digits).item()
     start: Complex = rounded(circle.centre - radius, digits)
-    arc, across = f"a{_n(radius, digits)} {_n(radius, digits)} 0 0 1 ", _n(2 * radius, digits)
+    arc, across = f"a{decimal(radius, digits)} {decimal(radius, digits)} 0 0 1 ", decimal(2 * radius, digits)
     return f"M{_pair(start.item(), digits)}{arc}{across} 0{arc[:-1]}-{across} 0z"
 
 
 def _pair(z: complex, digits: int) -> str:
-    return f"{_n(z.real, digits)} {_n(z.imag, digits)}"
+    return f"{decimal(z.real, digits)} {decimal(z.imag, digits)}"
 
 
-def _n(value: float, digits: int) -> str:
-    """The shortest decimal text, without the zero before its point."""
+def decimal(value: float, digits: int) -> str:
+    """A rounded number as its shortest decimal text, without the zero before its point."""
     text = f"{value:.{max(0, digits)}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     text = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text

@@ -54,14 +54,14 @@ def _check(check: Check, scene: Scene) -> str:
     there = ""
     if frame is not None:
         drive = scene.drive
-        place = _with(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
+        place = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
         there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
     means = "as it should be" if check.passed else check.advice or "see the limit"
     return (
         f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
         f'<th scope="row">{text(capital(check.name))}</th>'
-        f"<td>{text(_with(check.value, check.unit))}{there}</td>"
-        f"<td>{check.side} {text(_with(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
+        f"<td>{text(with_unit(check.value, check.unit))}{there}</td>"
+        f"<td>{check.side} {text(with_unit(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
     )
 
 
@@ -280,7 +280,8 @@ def number(value: float) -> str:
     return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 
 
-def _with(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str) -> str:
+    """A value with its unit, as a reader takes it in."""
     sign = _unit(unit)
     return f"{number(float(value))}{'' if sign in ('', '°') else ' '}{sign}"
 

@@ -97,19 +97,25 @@ def _version(package: str) -> str:
     return version(package)
 
 
-def files_told(folder: Path) -> set[str]:
-    """Names of the files that the summary in a folder tells of; none where there is no sound one."""
+def told(folder: Path) -> dict[str, object]:
+    """What the summary in a folder says; nothing where there is no sound one."""
     try:
         path = folder / NAME
         # What stands there may be anything: a pipe would be waited on, a device or a huge file fill the memory.
         if not path.is_file():
-            return set()
+            return {}
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
-        if len(content) > LARGEST:
-            return set()
-        names = json.loads(content)["files"]
-        ours = [name for name in names if format_of(Path(name).suffix[1:]) or name.endswith(FOUND)]
-        return {name for name in ours if not file_name_flaw(name)}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        found = json.loads(content) if len(content) <= LARGEST else {}
+        return found if isinstance(found, dict) else {}
+    except (OSError, ValueError, RecursionError):
+        return {}
+
+
+def files_told(folder: Path) -> set[str]:
+    """Names of the files that the summary in a folder tells of; none where there is no sound one."""
+    names = told(folder).get("files")
+    if not isinstance(names, list):
         return set()
+    ours = [name for name in names if isinstance(name, str) and (format_of(name) or name.endswith(FOUND))]
+    return {name for name in ours if not file_name_flaw(name)}

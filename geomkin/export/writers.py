@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Literal
@@ -19,15 +19,17 @@ class Writer:
     """A format.
 
     needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
-    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. ending: of its
-    files, where that is not the format's name.
+    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. tail: what
+    follows the recipe's name in its file's, where that is not a dot and the format's name. asked: only written where
+    a recipe names it.
     """
 
     needs: Literal["parts", "table", "scene"]
     write: Callable[[Job], Contents]
     packages: tuple[str, ...] = ()
     flat: bool = False
-    ending: str = ""
+    tail: str = ""
+    asked: bool = False
 
 
 def _in(module: str) -> Callable[[Job], Contents]:
@@ -46,15 +48,23 @@ WRITERS: dict[str, Writer] = {
     "stl": Writer("parts", _in("stl"), ("shapely",)),
     "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
     "csv": Writer("table", _in("csv")),
-    "page": Writer("scene", _in("page"), ending="html"),
+    "page": Writer("scene", _in("page"), tail=".html"),
+    "assembly-svg": Writer("scene", _in("assembly_svg"), tail="-assembly.svg"),
+    # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
+    "assembly-dxf": Writer("scene", _in("assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True),
+    "animation": Writer("scene", _in("animation"), tail="-animation.svg", asked=True),
 }
+# What is written where a recipe names no formats.
+USUAL = tuple(name for name, writer in WRITERS.items() if not writer.asked)
 
 
-def ending_of(name: str) -> str:
+def tail_of(name: str) -> str:
     """What the names of a format's files end in."""
-    return WRITERS[name].ending or name
+    return WRITERS[name].tail or f".{name}"
 
 
-def format_of(ending: str) -> str:
-    """The format whose files end so; "" for none."""
-    return next((name for name in WRITERS if ending_of(name) == ending), "")
+def format_of(file: str, needs: Collection[str] = ("parts", "table", "scene")) -> str:
+    """The format, of those made of one of `needs`, of a file by its name; "" for none. The longest tail decides."""
+    ends = {name: tail_of(name) for name in WRITERS if WRITERS[name].needs in needs}
+    fitting = [name for name, end in ends.items() if file.lower().endswith(end) and len(file) > len(end)]
+    return max(fitting, key=lambda name: len(ends[name]), default="")

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import Sort
 from ..check import Check
 from ..errors import DesignError
-from ..export.writers import WRITERS
+from ..export.writers import USUAL, WRITERS
 from ..plane.vec import Real
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
 
@@ -75,7 +75,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
 class Files:
     """What is written, and how true to the exact curves."""
 
-    write: tuple[Format, ...] = entry("files to write", default=tuple(WRITERS))
+    write: tuple[Format, ...] = entry("files to write", default=USUAL)
     tolerance: float = quantity(
         "largest distance between a curve and its chords", "mm", default=0.005, at_least=1e-6, at_most=10
     )
@@ -91,12 +91,19 @@ class Files:
         at_most=20,
     )
 
+    assembly_at: float | None = quantity(
+        "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",
+        default=None,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+
     def __post_init__(self) -> None:
         check_sizes(self)
 
     @property
     def wants_all(self) -> bool:
-        """Whether it is all there is, as where nothing else is asked for: then what a kind lacks is no slip."""
+        """Whether it is all that is usual, as where nothing is asked for: then what a kind lacks is no slip."""
         return self.write == Files.write
 
     @property

@@ -254,7 +254,7 @@ def test_what_is_nan_or_infinite_is_left_out_of_the_data():
 
 
 def test_the_writer_is_in_the_table_under_its_own_name():
-    assert WRITERS["page"].needs == "scene" and WRITERS["page"].ending == "html"
+    assert WRITERS["page"].needs == "scene" and WRITERS["page"].tail == ".html"
     assert list(write(job_of(turning()))) == ["page.html"]
 
 

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.commands import cli
 from geomkin.export import WRITERS, Job, Writer
+from geomkin.export.writers import USUAL
 from tests.texts import parse, schema_of_all
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = [%s] }\n'
@@ -65,16 +66,20 @@ def test_the_command_knows_it(tmp_path):
     result = CliRunner().invoke(cli, call)
     assert result.exit_code == 0 and ": txt json, " in result.output
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
-    assert "choose of dxf, stl, svg, csv, page, txt, lone" in CliRunner().invoke(cli, [*call[:-1], "text"]).output
+    assert (
+        "choose of dxf, stl, svg, csv, page, assembly-svg, assembly-dxf, animation, txt, lone"
+        in CliRunner().invoke(cli, [*call[:-1], "text"]).output
+    )
 
 
 def test_schema_and_messages_list_it():
     files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
-    assert files["items"]["enum"] == ["dxf", "stl", "svg", "csv", "page", "txt", "lone"]
+    assert files["items"]["enum"] == [*USUAL, "animation", "txt", "lone"]
     # It is written where it is asked for.
-    assert files["default"] == ["dxf", "stl", "svg", "csv", "page"]
+    assert files["default"] == [*USUAL]
     with pytest.raises(
-        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'csv', 'page', 'txt' or 'lone'"
+        gk.RecipeError,
+        match="files.write.0.: found 'txd'; did you mean txt.*'assembly-dxf', 'animation', 'txt' or 'lone'",
     ):
         parse(GEAR % '"txd"')
 

@@ -196,6 +196,10 @@ def _dxf(file):
     for entity in ezdxf.readfile(file).modelspace():
         if entity.dxftype() == "CIRCLE":
             assert 0 < entity.dxf.radius < np.inf
+        elif entity.dxftype() == "TEXT":
+            assert (
+                file.stem.endswith("-assembly") and np.isfinite(entity.dxf.insert.xyz).all() and entity.dxf.height > 0
+            )
         else:
             points = np.array(entity.get_points("xy"))
             assert np.isfinite(points).all() and len(points) >= 2

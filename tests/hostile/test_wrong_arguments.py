@@ -227,7 +227,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "load", "make", "write", "Stack", "PathFound",
+    "index", "load", "make", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",

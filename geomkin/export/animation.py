@@ -1,0 +1,192 @@
+"""An animated SVG: the mechanism moving, without a script, as a README, a slide and a mail show it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..brief import one_line
+from ..errors import DesignError
+from ..plane.vec import Real, Whole, rounded
+from .island import kept_frames
+from .job import Job
+from .path import decimal
+from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box, style, transform
+from .still import Still, frame_at
+
+# Seconds of a pass, about as the page takes at first: a turn that is faster cannot be followed.
+SECONDS = 5
+# How far what is drawn may be from where it should be between two key frames, in pixels of the picture. Half of it, and
+# files are half as long again; twice, and pins are seen to leave their holes.
+OFF = 0.3
+# Frames by which the bounds of the motion are found.
+LOOKS = 72
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    return {f"{job.name}-animation.svg": animation(job)}
+
+
+def animation(job: Job) -> bytes:
+    """The picture. A full turn goes on without a jump; what cannot go round goes there and back.
+
+    It stands still, as the assembly does, for readers who want less motion and in programs that know none. Of a
+    mechanism that cannot be everywhere, the longest stretch is shown.
+    """
+    scene = job.scene
+    frames, round_ = _run(np.asarray(scene.closed), scene.cyclic)
+    looks = frames[np.unique(np.rint(np.linspace(0, len(frames) - 1, LOOKS + 1)).astype(np.intp))]
+    first = frame_at(scene, job.assembly_at)
+    still = Still(scene, np.concatenate([[first], looks]))
+    film = Film(still, frames, np.asarray(scene.time, dtype=float)[frames])
+    drawn = "".join(film.shown())
+    way = "infinite" if round_ else "infinite alternate"
+    css = (
+        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {way}}}"
+        f"{film.rules()}}}{film.keyframes()}"
+    )
+    body = [f'<g transform="scale(1 -1)">{drawn}</g>']
+    return document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body)
+
+
+def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:
+    """The frames that are shown, and whether they go round: the longest run of those at which the mechanism can be."""
+    runs = [run for run in np.split(np.arange(len(closed)), np.flatnonzero(np.diff(closed)) + 1) if closed[run[0]]]
+    run = max(runs, key=len, default=np.zeros(0, dtype=np.intp))
+    if len(run) < 2:
+        raise DesignError("write", "an animation is asked for, and nothing moves", "leave it out")
+    return run[kept_frames(len(run))], cyclic and bool(closed.all())
+
+
+@dataclass(eq=False)
+class Film:
+    """Items of a still and how they move: each motion once, whatever follows it.
+
+    frames: those that are shown; time: theirs, s. motions: name by the text of its key frames.
+    """
+
+    still: Still
+    frames: Whole
+    time: Real
+    motions: dict[str, str] = field(default_factory=dict)
+
+    __repr__ = one_line
+
+    def shown(self) -> Iterator[str]:
+        """All items, each in a group that moves."""
+        still = self.still
+        of_bodies: list[Item] = []
+        for item in items(still):
+            if item.body:
+                of_bodies.append(item)
+            if len(item.origin) == 1:
+                yield item.drawn
+                continue
+            if not np.isfinite(item.origin[self.frames]).any():
+                continue
+            inside, drawn = item, item.drawn
+            if not item.body and not self._rests(item) and (held := self._held(item, of_bodies)):
+                inside, set_there = held
+                drawn = f"<g{set_there}>{item.drawn}</g>"
+            name = "" if self._rests(inside) else self._motion(inside)
+            shown = f' class="move {name}"' if name else ""
+            yield f"<g{shown}{transform(still, inside, still.frame)}>{drawn}</g>"
+
+    def rules(self) -> str:
+        """Which class follows which motion."""
+        return "".join(f".{name}{{animation-name:{name}}}" for name in self.motions.values())
+
+    def keyframes(self) -> str:
+        """The motions."""
+        return "".join(f"@keyframes {name}{{{text}}}" for text, name in self.motions.items())
+
+    def _rests(self, item: Item) -> bool:
+        rows = [item.origin, item.direction, item.scale]
+        near = 1e-9 * self.still.size
+        return all(row is None or np.abs(row[self.frames] - row[self.still.frame]).max() < near for row in rows)
+
+    def _held(self, item: Item, of_bodies: list[Item]) -> tuple[Item, str] | None:
+        """The body on which a mark stays at one place, if there is one, and how it is set there."""
+        if item.scale is not None:
+            return None
+        for body in of_bodies:
+            if body.direction is None:
+                continue
+            back = np.conj(body.direction)
+            place = back * (item.origin - body.origin)
+            turn = None if item.direction is None else back * item.direction
+            seen = Item("", place, turn)
+            if np.isfinite(place[self.frames]).all() and self._rests(seen):
+                return body, transform(self.still, seen, self.still.frame)
+        return None
+
+    def _motion(self, item: Item) -> str:
+        """The name of an item's motion."""
+        text = self._told(item)
+        return self.motions.setdefault(text, f"m{len(self.motions)}")
+
+    def _told(self, item: Item) -> str:
+        place = item.origin[self.frames]
+        turn = np.zeros(len(place)) if item.direction is None else np.angle(item.direction[self.frames])
+        size = np.ones(len(place)) if item.scale is None else item.scale[self.frames]
+        known = np.isfinite(place) & np.isfinite(turn) & np.isfinite(size)
+        share = (self.time - self.time[0]) / (self.time[-1] - self.time[0])
+        gaps = not known.all()
+        rules: dict[int, str] = {}
+        for run in np.split(np.arange(len(place)), np.flatnonzero(np.diff(known)) + 1):
+            if not known[run[0]]:
+                continue
+            angle = np.unwrap(turn[run])
+            rows = np.array([place[run].real, place[run].imag, item.reach * angle, item.reach * size[run]])
+            keys = key_frames(share[run], rows, OFF * self.still.pixel)
+            poses = [self._pose(item, place[run][k], float(angle[k]), float(size[run][k])) for k in keys]
+            rules |= {int(run[k]): f"{pose}{';opacity:1' if gaps else ''}" for k, pose in zip(keys, poses)}
+            # It fades within a frame where it begins to be and ends.
+            if run[0] > 0:
+                rules[int(run[0]) - 1] = f"{poses[0]};opacity:0"
+            if run[-1] < len(place) - 1:
+                rules[int(run[-1]) + 1] = f"{poses[-1]};opacity:0"
+        # Without a rule at an end a browser takes what stands still for it.
+        for end, near in ((0, min(rules)), (len(place) - 1, max(rules))):
+            rules.setdefault(end, rules[near])
+        return "".join(f"{decimal(100 * float(share[k]), 2)}%{{{rules[k]}}}" for k in sorted(rules))
+
+    def _pose(self, item: Item, place: complex, angle: float, size: float) -> str:
+        digits = self.still.digits
+        z = rounded(complex(place), digits).item()
+        text = f"transform:translate({decimal(z.real, digits)}px,{decimal(z.imag, digits)}px)"
+        if item.direction is not None:
+            turn = rounded(np.degrees(angle), TURN_DIGITS).item()
+            text += f"rotate({decimal(turn, TURN_DIGITS)}deg)"
+        return text + (
+            f"scale({decimal(rounded(size, SCALE_DIGITS).item(), SCALE_DIGITS)})" if item.scale is not None else ""
+        )
+
+
+def key_frames(share: Real, rows: Real, off: float) -> list[int]:
+    """Of frames (n,) at rising shares of the time, few between which straight lines keep rows (rows, n) within `off`.
+
+    Greedy: each lies as far from the one before as it may; both ends are among them. Derived here.
+    """
+    keys, last = [0], len(share) - 1
+    while keys[-1] < last:
+        start, good, bad = keys[-1], keys[-1] + 1, last + 1
+        step = 1
+        while good + step < bad and _is_near(share, rows, start, good + step, off):
+            good, step = good + step, 2 * step
+        bad = min(bad, good + step)
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            good, bad = (middle, bad) if _is_near(share, rows, start, middle, off) else (good, middle)
+        keys.append(good)
+    return keys
+
+
+def _is_near(share: Real, rows: Real, start: int, end: int, off: float) -> bool:
+    inside = slice(start, end + 1)
+    along = (share[inside] - share[start]) / (share[end] - share[start])
+    straight = rows[:, start, None] + along * (rows[:, end, None] - rows[:, start, None])
+    return bool(np.sqrt(((rows[:, inside] - straight) ** 2).sum(axis=0)).max() <= off)

@@ -1,0 +1,151 @@
+"""DXF of the assembly, to look at and to measure in: parts in place at one drive, exact, nothing on a cutting layer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..errors import harmless
+from ..names import folded
+from ..plane.flatten import flatten
+from ..plane.primitives import Circle, Polyline
+from ..plane.vec import Complex, rounded
+from ..scene import Scene, SceneBody, SceneMark
+from .cut import Loop, cut, decimals
+from .dxf import Text, drawn
+from .job import Job
+from .names_beside import LETTER, Name, stand
+from .still import Still, frame_at, palette
+
+# Layers besides those of the bodies, which begin with BODY: what is on them, and its colour in the palette.
+PINS, NAMES = "PINS", "NAMES"
+COLOURS = {PINS: "line", NAMES: "ink", "TRACED": "traced", "WANTED": "wanted", "CONTACT": "acceleration"}
+# Signs that the names of layers may not have.
+FORBIDDEN = set('<>/\\":;?*=|,`')
+# Colour index of what is told by its RGB, for programs that know indices alone: black on white, white on black.
+EITHER = 7
+
+Shape = tuple[str, Circle | Polyline]
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    return {f"{job.name}-assembly.dxf": assembly(job)}
+
+
+def assembly(job: Job) -> bytes:
+    """The drawing at full size: outlines as arcs on a layer for each body; paths, pins and names on others."""
+    scene = job.scene
+    still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
+    layers = _layers(scene)
+    shapes = [*_bodies(still, job.tolerance, layers), *_curves(still, job.tolerance), *_marks(still, job.tolerance)]
+    names = stand(still)
+    texts = [_text(name, still) for name in names]
+    low, high = _extents([shape for _, shape in shapes], names)
+    used = {layer for layer, _ in shapes} | {text.layer for text in texts}
+    tints = {layer: still.tint(body) for body in scene.bodies for layer in [layers[body.name]]}
+    colours = {layer: _colour(tints.get(layer, COLOURS.get(layer, "other"))) for layer in sorted(used)}
+    return drawn(colours, shapes, texts, (low, high), (low, high))
+
+
+def _layers(scene: Scene) -> dict[str, str]:
+    """The layer of each body by its name: no two bodies share one, since names of layers know no case."""
+    found: dict[str, str] = {}
+    for body in scene.bodies:
+        plain = "".join("_" if c in FORBIDDEN or not c.isprintable() else c for c in body.name) or "body"
+        layer, count = f"BODY {plain}", 1
+        while folded(layer) in map(folded, found.values()):
+            count += 1
+            layer = f"BODY {plain} {count}"
+        found[body.name] = layer
+    return found
+
+
+def _colour(name: str) -> tuple[int, tuple[int, int, int]]:
+    """Of the palette; a pale tint darker, since here it is a line's."""
+    text = palette()[name].lstrip("#")
+    text = "".join(2 * c for c in text) if len(text) == 3 else text
+    red, green, blue = (
+        int(text[k : k + 2], 16) // (2 if name[0] == "t" and name[1:].isdigit() else 1) for k in (0, 2, 4)
+    )
+    return EITHER, (red, green, blue)
+
+
+def _bodies(still: Still, tolerance: float, layers: dict[str, str]) -> Iterator[Shape]:
+    k = still.frame
+    for body in still.bodies:
+        for part in body.parts:
+            made = cut(part, tolerance, arcs=True)
+            for loop in (*made.loops, *made.marks):
+                yield layers[body.name], _placed(loop, body, k, made.digits)
+
+
+def _placed(loop: Loop, body: SceneBody, frame: int, digits: int) -> Circle | Polyline:
+    place, turn = complex(body.origin[frame]), complex(body.direction[frame])
+    if isinstance(loop.shape, Circle):
+        return Circle(rounded(place + turn * loop.shape.centre, digits).item(), loop.shape.radius)
+    vertices = rounded(place + turn * np.asarray(loop.shape.vertices), digits)
+    return Polyline(vertices, loop.shape.bulges, loop.shape.closed)
+
+
+def _curves(still: Still, tolerance: float) -> Iterator[Shape]:
+    poses, digits = {body.name: body for body in still.scene.bodies}, decimals(tolerance)
+    for curve in still.scene.curves:
+        points = flatten(curve.curve, max(tolerance, 0.1 * still.tolerance))
+        if body := poses.get(curve.body):
+            points = body.origin[still.frame] + body.direction[still.frame] * points
+        yield from _line(_layer(curve.role), points, digits, curve.curve.closed)
+
+
+def _marks(still: Still, tolerance: float) -> Iterator[Shape]:
+    for mark in still.marks:
+        if mark.trail:
+            for run in still.trail_runs(mark):
+                yield from _line(_layer(mark.role), run, decimals(tolerance))
+        yield from _mark(still, mark, tolerance)
+
+
+def _mark(still: Still, mark: SceneMark, tolerance: float) -> Iterator[Shape]:
+    k, px, digits = still.frame, still.pixel, decimals(tolerance)
+    place = complex(mark.place[k])
+    if not np.isfinite(place):
+        return
+    if mark.vector is not None:
+        yield from _line(_layer(mark.role), np.array([place, place + mark.vector[k]]), digits)
+        return
+    if mark.sort == "slide" and mark.direction is not None:
+        corners = px * np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]) * complex(mark.direction[k])
+        yield PINS, Polyline(rounded(place + corners, digits))
+        return
+    layer, radius = (PINS, still.hole_radii.get(mark, 3 * px)) if mark.sort.endswith("pin") else ("", 2.5 * px)
+    if mark.radius is not None:
+        radius = float(mark.radius[k])
+    if radius > tolerance:
+        yield layer or _layer(mark.role), Circle(rounded(place, digits).item(), radius)
+
+
+def _layer(role: str) -> str:
+    return role.upper()
+
+
+def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Iterator[Shape]:
+    """A line through points, without repeats; none where it is too short to be told, or leads nowhere."""
+    points = rounded(points, digits)
+    points = points[np.append(True, points[1:] != points[:-1])]
+    points = points[:-1] if closed and points[-1] == points[0] else points
+    if len(points) > 1 and np.isfinite(points).all():
+        yield layer, Polyline(points, is_closed=closed)
+
+
+def _text(name: Name, still: Still) -> Text:
+    # Two signs of per cent begin a code in the format.
+    plain = harmless(name.text).replace("%%", "% %")
+    return Text(NAMES, plain, rounded(name.place, still.digits).item(), float(f"{0.72 * LETTER * still.pixel:.3g}"))
+
+
+def _extents(shapes: list[Circle | Polyline], names: tuple[Name, ...]) -> tuple[complex, complex]:
+    boxes = [Loop(shape, np.zeros(0, complex), "").box for shape in shapes]
+    corners = np.array([*boxes, *((name.place - name.half, name.place + name.half) for name in names)])
+    low, high = corners[:, 0], corners[:, 1]
+    return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())

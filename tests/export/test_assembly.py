@@ -1,0 +1,196 @@
+"""Stills of the assembly read back: holes under their transforms against the motion's table and each other."""
+
+import dataclasses
+import io
+import re
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export.names_beside import within
+from geomkin.export.still import palette
+from tests.export.stills import SPACE, loops, placed, root_of, titled
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+GALLERY = sorted(file.stem for file in RECIPES.glob("*.toml"))
+CUTTING = {"CUT", "HOLE", "ENGRAVE", "REFERENCE", "0"}
+
+
+def at(recipe, drive):
+    return dataclasses.replace(recipe, files=dataclasses.replace(recipe.files, assembly_at=drive))
+
+
+def made(recipe, folder, ending):
+    (file,) = gk.write(recipe, folder / f"x-assembly.{ending}")
+    return file.read_bytes()
+
+
+def drawing(recipe, folder):
+    document = ezdxf.read(io.StringIO(made(recipe, folder, "dxf").decode()))
+    assert not document.audit().errors and document.header["$INSUNITS"] == 4
+    return document.modelspace()
+
+
+def holes(space, body):
+    return [complex(c.dxf.center.x, c.dxf.center.y) for c in space.query(f'CIRCLE[layer=="BODY {body}"]')]
+
+
+def pins_of_crank_rocker(recipe, drive):
+    """By the table: both ends of the coupler, and its point."""
+    row = int(np.argmin(np.abs(recipe.table["crank_angle_deg"] - drive)))
+    crank_pin = recipe.linkage.crank * np.exp(1j * np.radians(recipe.table["crank_angle_deg"][row]))
+    coupler = np.exp(1j * np.radians(recipe.table["coupler_angle_deg"][row]))
+    point = recipe.table["coupler_point_x_mm"][row] + 1j * recipe.table["coupler_point_y_mm"][row]
+    return crank_pin, crank_pin + recipe.linkage.coupler * coupler, point
+
+
+@pytest.mark.parametrize("drive", [0.0, 77.0, 251.0])
+def test_holes_are_where_the_table_says_in_both_formats(drive, tmp_path):
+    recipe = at(gk.load(RECIPES / "crank-rocker.toml"), drive)
+    crank_pin, rocker_pin, point = pins_of_crank_rocker(recipe, drive)
+    wanted = {
+        "ground": [0, recipe.linkage.ground],
+        "crank": [0, crank_pin],
+        "coupler": [crank_pin, rocker_pin, point],
+        "rocker": [rocker_pin, recipe.linkage.ground],
+    }
+    space, root = drawing(recipe, tmp_path), root_of(made(recipe, tmp_path, "svg"))
+    for body, pins in wanted.items():
+        found = holes(space, body)
+        assert len(found) == len(pins) and all(min(abs(z - pin) for z in found) < 1e-6 for pin in pins)
+        group = titled(root, body)
+        set_there = placed(group.get("transform"))
+        (outline,), circles = loops(group.find(f"{SPACE}path").get("d"))
+        centres = [set_there(centre) for centre, _ in circles]
+        assert all(min(abs(z - pin) for z in centres) < 0.02 for pin in pins)
+        assert within(set_there(outline), np.array(pins, dtype=complex)).all()
+    for pin in (crank_pin, rocker_pin):
+        groups = [group for group in root.iter(f"{SPACE}g") if "scale(" not in group.get("transform", "")]
+        assert any(abs(placed(group.get("transform"))(0) - pin) < 0.02 for group in groups)
+
+
+def test_the_leg_s_plates_share_their_pins_and_keep_their_lengths(tmp_path):
+    space = drawing(gk.load(RECIPES / "walking-leg.toml"), tmp_path)
+    wanted = {"upper_rod": 50, "lower_rod": 61.9, "link": 39.3, "parallel": 39.4, "crank": 15}
+    for body, length in wanted.items():
+        one, other = holes(space, body)
+        assert abs(abs(one - other) - length) < 1e-5
+    for first, second in (("crank", "lower_rod"), ("lower_rod", "link"), ("link", "leg"), ("triangle", "parallel")):
+        assert min(abs(a - b) for a in holes(space, first) for b in holes(space, second)) < 1e-5
+
+
+def test_arcs_are_kept_and_nothing_is_scaled(tmp_path):
+    recipe = gk.load(RECIPES / "crank-rocker.toml")
+    space = drawing(recipe, tmp_path)
+    (rocker,) = space.query('LWPOLYLINE[layer=="BODY rocker"]')
+    # Two half circles and two straight edges: as many vertices, and the width of the bar between the latter.
+    assert len(rocker) in (4, 6) and any(bulge for *_, bulge in rocker.get_points("xyb"))
+    area = gk.area(next(part for part in recipe.parts if part.name == "rocker").outline)
+    points = np.array([complex(v.x, v.y) for v in ezdxf.path.make_path(rocker).flattening(1e-4)])
+    assert 0.5 * np.imag(np.conj(points) * np.roll(points, -1)).sum() == pytest.approx(area, rel=1e-4)
+
+
+SOME = [
+    "crank-rocker",
+    "planetary",
+    "undercut-cam",
+    "coupler-atlas",
+    "rack-and-pinion",
+    "spur-gear",
+    "inflection-circle",
+]
+
+
+@pytest.mark.parametrize(
+    "name", [*SOME, *(pytest.param(n, marks=pytest.mark.campaign) for n in GALLERY if n not in SOME)]
+)
+def test_every_recipe_has_stills_with_nothing_to_cut(name, tmp_path):
+    recipe = gk.load(RECIPES / f"{name}.toml")
+    space = drawing(recipe, tmp_path)
+    layers = {entity.dxf.layer for entity in space}
+    assert layers and not {layer.upper() for layer in layers} & CUTTING
+    assert {entity.dxftype() for entity in space} <= {"LWPOLYLINE", "CIRCLE", "TEXT"}
+    root = root_of(made(recipe, tmp_path, "svg"))
+    wide, tall = (float(root.get(key).removesuffix("mm")) for key in ("width", "height"))
+    left, top, *size = map(float, root.get("viewBox").split())
+    assert size == [wide, tall]
+    # No name is cut off, nor stands on another; the letters are as wide as is common.
+    letter = float(re.search(r"text\{font:([\d.]+)px", root.find(f"{SPACE}style").text)[1])
+    boxes = []
+    for text in root.iter(f"{SPACE}text"):
+        x, y, half = float(text.get("x")), float(text.get("y")), 0.25 * letter * len(text.text)
+        start, end = (x, x + 2 * half) if text.get("class") == "scale" else (x - half, x + half)
+        assert left <= start and end <= left + wide and top <= y - 0.7 * letter and y <= top + tall, text.text
+        assert all(end < s or e < start or abs(y - other) > 0.9 * letter for s, e, other in boxes), text.text
+        boxes.append((start, end, y))
+    named = {body.name.replace("_", " ") for body in recipe.scene.bodies if body.parts}
+    assert named <= {text.text for text in root.iter(f"{SPACE}text")}
+    if named:
+        texts = {entity.dxf.text for entity in space.query("TEXT")}
+        assert named <= texts
+
+
+def test_where_the_driver_never_is_and_where_it_cannot_be_are_refused_with_what_works(tmp_path):
+    recipe = gk.load(
+        'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 60\ncoupler = 50\nrocker = 70\n[stock]\nthickness = 3\n'
+    )
+    for ending in ("svg", "dxf"):
+        with pytest.raises(gk.DesignError, match="found 720 deg, where the driver never is; give 0 to 360"):
+            gk.write(at(recipe, 720.0), tmp_path / f"a-assembly.{ending}")
+    with pytest.raises(gk.DesignError, match="found 180 deg, where the mechanism cannot be; give"):
+        gk.write(at(recipe, 180.0), tmp_path / "a-assembly.svg")
+    with pytest.raises(gk.RecipeError, match=r"files.assembly_at: found 180 deg, where the mechanism cannot be"):
+        gk.make(at(recipe, 180.0), tmp_path)
+    # Unless it is told, a place is found at which it can be.
+    assert gk.write(recipe, tmp_path / "a-assembly.svg")
+
+
+def test_names_are_data(tmp_path):
+    scene = gk.load(RECIPES / "crank-rocker.toml").scene
+    nasty = '</text><script>x</script>&"\u202e%%d'
+    bodies = tuple(dataclasses.replace(b, name=nasty if b.name == "coupler" else b.name) for b in scene.bodies)
+    job = gk.export.Job("a", Holding(dataclasses.replace(scene, bodies=bodies)), 0.01)
+    for name in ("assembly-svg", "animation"):
+        (content,) = gk.export.WRITERS[name].write(job).values()
+        root = root_of(content)
+        assert not list(root.iter(f"{SPACE}script")) and b"\xe2\x80\xae" not in content
+        assert any(element.text == nasty.replace("\u202e", "?") for element in root.iter())
+    (content,) = gk.export.WRITERS["assembly-dxf"].write(job).values()
+    space = ezdxf.read(io.StringIO(content.decode())).modelspace()
+    assert any("script" in entity.dxf.text for entity in space.query("TEXT"))
+    assert not any("%%" in entity.dxf.text for entity in space.query("TEXT"))
+
+
+@dataclasses.dataclass
+class Holding:
+    """What is written, of a scene alone."""
+
+    scene: object
+    parts = ()
+    table = None
+    checks = ()
+    notes: dict = dataclasses.field(default_factory=dict)
+
+
+def bars(size):
+    sizes = {"ground": 10, "crank": 3, "coupler": 9, "rocker": 7}
+    stock = {"thickness": 1, "bar_width": 1.2 * size, "pin_diameter": 0.4 * size, "clearance": 0.02 * size}
+    files = {"tolerance": 1e-3 * size}
+    linkage = {name: size * length for name, length in sizes.items()}
+    return gk.load({"kind": "four-bar", "linkage": linkage, "stock": stock, "files": files})
+
+
+@pytest.mark.parametrize("size", [1e-2, 1e3])
+def test_pictures_of_any_size_look_alike(size, tmp_path):
+    root, other = (root_of(made(bars(one), tmp_path, "svg")) for one in (size, 1.0))
+    wide = [float(r.get("width").removesuffix("mm")) for r in (root, other)]
+    assert wide[0] == pytest.approx(size * wide[1], rel=2e-3)
+    assert [t.text for t in root.iter(f"{SPACE}text")][:-1] == [t.text for t in other.iter(f"{SPACE}text")][:-1]
+
+
+def test_colours_are_those_of_the_page():
+    assert {"t0", "t7", "line", "ground", "traced", "wanted", "hatch"} <= set(palette())
+    assert palette()["line"] == "#2c343b"

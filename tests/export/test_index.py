@@ -1,0 +1,169 @@
+"""The page over a folder: every link leads somewhere, and what else lies in the folder does no harm."""
+
+import json
+import os
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.export.index import OURS
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+
+
+class Elements(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.text = [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+    def handle_data(self, data):
+        self.text += data
+
+    def of(self, tag):
+        return [attributes for name, attributes in self.found if name == tag]
+
+
+def read(out):
+    return Elements((out / "index.html").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    out = tmp_path_factory.mktemp("out")
+    for name in ("crank-rocker", "spur-gear"):
+        gk.make(RECIPES / f"{name}.toml", out)
+    return out
+
+
+def test_a_card_for_each_recipe_whose_links_lead_somewhere(made):
+    (file,) = gk.index(made)
+    assert file == made / "index.html"
+    page = read(made)
+    links = [made / unquote(attributes["href"]) for attributes in page.of("a")]
+    assert links and all(link.is_file() for link in links)
+    on_disk = {p for name in ("crank-rocker", "spur-gear") for p in (made / name).iterdir()} - {
+        made / name / "summary.json" for name in ("crank-rocker", "spur-gear")
+    }
+    assert {link.resolve() for link in links} == {p.resolve() for p in on_disk}
+    assert "four-bar" in page.text and "spur-gear" in page.text
+    checks = json.loads((made / "crank-rocker" / "summary.json").read_text())["checks"]
+    assert f"All {len(checks)} checks hold." in page.text
+    pictures = [attributes["src"] for attributes in page.of("img")]
+    for name, picture in zip(("crank-rocker", "spur-gear"), pictures, strict=True):
+        head, _, content = picture.partition(",")
+        assert head == "data:image/svg+xml"
+        assert unquote(content).encode() == (made / name / f"{name}-assembly.svg").read_bytes()
+
+
+def test_it_runs_nothing_asks_for_nothing_and_is_the_same_each_time(made):
+    (file,) = gk.index(made)
+    before, page = file.read_bytes(), read(made)
+    gk.index(made)
+    assert file.read_bytes() == before
+    policy = next(a["content"] for a in page.of("meta") if a.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'; style-src 'sha256-") and "script" not in policy
+    assert not page.of("script") and "unsafe" not in policy
+    assert all(a.get("src", "data:").startswith("data:") for _, a in page.found)
+    assert not any(key.startswith("on") or key == "style" for _, a in page.found for key in a)
+
+
+@pytest.fixture
+def strange(made, tmp_path):
+    """A folder with one sound recipe among what may lie in a folder."""
+    for name in ("summary.json", "crank-rocker.html"):
+        (tmp_path / "crank-rocker").mkdir(exist_ok=True)
+        (tmp_path / "crank-rocker" / name).write_bytes((made / "crank-rocker" / name).read_bytes())
+    contents = {
+        "broken": "{",
+        "list": "[1, 2]",
+        "deep": "[" * 100_000,
+        "none": '{"recipe": null}',
+        "odd": '{"recipe": {"kind": 3}, "checks": {"a": 1}, "files": [3, "../x.svg", null, "odd.svg", "gone.stl"]}',
+        "checks": '{"recipe": {"kind": "<b>&"}, "checks": [{"passed": "yes"}, 3], "files": "odd.svg"}',
+        "failed": '{"recipe": {}, "checks": [{"name": "</p><script>x</script>", "passed": false}], "files": []}',
+        "digits": '{"recipe": {}, "checks": [' + "9" * 6000 + "]}",
+        "quote' & <i>": '{"recipe": {"kind": "\\u202e\\u0000x"}}',
+    }
+    for name, content in contents.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "summary.json").write_text(content, encoding="utf-8")
+    (tmp_path / "odd" / "odd.svg").write_text("<svg/>")
+    (tmp_path / "odd" / "odd-assembly.svg").write_bytes(b'\xff"><script>alert(1)</script>\n#%')
+    (tmp_path / "failed" / "failed-assembly.svg").write_bytes(b"x" * 300_000)
+    (tmp_path / "pipe").mkdir()
+    os.mkfifo(tmp_path / "pipe" / "summary.json")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "summary.json").mkdir()
+    (tmp_path / "notes.txt").write_text("mine")
+    return tmp_path
+
+
+def test_what_else_lies_in_the_folder_does_no_harm(strange):
+    before = {p: p.stat().st_mtime_ns for p in strange.rglob("*.json") if p.is_file()}
+    gk.index(strange)
+    page = read(strange)
+    assert not page.of("script") and not page.of("i") and not page.of("b") and not page.of("svg")
+    titles = re.findall(r"<h2><bdi>(?:<a[^>]*>)?([^<]*)", (strange / "index.html").read_text())
+    assert titles == ["checks", "crank-rocker", "failed", "odd"]
+    assert "1 of 1 check fails: </p><script>x</script>." in page.text
+    links = [unquote(a["href"]) for a in page.of("a")]
+    assert "./odd/odd.svg" in links and not any(".." in link or "gone" in link for link in links)
+    assert all((strange / link).is_file() for link in links)
+    (picture,) = [a["src"] for a in page.of("img")]
+    assert "<" not in picture and '"' not in picture and "#" not in picture
+    assert before == {p: p.stat().st_mtime_ns for p in before}
+
+
+def test_somebody_else_s_page_is_left_alone(made, tmp_path):
+    (tmp_path / "spur-gear").mkdir()
+    (tmp_path / "spur-gear" / "summary.json").write_bytes((made / "spur-gear" / "summary.json").read_bytes())
+    (tmp_path / "index.html").write_text("<title>mine</title>")
+    with pytest.raises(gk.FileError, match=r"index\.html: it is not one of ours"):
+        gk.index(tmp_path)
+    assert (tmp_path / "index.html").read_text() == "<title>mine</title>"
+    result = CliRunner().invoke(cli, ["run", *map(str, twice(tmp_path)), "--out", str(tmp_path)])
+    assert result.exit_code == 0 and "is not one of ours" in result.output
+    assert (tmp_path / "index.html").read_text() == "<title>mine</title>"
+
+
+def twice(folder):
+    text = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = ["csv"] }\n'
+    for name in ("one", "two"):
+        (folder / f"{name}.toml").write_text(text)
+    return folder / "one.toml", folder / "two.toml"
+
+
+def test_the_command_makes_it_of_several_recipes_and_of_a_folder(tmp_path):
+    one, two = twice(tmp_path)
+
+    def run(*words):
+        result = CliRunner().invoke(cli, ["run", *map(str, words)])
+        assert result.exit_code == 0, result.output
+
+    run(one, "--out", tmp_path / "a")
+    run(one, two, "--only", "csv", "--out", tmp_path / "b")
+    assert not (tmp_path / "a" / "index.html").exists() and not (tmp_path / "b" / "index.html").exists()
+    run(one, two, "--out", tmp_path / "c")
+    run(tmp_path, "--out", tmp_path / "d")
+    for out in ("c", "d"):
+        assert OURS in (tmp_path / out / "index.html").read_bytes() and "2 recipes" in read(tmp_path / out).text
+
+
+@pytest.mark.parametrize("folder", ["empty", "gone", "file"])
+def test_a_folder_that_holds_nothing_of_ours_is_refused(folder, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(gk.FileError, match="no recipe was made into it|cannot be read"):
+        gk.index(tmp_path / folder)
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["empty", "file"]
