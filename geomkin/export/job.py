@@ -91,6 +91,11 @@ class Job:
         return self.flats if self.kerf == 0 else [cut(part, self.tolerance) for part in self._parts]
 
     @cached_property
+    def exact(self) -> Sequence[Cut]:
+        """The parts as they are to be, with arcs."""
+        return [cut(part, self.tolerance, arcs=True) for part in self._parts]
+
+    @cached_property
     def sheet(self) -> Sheet:
         """The parts, laid out flat."""
         return lay_out(self.flats)

@@ -20,7 +20,7 @@ class Writer:
 
     needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
     NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. ending: of its
-    files, where that is not the format's name.
+    files, where that is not the format's name. asked: only written where a recipe names it.
     """
 
     needs: Literal["parts", "table", "scene"]
@@ -28,6 +28,7 @@ class Writer:
     packages: tuple[str, ...] = ()
     flat: bool = False
     ending: str = ""
+    asked: bool = False
 
 
 def _in(module: str) -> Callable[[Job], Contents]:
@@ -46,8 +47,11 @@ WRITERS: dict[str, Writer] = {
     "stl": Writer("parts", _in("stl"), ("shapely", "trimesh")),
     "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
     "csv": Writer("table", _in("csv")),
+    "step": Writer("parts", _in("step"), ("shapely",), asked=True),
     "page": Writer("scene", _in("page"), ending="html"),
 }
+# What is written where a recipe names no formats.
+USUAL = tuple(name for name, writer in WRITERS.items() if not writer.asked)
 
 
 def ending_of(name: str) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import Sort
 from ..check import Check
 from ..errors import DesignError
-from ..export.writers import WRITERS
+from ..export.writers import USUAL, WRITERS
 from ..plane.vec import Real
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
 
@@ -75,7 +75,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
 class Files:
     """What is written, and how true to the exact curves."""
 
-    write: tuple[Format, ...] = entry("files to write", default=tuple(WRITERS))
+    write: tuple[Format, ...] = entry("files to write", default=USUAL)
     tolerance: float = quantity(
         "largest distance between a curve and its chords", "mm", default=0.005, at_least=1e-6, at_most=10
     )

@@ -65,12 +65,12 @@ def test_the_command_knows_it(tmp_path):
     result = CliRunner().invoke(cli, call)
     assert result.exit_code == 0 and ": txt json, " in result.output
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
-    assert "choose of dxf, stl, svg, csv, page, txt, lone" in CliRunner().invoke(cli, [*call[:-1], "text"]).output
+    assert "choose of dxf, stl, svg, csv, step, page, txt, lone" in CliRunner().invoke(cli, [*call[:-1], "text"]).output
 
 
 def test_schema_and_messages_list_it():
     files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
-    assert files["items"]["enum"] == ["dxf", "stl", "svg", "csv", "page", "txt", "lone"]
+    assert files["items"]["enum"] == ["dxf", "stl", "svg", "csv", "step", "page", "txt", "lone"]
     # It is written where it is asked for.
     assert files["default"] == ["dxf", "stl", "svg", "csv", "page"]
     with pytest.raises(
