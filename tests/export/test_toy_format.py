@@ -74,7 +74,7 @@ def test_schema_and_messages_list_it():
     # It is written where it is asked for.
     assert files["default"] == ["dxf", "stl", "svg", "csv", "page"]
     with pytest.raises(
-        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'csv', 'page', 'txt' or 'lone'"
+        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'csv', 'step', 'page', 'txt' or 'lone'"
     ):
         parse(GEAR % '"txd"')
 
