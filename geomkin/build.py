@@ -172,7 +172,7 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 
 def _job(name: str, source: Source, files: Files) -> Job:
-    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs")
+    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
     if not isinstance(source, AbstractRecipe):
         return job
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))

@@ -90,6 +90,9 @@ class Files:
         at_least=0,
         at_most=20,
     )
+    labels: bool = entry(
+        "engrave each part with its name, and the holes of links with the letters of their pins", default=True
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -51,10 +51,7 @@ LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70
 
 @dataclass(frozen=True)
 class Bought:
-    """A line of the bill: what is bought, or cut from a rod, and the joints that it is for, one each.
-
-    length: mm of a rod that is cut; nan of what is bought as it is.
-    """
+    """A line of the bill: what is bought, or cut from a rod, how many, and the joints that it is for."""
 
     name: str
     count: int

@@ -126,7 +126,8 @@ def test_what_is_no_screw_is_a_rod_or_refused():
 def test_the_bill_and_the_steps_name_every_joint():
     recipe = gk.load("recipes/coupler-driven.toml")
     stack = recipe.stack
-    joints = {pin.name for pin in stack.pins}
+    joints = {stack.letters[pin.name] for pin in stack.pins}
+    assert joints == set("ABCD")
     screws = [line for line in stack.bill if "screw" in line.name or "rod" in line.name]
     assert {joint for line in screws for joint in line.joints} == joints
     assert sum(line.count for line in screws) == len(joints)

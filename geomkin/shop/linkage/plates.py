@@ -88,8 +88,11 @@ class Plate:
             if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
                 yield one, two, apart
 
-    def part(self, name: str, stock: LinkStock, linkage: Linkage) -> Part:
-        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet."""
+    def part(self, name: str, stock: LinkStock, linkage: Linkage, letters: Mapping[str, str]) -> Part:
+        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet.
+
+        letters: engraved at the holes of pins, by the pins' names.
+        """
         for one, two, apart in self.crossings(stock):
             traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
             kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
@@ -101,11 +104,12 @@ class Plate:
             )
         radius = stock.hole_diameter / 2
         # Two guide pins may share one slot.
-        holes = tuple(
-            Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
-            for ends in dict.fromkeys(self.openings.values())
-        )
-        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness, body=self.body)
+        shared: dict[tuple[complex, ...], str] = {}
+        for pin, ends in self.openings.items():
+            shared[ends] = shared.get(ends, "") + letters.get(pin, "")
+        holes = tuple(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius) for ends in shared)
+        outline, named = rounded_hull(self.centres, stock.bar_width / 2), tuple(shared.values())
+        return Part(name, outline, holes, stock.thickness, body=self.body, hole_names=named if any(named) else ())
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -93,9 +94,15 @@ class Stack:
         return sum(len(pin.spacers) for pin in self.pins)
 
     @property
+    def letters(self) -> Mapping[str, str]:
+        """A short name for each pin, engraved at its holes: A to Z, then AA and so on."""
+        signs = [*ascii_uppercase, *("".join(two) for two in product(ascii_uppercase, repeat=2))]
+        return dict(zip((pin.name for pin in self.pins), signs))
+
+    @property
     def bill(self) -> tuple[Bought, ...]:
-        """What is bought to join the plates."""
-        return gathered([(pin.name, self.fastener.bill(pin.length)) for pin in self.pins])
+        """What is bought to join the plates, for joints by their letters."""
+        return gathered([(self.letters[pin.name], self.fastener.bill(pin.length)) for pin in self.pins])
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -103,16 +110,16 @@ class Stack:
         return tuple(self._steps())
 
     def _steps(self) -> Iterator[str]:
+        of = self.letters
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, at in self.layers.items() if at == layer]
-            discs = [pin.name for pin in self.pins if layer in pin.spacers]
-            first = [pin.name for pin in self.pins if pin.first == layer]
-            last = [pin.name for pin in self.pins if pin.last == layer]
-            told = [f"put {', '.join(first)} through from below"] if first else []
-            told += [f"lay {', '.join(plates)}"] if plates else []
-            told += [f"a spacer on {', '.join(discs)}"] if discs else []
-            told += [f"close {', '.join(last)}"] if last else []
-            yield f"layer {layer}: {'; '.join(told)}"
+            told = [
+                ("put {} through from below", [of[pin.name] for pin in self.pins if pin.first == layer]),
+                ("lay {}", plates),
+                ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
+                ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer]),
+            ]
+            yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
 
     def summary(self) -> dict[str, object]:
         """The same as plain lists for a file, layers from the bottom up."""
@@ -122,6 +129,7 @@ class Stack:
         pins = [
             {
                 "name": pin.name,
+                "letter": self.letters[pin.name],
                 "layers": [pin.first, pin.last],
                 "length_mm": float(f"{pin.length:.10g}"),
                 "holes_in": list(pin.holes),
@@ -174,7 +182,8 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     other, where guide pins find no room, and for many linkages at once. Derived here.
     """
     plates = stack.plates if stack else assemble(motion, stock).plates
-    parts = [plate.part(name, stock, motion.linkage) for name, plate in plates.items()]
+    letters = stack.letters if stack else {}
+    parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
         parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
