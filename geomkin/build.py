@@ -189,7 +189,8 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 
 def _job(name: str, source: Source, files: Files) -> Job:
-    job = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", assembly_at=files.assembly_at)
+    held = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
+    job = dataclasses.replace(held, assembly_at=files.assembly_at)
     if not isinstance(source, AbstractRecipe):
         return job
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))

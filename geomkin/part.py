@@ -18,7 +18,8 @@ class Part:
     name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
     direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make. marks:
     open or closed curves engraved within the outline. body: whose motion it follows, by the name that the
-    mechanism gives it; "" for a part that belongs to no motion, as a drawing.
+    mechanism gives it; "" for a part that belongs to no motion, as a drawing. hole_names: what is engraved beside
+    each hole, such as the letter of a joint; empty for none.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Part:
     count: int = 1
     marks: tuple[AbstractCurve, ...] = ()
     body: str = ""
+    hole_names: tuple[str, ...] = ()
 
     __repr__ = one_line
 

@@ -17,6 +17,7 @@ from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from ..sizes import WIDEST
+from .lettering import lettered
 
 # Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
 # and takes minutes.
@@ -62,14 +63,15 @@ class Loop:
 class Cut:
     """A part ready for its files.
 
-    loops: the cuts, outline first, then the holes; marks: what is engraved. digits: decimals of mm that its numbers
-    carry.
+    loops: the cuts, outline first, then the holes; marks: what is engraved; label: its name or number among that, ""
+    where it has none. digits: decimals of mm that its numbers carry.
     """
 
     part: Part
     loops: tuple[Loop, ...]
     marks: tuple[Loop, ...]
     digits: int
+    label: str = ""
 
     __repr__ = one_line
 
@@ -111,17 +113,20 @@ def decimals(tolerance: float) -> int:
     return max(0, 4 - int(np.floor(np.log10(tolerance))))
 
 
-def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False) -> Cut:
+def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, number: int = 0) -> Cut:
     """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
 
     arcs: polylines keep arcs instead of chords, unless the kerf closes a gap or a bend, which leaves chords.
-    Marks are always chords, and stay where they are whatever the kerf.
+    Marks are always chords, and stay where they are whatever the kerf. number: of the part, which is then engraved
+    with its name, or with that number where the name finds no room; 0 for neither.
     """
     _check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
     holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name) for h in part.holes]
     _check_holes(part, outline, holes, tolerance)
-    return Cut(part, (outline, *holes), _marks(part, tolerance), decimals(tolerance))
+    label, strokes = lettered(part, number) if number else ("", ())
+    letters = (Loop(Polyline(line, is_closed=False), line, "LABEL") for line in strokes)
+    return Cut(part, (outline, *holes), (*_marks(part, tolerance), *letters), decimals(tolerance), label)
 
 
 def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float) -> None:

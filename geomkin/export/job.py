@@ -51,10 +51,10 @@ class Loose:
 class Job:
     """Files to be written, worked out no further than writers ask.
 
-    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. about:
-    one line that introduces it; recipe: gives the text that it is made from; "" where there is none. What a writer asks
-    for and the source has not is a DesignError of `write`. assembly_at: where the driver stands in stills, in its own
-    unit; None for anywhere.
+    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. labels:
+    drawings engrave parts with their names. about: one line that introduces it; recipe: gives the text that it is made
+    from; "" where there is none. What a writer asks for and the source has not is a DesignError of `write`.
+    assembly_at: where the driver stands in stills, in its own unit; None for anywhere.
     """
 
     name: str
@@ -62,6 +62,7 @@ class Job:
     tolerance: float
     kerf: float = 0.0
     arcs: bool = False
+    labels: bool = False
     about: str = ""
     recipe: Callable[[], str] = str
     assembly_at: float | None = None
@@ -85,12 +86,20 @@ class Job:
     @cached_property
     def flats(self) -> Sequence[Cut]:
         """The parts as a beam must go, half a kerf off them."""
-        return [cut(part, self.tolerance, self.kerf, self.arcs) for part in self._parts]
+        return [
+            cut(part, self.tolerance, self.kerf, self.arcs, number if self.labels else 0)
+            for number, part in enumerate(self._parts, 1)
+        ]
 
     @cached_property
     def solids(self) -> Sequence[Cut]:
         """The parts as they are to be."""
         return self.flats if self.kerf == 0 else [cut(part, self.tolerance) for part in self._parts]
+
+    @cached_property
+    def exact(self) -> Sequence[Cut]:
+        """The parts as they are to be, with arcs."""
+        return [cut(part, self.tolerance, arcs=True) for part in self._parts]
 
     @cached_property
     def sheet(self) -> Sheet:

@@ -16,6 +16,7 @@ LAYERS: dict[str, tuple[int, tuple[int, int, int]]] = {
     "CUT": (1, (213, 94, 0)),
     "HOLE": (5, (0, 114, 178)),
     "ENGRAVE": (3, (0, 158, 115)),
+    "LABEL": (6, (204, 121, 167)),
     "REFERENCE": (8, (110, 110, 110)),
 }
 # Clear space between parts, mm: less lets kerf and heat of one cut reach the next part.

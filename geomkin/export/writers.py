@@ -53,6 +53,7 @@ WRITERS: dict[str, Writer] = {
     # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
     "assembly-dxf": Writer("scene", _in("assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True),
     "animation": Writer("scene", _in("animation"), tail="-animation.svg", asked=True),
+    "step": Writer("parts", _in("step"), ("shapely",), asked=True),
 }
 # What is written where a recipe names no formats.
 USUAL = tuple(name for name, writer in WRITERS.items() if not writer.asked)

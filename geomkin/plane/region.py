@@ -78,6 +78,16 @@ def overlapping(loops: Sequence[Complex]) -> Whole:
     return np.stack([one[common], two[common]], axis=1)
 
 
+def holds(loops: Loops, boxes: Complex, taken: Sequence[Complex] = ()) -> Mask:
+    """Whether a region, its outline first, holds each of the polygons (n, corners), none meeting the lines `taken`."""
+    area, shapes = _polygon(loops), shapely.polygons(xy(boxes))
+    shapely.prepare(area)
+    held: Mask = np.asarray(shapely.contains(area, shapes))
+    for line in taken:
+        held &= ~shapely.intersects(shapely.LineString(xy(line)), shapes)
+    return held
+
+
 def gap(a: Complex, b: Complex) -> float:
     """Least distance between two polygons' boundaries, mm."""
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))

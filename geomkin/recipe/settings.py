@@ -90,6 +90,9 @@ class Files:
         at_least=0,
         at_most=20,
     )
+    labels: bool = entry(
+        "engrave each part with its name, and the holes of links with the letters of their pins", default=True
+    )
 
     assembly_at: float | None = quantity(
         "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",

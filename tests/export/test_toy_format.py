@@ -66,20 +66,17 @@ def test_the_command_knows_it(tmp_path):
     result = CliRunner().invoke(cli, call)
     assert result.exit_code == 0 and ": txt json, " in result.output
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
-    assert (
-        "choose of dxf, stl, svg, csv, page, assembly-svg, assembly-dxf, animation, txt, lone"
-        in CliRunner().invoke(cli, [*call[:-1], "text"]).output
-    )
+    told = CliRunner().invoke(cli, [*call[:-1], "text"]).output
+    assert "choose of dxf, stl, svg, csv, page, assembly-svg, assembly-dxf, animation, step, txt, lone" in told
 
 
 def test_schema_and_messages_list_it():
     files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
-    assert files["items"]["enum"] == [*USUAL, "animation", "txt", "lone"]
+    assert files["items"]["enum"] == [*WRITERS]
     # It is written where it is asked for.
     assert files["default"] == [*USUAL]
     with pytest.raises(
-        gk.RecipeError,
-        match="files.write.0.: found 'txd'; did you mean txt.*'assembly-dxf', 'animation', 'txt' or 'lone'",
+        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'animation', 'step', 'txt' or 'lone'"
     ):
         parse(GEAR % '"txd"')
 

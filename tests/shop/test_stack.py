@@ -18,7 +18,7 @@ from geomkin.shop.linkage.sweep import Sweep, separation
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 
-STOCK = LinkStock()
+STOCK = LinkStock(fastener="rod")
 LOOK = np.linspace(0, 2 * np.pi, 541)
 
 
@@ -104,7 +104,7 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
 def test_discs_of_a_pile_fill_the_room_between_ground_and_bridge(name, thickness):
     """Its pin is as long as ground, discs and bridge together, and so is any pin from the lowest to the top layer."""
     linkage, branch, layers, _ = BUILDABLE[name]
-    stock = LinkStock(thickness=thickness)
+    stock = LinkStock(thickness=thickness, fastener="rod")
     motion = gk.move(linkage, TURN, branch)
     stack = stack_links(motion, stock)
     parts = {part.name: part for part in link_parts(motion, stock, stack)}

@@ -172,7 +172,7 @@ stock = { bore = 10, web = { hub = 10.1, rim = 4 } }
 @pytest.mark.parametrize(
     ("text", "names", "wall"),
     [
-        (FOUR_BAR, {"ground", "crank", "coupler", "rocker"}, 0.05),
+        (FOUR_BAR, {"ground", "crank", "coupler", "rocker", "spacer"}, 0.05),
         (YOKE, {"coupler"}, 0.1),
         (CAM, {"cam"}, 0.05),
         (WEB, {"gear"}, 0.05),

@@ -71,24 +71,24 @@ class Meetings:
                 if name not in pin.plates:
                     plate = self.assembly.plates[name]
                     path = path_in(self.motion, plate.body, pin.body, pin.place)
-                    if runs := _runs(path, path.gap(plate.centres) < near):
-                        found[pin.name, name] = runs
+                    if met := runs(path, path.gap(plate.centres) < near):
+                        found[pin.name, name] = met
         return found
 
 
-def _runs(path: Sweep, hit: Mask) -> list[Run]:
+def runs(path: Sweep, hit: Mask) -> list[Run]:
     """Runs of steps that hit, each from its first step's start to its last step's end."""
     numbers = np.flatnonzero(hit)
     if not len(numbers):
         return []
     groups = np.split(numbers, np.flatnonzero(np.diff(path.frames[numbers]) > 1) + 1)
     ends = np.append(path.frames[1:], -1)
-    runs = []
+    found = []
     for group in groups:
         first, last = path.frames[group[0]], path.frames[group[-1]]
         last = last + 1 if ends[group[-1]] == last + 1 else last
-        runs.append((float(path.drive[first]), float(path.drive[last])))
-    return runs
+        found.append((float(path.drive[first]), float(path.drive[last])))
+    return found
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from ...linkage.openings import never_closed
 from ...part import Part
 from ...plane.primitives import Circle, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
-from ...sizes import FARTHEST, check_sizes, quantity
+from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..bore import clearance as wider
+from ..fasteners import Fastener, fastener_of
 from .guides import guide_places
 from .sweep import Sweep, path_in, separation
 
@@ -34,15 +36,29 @@ class LinkStock:
     bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
     clearance: float = wider(0.2)
+    fastener: Literal["screw", "rod"] | None = entry(
+        "screws with lock nuts, or rods cut flush; left out, screws where pin_diameter is that of one", default=None
+    )
+    play: float = quantity("along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
+    head_height: float | None = quantity(
+        "of the screws' heads, where they are not those of the standard", "mm", default=None, at_least=0, at_most=100
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        # Refuses a screw that there is none of.
+        _ = self.fastener_used
         if self.bar_width <= self.hole_diameter:
             raise DesignError(
                 "bar_width",
                 f"found {self.bar_width:g} mm, but the pin holes are {self.hole_diameter:g} mm wide",
                 "give wider bars or thinner pins",
             )
+
+    @property
+    def fastener_used(self) -> Fastener:
+        """What holds the pins."""
+        return fastener_of(self.pin_diameter, self.fastener, self.play, self.head_height)
 
     @property
     def hole_diameter(self) -> float:
@@ -72,8 +88,11 @@ class Plate:
             if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
                 yield one, two, apart
 
-    def part(self, name: str, stock: LinkStock, linkage: Linkage) -> Part:
-        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet."""
+    def part(self, name: str, stock: LinkStock, linkage: Linkage, letters: Mapping[str, str]) -> Part:
+        """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet.
+
+        letters: engraved at the holes of pins, by the pins' names.
+        """
         for one, two, apart in self.crossings(stock):
             traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
             kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
@@ -85,11 +104,12 @@ class Plate:
             )
         radius = stock.hole_diameter / 2
         # Two guide pins may share one slot.
-        holes = tuple(
-            Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius)
-            for ends in dict.fromkeys(self.openings.values())
-        )
-        return Part(name, rounded_hull(self.centres, stock.bar_width / 2), holes, stock.thickness, body=self.body)
+        shared: dict[tuple[complex, ...], str] = {}
+        for pin, ends in self.openings.items():
+            shared[ends] = shared.get(ends, "") + letters.get(pin, "")
+        holes = tuple(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius) for ends in shared)
+        outline, named = rounded_hull(self.centres, stock.bar_width / 2), tuple(shared.values())
+        return Part(name, outline, holes, stock.thickness, body=self.body, hole_names=named if any(named) else ())
 
 
 @dataclass(frozen=True, eq=False)

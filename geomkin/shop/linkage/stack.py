@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from itertools import combinations
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, product
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from ...linkage.motion import Motion
 from ...part import Part
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
-from .layers import Meetings, Order, Passing, order
-from .plates import Assembly, LinkStock, Plate, assemble
+from ..fasteners import Bought, Fastener, gathered
+from .heads import Heads, Reach, placed
+from .layers import Meetings, Order, Passing, Run, order
+from .plates import Assembly, LinkStock, Pin, Plate, assemble
 from .sweep import path_in
 
 # Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
@@ -31,7 +34,11 @@ Way = tuple[str, ...]
 
 @dataclass(frozen=True)
 class PinSpan:
-    """A pin of a stack. first, last: lowest and highest layer; length mm; holes, slots: plates it turns or runs in."""
+    """A pin of a stack.
+
+    first, last: lowest and highest layer; length: through all of them, mm; holes, slots: plates it turns or runs in;
+    spacers: layers, empty of its plates, where a disc keeps them apart.
+    """
 
     name: str
     first: int
@@ -39,13 +46,17 @@ class PinSpan:
     length: float
     holes: tuple[str, ...]
     slots: tuple[str, ...]
+    spacers: tuple[int, ...] = ()
 
     __repr__ = one_line
 
 
 @dataclass(frozen=True)
 class Collision:
-    """A pin that meets a plate while the driver goes from `first` to `last`; unit: deg or mm."""
+    """A pin that meets a plate, or a head that meets something, while the driver goes from `first` to `last`.
+
+    unit: deg or mm.
+    """
 
     pin: str
     plate: str
@@ -65,16 +76,50 @@ class Stack:
 
     layers: the layer of each plate, the fixed one 0, upwards. pins: what each joins and how long it is.
     collisions: empty where the stack can be built; otherwise those of the stack that has the fewest. plates:
-    as they are to be cut, ground and bridge apart. spacers: how many discs hold up the bridge, 0 without one.
+    as they are to be cut, ground and bridge apart. fastener: what holds the pins; where its heads would meet
+    plates, layers between them are empty.
     """
 
     layers: Mapping[str, int]
     pins: tuple[PinSpan, ...]
     collisions: tuple[Collision, ...]
     plates: Mapping[str, Plate]
-    spacers: int = 0
+    fastener: Fastener
 
     __repr__ = one_line
+
+    @property
+    def spacers(self) -> int:
+        """How many discs keep plates apart: on pins that cross empty layers, and under a bridge."""
+        return sum(len(pin.spacers) for pin in self.pins)
+
+    @property
+    def letters(self) -> Mapping[str, str]:
+        """A short name for each pin, engraved at its holes: A to Z, then AA and so on."""
+        signs = [*ascii_uppercase, *("".join(two) for two in product(ascii_uppercase, repeat=2))]
+        return dict(zip((pin.name for pin in self.pins), signs))
+
+    @property
+    def bill(self) -> tuple[Bought, ...]:
+        """What is bought to join the plates, for joints by their letters."""
+        return gathered([(self.letters[pin.name], self.fastener.bill(pin.length)) for pin in self.pins])
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """How it is put together, from the bottom up: a line for each layer."""
+        return tuple(self._steps())
+
+    def _steps(self) -> Iterator[str]:
+        of = self.letters
+        for layer in range(1 + max(self.layers.values())):
+            plates = [name for name, at in self.layers.items() if at == layer]
+            told = [
+                ("put {} through from below", [of[pin.name] for pin in self.pins if pin.first == layer]),
+                ("lay {}", plates),
+                ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
+                ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer]),
+            ]
+            yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
 
     def summary(self) -> dict[str, object]:
         """The same as plain lists for a file, layers from the bottom up."""
@@ -84,14 +129,18 @@ class Stack:
         pins = [
             {
                 "name": pin.name,
+                "letter": self.letters[pin.name],
                 "layers": [pin.first, pin.last],
                 "length_mm": float(f"{pin.length:.10g}"),
                 "holes_in": list(pin.holes),
                 "slots_in": list(pin.slots),
+                "spacers_in": list(pin.spacers),
             }
             for pin in self.pins
         ]
-        return {"layers": rows, "pins": pins, "collisions": [str(c) for c in self.collisions]}
+        bought = [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bill]
+        collisions = [str(c) for c in self.collisions]
+        return {"layers": rows, "pins": pins, "collisions": collisions, "bought": bought, "steps": list(self.steps)}
 
 
 @checked
@@ -128,15 +177,16 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
 
     motion: over the whole way that the linkage is to go; slots are as long as the travel over its frames. stack:
     `stack_links(motion, stock)`, where the plates are to lie on each other so that nothing collides: a bridge that it
-    needs is one more plate, and the discs that hold the bridge up are the part `spacer`, as many as its count says.
+    needs is one more plate, and the discs that keep plates apart are the part `spacer`, as many as its count says.
     Without it, the fixed body is one plate. Raises DesignError where no frame closes, where openings run into each
     other, where guide pins find no room, and for many linkages at once. Derived here.
     """
     plates = stack.plates if stack else assemble(motion, stock).plates
-    parts = [plate.part(name, stock, motion.linkage) for name, plate in plates.items()]
+    letters = stack.letters if stack else {}
+    parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, body=motion.linkage.ground))
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
     return tuple(parts)
 
 
@@ -172,33 +222,57 @@ def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
     bridge = "bridge"
     while bridge in plates:
         bridge += "_"
+    carried = {pin.name: pin.joint in way for pin in meetings.assembly.pins}
+    pins = list(meetings.assembly.pins)
+    if way:
+        plates[ground], plates[bridge] = split(meetings.assembly, ground, way)
+        layers[bridge] = top
+        for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
+            name = f"spacer_{k + 1}"
+            plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
+            pins.append(Pin(name, name, ground, place, (ground, bridge), ()))
     spans = []
-    for pin in meetings.assembly.pins:
-        fixed = bridge if pin.joint in way else ground
+    for pin in pins:
+        fixed = bridge if carried.get(pin.name) else ground
         holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
-        ends = [top if name == bridge else layers[name] for name in holes + slots]
-        length = (max(ends) - min(ends) + 1) * stock.thickness
-        spans.append(PinSpan(pin.name, min(ends), max(ends), length, holes, slots))
-    collisions = tuple(_collisions(meetings, spans, layers))
-    if not way:
-        return Stack(layers, tuple(spans), collisions, plates)
-    plates[ground], plates[bridge] = split(meetings.assembly, ground, way)
-    layers[bridge] = top
-    for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
-        name = f"spacer_{k + 1}"
-        plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
-        spans.append(PinSpan(name, 0, top, (top + 1) * stock.thickness, (ground, bridge), ()))
-    return Stack(layers, tuple(spans), collisions, plates, spacers=2 * (top - 1))
+        ends = [layers[name] for name in holes + slots]
+        spans.append(PinSpan(pin.name, min(ends), max(ends), 0.0, holes, slots))
+    return _spread(meetings, Stack(layers, tuple(spans), (), plates, stock.fastener_used), pins)
 
 
-def _collisions(meetings: Meetings, spans: list[PinSpan], layers: Mapping[str, int]) -> Iterator[Collision]:
+def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
+    """The stack with layers left empty where heads need them, and what collides in it."""
+    reaches = tuple(Reach(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
+    heads = Heads(meetings, reaches, stack.layers, stack.plates)
+    gaps = heads.gaps()
+    places = placed(gaps)
+    layers = {name: places[layer] for name, layer in stack.layers.items()}
+    spans, joints = [], {pin.name for pin in meetings.assembly.pins}
+    for span in stack.pins:
+        first, last = places[span.first], places[span.last]
+        own = {layers[name] for name in span.holes + span.slots}
+        # A pile fills all between its plates; another pin what is empty: elsewhere a plate may be in the way.
+        pile = span.name not in joints
+        crossed = range(first + 1, last)
+        discs = [n for n in crossed if n not in own and (pile or n not in places)]
+        length = (last - first + 1) * meetings.stock.thickness
+        spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
+    found = replace(stack, layers=layers, pins=tuple(spans))
+    return replace(found, collisions=tuple(_collisions(meetings, found, heads.collisions(gaps))))
+
+
+def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, str, Run]]) -> Iterator[Collision]:
     slides = meetings.motion.linkage.driven_slider is not None
-    for (name, plate), runs in meetings.pin_and_plate.items():
-        pin = next(span for span in spans if span.name == name)
-        if pin.first <= layers[plate] <= pin.last:
-            for run in runs:
-                first, last = run if slides else np.degrees(run)
-                yield Collision(name, plate, float(first), float(last), "mm" if slides else "deg")
+    spans = {span.name: span for span in stack.pins}
+    pins = (
+        (name, plate, run)
+        for (name, plate), runs in meetings.pin_and_plate.items()
+        for run in runs
+        if spans[name].first <= stack.layers[plate] <= spans[name].last
+    )
+    for name, what, run in (*pins, *others):
+        first, last = run if slides else np.degrees(run)
+        yield Collision(name, what, float(first), float(last), "mm" if slides else "deg")
 
 
 def ways(assembly: Assembly, ground: str) -> list[Way]:

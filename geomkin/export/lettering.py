@@ -1,0 +1,134 @@
+"""Names engraved on parts in single strokes, where they find room. Alone in loading the font."""
+
+from __future__ import annotations
+
+import unicodedata
+from functools import cache
+
+import numpy as np
+
+from ..part import Part
+from ..plane import measure, region
+from ..plane.flatten import flatten
+from ..plane.primitives import Polyline
+from ..plane.vec import Complex, rounded
+
+# Heights of capitals, mm, tried from the largest: above the first a name shouts, below the last a laser burns it shut.
+HEIGHTS = (5.0, 4.0, 3.0, 2.5)
+# Clear space round lettering, mm: less, and a stroke runs into a cut by what beams and belts are off.
+MARGIN = 0.8
+# Places tried along and across a part. Fewer miss room that is there; more take longer, and nobody sees the difference.
+ALONG, ACROSS = 41, 13
+# Places tried round a hole for its letter, as above.
+ROUND = 32
+# Chords, mm, of the part for finding room: far finer than the margin.
+CHORDS = 0.05
+# Of the font: from its baseline to the top of its capitals, and the baseline, in its own units, y down.
+CAPITAL, BASELINE = 21.0, 9.0
+# How little longer than wide a part may be and count as round, with no direction of its own: as a share of its spread.
+EVEN = 0.02
+# Decimals of mm of the strokes.
+DIGITS = 3
+# Name of the font: plain single strokes.
+FONT = "futural"
+
+
+def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
+    """What is engraved on a part, and all strokes in the part's frame, mm: letters at its holes, then its name.
+
+    number: in the list of parts. A name with letters that the font has not, or that finds no room, gives way to the
+    number; "" where that finds none either. A letter without room is left out.
+    """
+    room = _Room(part)
+    strokes: list[Complex] = []
+    for hole, letter in zip(part.holes, part.hole_names):
+        strokes += room.beside(flatten(hole, CHORDS), letter) if letter else ()
+    for words in (_plain(part.name), str(number)):
+        if words and (found := room.anywhere(words)):
+            return words, (*strokes, *found)
+    return "", tuple(strokes)
+
+
+def _plain(name: str) -> str:
+    """The name in letters that the font has, accents left out; "" where it has not all of them."""
+    bare = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+    return bare if bare.isascii() else ""
+
+
+@cache
+def strokes_of(words: str) -> tuple[Complex, ...]:
+    """The strokes of a text, capitals 1 high, on y = 0 from x = 0."""
+    from HersheyFonts import HersheyFonts  # type: ignore[import-untyped]
+
+    font = HersheyFonts()
+    font.load_default_font(FONT)
+    lines = [
+        np.array([x + 1j * (BASELINE - y) for x, y in stroke]) / CAPITAL for stroke in font.strokes_for_text(words)
+    ]
+    left = min((line.real.min() for line in lines), default=0.0)
+    return tuple(line - left for line in lines)
+
+
+class _Room:
+    """A part turned so that its lettering runs level, and what in it is taken."""
+
+    def __init__(self, part: Part) -> None:
+        loops = [flatten(curve, CHORDS) for curve in (part.outline, *part.holes)]
+        self.ahead = _ahead(loops[0])
+        self.loops = [z / self.ahead for z in loops]
+        self.taken = [flatten(mark, CHORDS) / self.ahead for mark in part.marks]
+
+    def anywhere(self, words: str) -> list[Complex]:
+        """The strokes of a text as large and as near to the middle as finds room; none where there is none."""
+        low, high = _box(self.loops[0])
+        x, y = np.meshgrid(np.linspace(low.real, high.real, ALONG), np.linspace(low.imag, high.imag, ACROSS))
+        places = (x + 1j * y).ravel()
+        # Equally far ones in their order, whatever the last digit says.
+        places = places[np.argsort(np.round(np.abs(places - (low + high) / 2), 6), kind="stable")]
+        found = (self._at(words, height, places) for height in HEIGHTS)
+        return next((strokes for strokes in found if strokes), [])
+
+    def beside(self, hole: Complex, letter: str) -> list[Complex]:
+        """The strokes of a letter next to a hole, and their room taken from then on; none where there is none."""
+        low, high = _box(np.concatenate(strokes_of(letter)))
+        half = (high - low) * HEIGHTS[-1] / 2 + MARGIN * (1 + 1j)
+        ring = np.append(hole, hole[:1]) / self.ahead
+        passed = np.append(0.0, np.cumsum(np.abs(np.diff(ring))))
+        at = np.interp((np.arange(ROUND) + 0.5) / ROUND * passed[-1], passed, np.arange(len(ring)))
+        edge = at.astype(int)
+        way = ring[edge + 1] - ring[edge]
+        out = -1j * way / np.abs(way) * np.sign(measure.signed_area(Polyline(hole)))
+        places = ring[edge] + (at - edge) * way + out * (half.real * np.abs(out.real) + half.imag * np.abs(out.imag))
+        # Above first: on a bar's middle line its name has its place; and beside the middle of a slot.
+        far = np.round(np.abs(places - ring.mean()) / np.abs(places - ring.mean()).max(), 6)
+        return self._at(letter, HEIGHTS[-1], places[np.lexsort((far, -np.round(out.imag, 6)))])
+
+    def _at(self, words: str, height: float, places: Complex) -> list[Complex]:
+        """The strokes about the first of the places that has room for them."""
+        strokes = strokes_of(words)
+        low, high = _box(np.concatenate(strokes))
+        half = (high - low) * height / 2 + MARGIN * (1 + 1j)
+        boxes = places[:, None] + np.array([-half, np.conj(half), half, -np.conj(half)])
+        free = region.holds(self.loops, boxes, self.taken)
+        if not free.any():
+            return []
+        first = int(np.argmax(free))
+        self.taken.append(np.append(boxes[first], boxes[first][:1]))
+        shift = complex(places[first]) - (high + low) / 2 * height
+        return [rounded((line * height + shift) * self.ahead, DIGITS) for line in strokes]
+
+
+def _box(z: Complex) -> tuple[complex, complex]:
+    return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+
+
+def _ahead(outline: Complex) -> complex:
+    """Direction in which a part is longest, so turned that its lettering is not upside down."""
+    about = outline - outline.mean()
+    # The square of the main axis.
+    twice = complex((about**2).sum())
+    if abs(twice) < EVEN * float((np.abs(about) ** 2).sum()):
+        return 1.0 + 0j
+    ahead = complex(np.sqrt(twice / abs(twice)))
+    level = abs(ahead.real) > 1e-9
+    return ahead if (ahead.real if level else ahead.imag) > 0 else -ahead

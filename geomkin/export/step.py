@@ -1,0 +1,205 @@
+"""Plates as solids that CAD programs take as their own: STEP with true planes and cylinders, nothing in facets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from ..errors import DesignError, shown
+from ..plane.primitives import Circle
+from ..version import VERSION
+from .cut import Cut, Loop
+from .job import Job
+
+# Decimals of mm of what is worked out, a centre or a radius: fewer, and an arc misses its ends by more than programs
+# sew up; more would be digits in which processors differ.
+DIGITS = 9
+# Edges of an outline and its holes: a file of these has some 40 MB, and programs take minutes with more.
+MOST_EDGES = 50_000
+# What programs may take for one point, mm: above the last digit, below any tolerance.
+SAME = 1e-6
+
+# An edge of a loop, material on its left: where it starts, and the tangent of a quarter of the arc's sweep, 0 for a
+# straight one.
+Edge = tuple[complex, float]
+
+
+def write(job: Job) -> dict[str, bytes]:
+    """A file for each part, named after it."""
+    contents: dict[str, bytes] = {}
+    for cut in job.exact:
+        name = f"{cut.part.name}.step"
+        if name in contents:
+            raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+        contents[name] = step(cut)
+    return contents
+
+
+def step(cut: Cut) -> bytes:
+    """The part as a solid in ISO 10303-21, AP214, mm, standing on z = 0.
+
+    The same loops give the same bytes. DesignError for more edges than programs read.
+    """
+    loops = [_edges(loop, is_hole=k > 0) for k, loop in enumerate(cut.loops)]
+    if (count := sum(map(len, loops))) > MOST_EDGES:
+        raise DesignError(
+            "tolerance",
+            f"the {cut.part.name} has {count:,} edges, and a STEP file at most {MOST_EDGES:,}",
+            "give a larger tolerance, or leave step out of what is written",
+        )
+    return _Entities(cut.part.name).of(loops, cut.part.thickness)
+
+
+def _edges(loop: Loop, is_hole: bool) -> list[Edge]:
+    """The edges of a cut, in the direction that has the material on its left."""
+    shape = loop.shape
+    if isinstance(shape, Circle):
+        # A whole circle has no ends: two halves need no seam.
+        ends = [shape.centre + shape.radius, shape.centre - shape.radius]
+        return [(end, -1.0 if is_hole else 1.0) for end in ends]
+    vertices = np.asarray(shape.vertices)
+    bulges = np.zeros(len(vertices)) if shape.bulges is None else np.asarray(shape.bulges)
+    if is_hole:
+        vertices, bulges = vertices[::-1], -np.roll(bulges[::-1], -1)
+    return list(zip(vertices.tolist(), bulges.tolist()))
+
+
+class _Entities:
+    """The lines of a file, each an entity with a number by which others name it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = _text(name)
+        self.numbers: dict[str, str] = {}
+
+    def add(self, entity: str) -> str:
+        """Its number, as others write it; what has been said already, such as a point, has one."""
+        return self.numbers.setdefault(entity, f"#{len(self.numbers) + 1}")
+
+    def of(self, loops: Iterable[list[Edge]], thickness: float) -> bytes:
+        """The whole file of a plate between z = 0 and its thickness."""
+        context, product = self._product()
+        self.up, self.east = self._direction(0, 0, 1), self._direction(1, 0, 0)
+        walls: list[str] = []
+        lids: tuple[list[str], list[str]] = ([], [])
+        for number, edges in enumerate(loops):
+            sides, *rings = self._loop(edges, thickness)
+            walls += sides
+            bound = "FACE_BOUND" if number else "FACE_OUTER_BOUND"
+            for lid, ring in zip(lids, rings):
+                lid.append(self.add(f"{bound}('',{ring},.T.)"))
+        down = self._direction(0, 0, -1)
+        for lid, z, way in zip(lids, (0.0, thickness), (down, self.up)):
+            plane = self.add(f"PLANE('',{self._placement(0j, z, way, self.east)})")
+            walls.append(self.add(f"ADVANCED_FACE('',({','.join(lid)}),{plane},.T.)"))
+        shell = self.add(f"CLOSED_SHELL('',({','.join(walls)}))")
+        solid = self.add(f"MANIFOLD_SOLID_BREP('{self.name}',{shell})")
+        origin = self._placement(0j, 0.0, self.up, self.east)
+        shape = self.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('{self.name}',({origin},{solid}),{context})")
+        self.add(f"SHAPE_DEFINITION_REPRESENTATION({product},{shape})")
+        lines = [f"{number}={entity};" for entity, number in self.numbers.items()]
+        return "\n".join([*self._header(), "DATA;", *lines, "ENDSEC;", "END-ISO-10303-21;\n"]).encode("ascii")
+
+    def _header(self) -> Iterator[str]:
+        yield "ISO-10303-21;"
+        yield "HEADER;"
+        yield "FILE_DESCRIPTION(('a plate, in mm'),'2;1');"
+        # No time of day: the same part gives the same bytes.
+        yield f"FILE_NAME('{self.name}','1970-01-01T00:00:00',(''),(''),'geomkin {VERSION}','geomkin','');"
+        yield "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"
+        yield "ENDSEC;"
+
+    def _product(self) -> tuple[str, str]:
+        """What every file has to say before its form: the context with its units, and the product."""
+        use = self.add("APPLICATION_CONTEXT('automotive design')")
+        self.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{use})")
+        field = self.add(f"PRODUCT_CONTEXT('',{use},'mechanical')")
+        product = self.add(f"PRODUCT('{self.name}','{self.name}','',({field}))")
+        self.add(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))")
+        version = self.add(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
+        view = self.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',{use},'design')")
+        definition = self.add(f"PRODUCT_DEFINITION('design','',{version},{view})")
+        length = self.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
+        angle = self.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
+        solid = self.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
+        same = self.add(
+            f"UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({_n(SAME)}),{length},'distance_accuracy_value','')"
+        )
+        context = self.add(
+            f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({same}))"
+            f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid}))REPRESENTATION_CONTEXT('',''))"
+        )
+        return context, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
+
+    def _loop(self, edges: list[Edge], thickness: float) -> tuple[list[str], str, str]:
+        """The walls along a loop, and its ring of edges as seen by the lower and by the upper lid."""
+        starts = [start for start, _ in edges]
+        levels = (0.0, thickness)
+        corners = [[self.add(f"VERTEX_POINT('',{self._point(z, level)})") for z in starts] for level in levels]
+        posts = []
+        for z, low, high in zip(starts, *corners):
+            line = self._line(z, 0.0, self.up)
+            posts.append(self.add(f"EDGE_CURVE('',{low},{high},{line},.T.)"))
+        walls: list[str] = []
+        rims: tuple[list[str], list[str]] = ([], [])
+        for k, (start, bulge) in enumerate(edges):
+            after = (k + 1) % len(edges)
+            surface, outward, curves = self._wall(start, starts[after], bulge, levels)
+            for rim, corner, curve in zip(rims, corners, curves):
+                rim.append(self.add(f"EDGE_CURVE('',{corner[k]},{corner[after]},{curve},.T.)"))
+            ring = [(rims[0][k], True), (posts[after], True), (rims[1][k], False), (posts[k], False)]
+            bound = self.add(f"FACE_OUTER_BOUND('',{self._ring(ring)},.T.)")
+            walls.append(self.add(f"ADVANCED_FACE('',({bound}),{surface},{_yes(outward)})"))
+        lower = self._ring([(edge, False) for edge in rims[0][::-1]])
+        return walls, lower, self._ring([(edge, True) for edge in rims[1]])
+
+    def _wall(self, start: complex, end: complex, bulge: float, levels: Iterable[float]) -> tuple[str, bool, list[str]]:
+        """The surface over an edge, whether its own normal leads out of the material, and its curve at each level."""
+        ahead = (end - start) / abs(end - start)
+        if bulge == 0:
+            way = self._direction(ahead.real, ahead.imag, 0)
+            out = self._direction(ahead.imag, -ahead.real, 0)
+            surface = self.add(f"PLANE('',{self._placement(start, 0.0, out, way)})")
+            return surface, True, [self._line(start, level, way) for level in levels]
+        centre = (start + end) / 2 + 1j * (end - start) * (1 - bulge**2) / (4 * bulge)
+        radius = _n(abs(end - start) * (1 + bulge**2) / (4 * abs(bulge)))
+        # A clockwise arc runs forward about an axis that points down.
+        axis = self.up if bulge > 0 else self._direction(0, 0, -1)
+        surface = self.add(f"CYLINDRICAL_SURFACE('',{self._placement(centre, 0.0, self.up, self.east)},{radius})")
+        places = [self._placement(centre, level, axis, self.east) for level in levels]
+        return surface, bulge > 0, [self.add(f"CIRCLE('',{place},{radius})") for place in places]
+
+    def _ring(self, edges: Iterable[tuple[str, bool]]) -> str:
+        oriented = [self.add(f"ORIENTED_EDGE('',*,*,{edge},{_yes(forward)})") for edge, forward in edges]
+        return self.add(f"EDGE_LOOP('',({','.join(oriented)}))")
+
+    def _line(self, through: complex, level: float, way: str) -> str:
+        vector = self.add(f"VECTOR('',{way},1.)")
+        return self.add(f"LINE('',{self._point(through, level)},{vector})")
+
+    def _placement(self, z: complex, level: float, axis: str, across: str) -> str:
+        return self.add(f"AXIS2_PLACEMENT_3D('',{self._point(z, level)},{axis},{across})")
+
+    def _point(self, z: complex, level: float) -> str:
+        return self.add(f"CARTESIAN_POINT('',({_n(z.real)},{_n(z.imag)},{_n(level)}))")
+
+    def _direction(self, x: float, y: float, z: float) -> str:
+        return self.add(f"DIRECTION('',({_n(x, 15)},{_n(y, 15)},{_n(z, 15)}))")
+
+
+def _yes(true: bool) -> str:
+    return ".T." if true else ".F."
+
+
+def _n(value: float, digits: int = DIGITS) -> str:
+    """A number as the format wants it, always with a point."""
+    text = repr(round(float(value), digits) + 0.0)
+    mantissa, _, exponent = text.partition("e")
+    mantissa += "" if "." in mantissa else "."
+    return f"{mantissa}E{int(exponent)}" if exponent else mantissa
+
+
+def _text(name: str) -> str:
+    """A name as the format writes texts: letters beyond ASCII by their numbers."""
+    plain = "".join(c if c.isprintable() else " " for c in name).replace("\\", "\\\\").replace("'", "''")
+    return "".join(c if c.isascii() else f"\\X4\\{ord(c):08X}\\X0\\" for c in plain)

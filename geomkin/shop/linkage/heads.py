@@ -1,0 +1,140 @@
+"""Room for what stands out of plates at the ends of their pins: layers that stay empty for heads and nuts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from .layers import Meetings, Run, runs
+from .plates import Pin, Plate
+from .sweep import path_in
+
+# Shares of a sheet's thickness by which a head may be higher than whole layers: rounding must not add a layer.
+HAIR = 1e-9
+# Rounds in which gaps grow until no head meets a plate; each adds a layer, and no screw gets longer for ever.
+ROUNDS = 100
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A pin in its layers: the lowest and the highest that it joins."""
+
+    pin: Pin
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Disc:
+    """What is round about a pin beside its plates, and the heights between which it stands, in layers from below."""
+
+    pin: Pin
+    what: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Heads:
+    """Heads and nuts of a stack, and what they would meet.
+
+    reaches: the pins by layers without gaps. layers: of the plates, likewise. plates: as they are cut.
+    """
+
+    meetings: Meetings
+    reaches: tuple[Reach, ...]
+    layers: Mapping[str, int]
+    plates: Mapping[str, Plate]
+    _met: dict[tuple[str, str], list[Run]] = field(default_factory=dict)
+
+    def gaps(self) -> list[int]:
+        """Empty layers above each layer but the highest, the fewest, from below, in which heads meet no plate."""
+        gaps = [0] * max(self.layers.values())
+        for _ in range(ROUNDS):
+            wanted, places = list(gaps), placed(gaps)
+            up: dict[int, list[tuple[Pin, int]]] = {}
+            for reach in self.reaches:
+                below, above = (int(np.ceil(high - HAIR)) for high in self._ends(reach, places))
+                if self._meets(reach.pin, places, places[reach.last] + 1, places[reach.last] + above):
+                    wanted[reach.last] = max(wanted[reach.last], above)
+                if self._meets(reach.pin, places, places[reach.first] - below, places[reach.first] - 1):
+                    wanted[reach.first - 1] = max(wanted[reach.first - 1], below)
+                up.setdefault(reach.last, []).append((reach.pin, above))
+            for reach in self.reaches:
+                below = int(np.ceil(self._ends(reach, places)[0] - HAIR))
+                for pin, above in up.get(reach.first - 1, ()):
+                    if below and above and self._discs_meet(pin, reach.pin):
+                        wanted[reach.first - 1] = max(wanted[reach.first - 1], below + above)
+            if wanted == gaps:
+                break
+            gaps = wanted
+        return gaps
+
+    def _meets(self, pin: Pin, places: list[int], low: int, high: int) -> bool:
+        """Whether a pin's head meets a plate in layers from `low` to `high`."""
+        near = [name for name, layer in self.layers.items() if low <= places[layer] <= high]
+        return any(self._runs(pin, name) for name in near)
+
+    def _runs(self, pin: Pin, name: str) -> list[Run]:
+        """When a pin's head would meet a plate, were it in its layer."""
+        if (pin.name, name) not in self._met:
+            stock, plate = self.meetings.stock, self.plates[name]
+            path = path_in(self.meetings.motion, plate.body, pin.body, pin.place)
+            near = stock.bar_width / 2 + stock.fastener_used.across / 2 + self.meetings.play
+            self._met[pin.name, name] = runs(path, path.gap(plate.centres) < near)
+        return self._met[pin.name, name]
+
+    def _discs_meet(self, one: Pin, two: Pin) -> list[Run]:
+        """When heads of two pins would meet, were they in one layer."""
+        key = f"pin {one.name}", two.name
+        if key not in self._met:
+            path = path_in(self.meetings.motion, one.body, two.body, two.place)
+            near = self.meetings.stock.fastener_used.across + self.meetings.play
+            self._met[key] = runs(path, path.gap(np.array([one.place])) < near)
+        return self._met[key]
+
+    def _ends(self, reach: Reach, places: list[int]) -> tuple[float, float]:
+        """How far a pin stands out below and above, in layers: the nut is where it is out of the way."""
+        stock = self.meetings.stock
+        grip = (places[reach.last] - places[reach.first] + 1) * stock.thickness
+        head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
+        return (nut, head) if reach.first == 0 else (head, nut)
+
+    def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
+        """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart."""
+        places = placed(gaps)
+        for reach in self.reaches:
+            for k in range(reach.first, reach.last):
+                yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
+
+    def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
+        """What still meets: a pin, by name, that and what its head or ring meets, and when."""
+        places = placed(gaps)
+        discs = [Disc(pin, "ring", layer, layer + 1) for pin, layer in self.rings(gaps)]
+        for reach in self.reaches:
+            below, above = self._ends(reach, places)
+            low, high = places[reach.first], places[reach.last] + 1
+            discs += [Disc(reach.pin, "end", low - below, low), Disc(reach.pin, "end", high, high + above)]
+        for disc in discs:
+            for name, layer in self.layers.items():
+                at = places[layer]
+                if disc.low < at + 1 - HAIR and disc.high > at + HAIR:
+                    yield from (
+                        (disc.pin.name, f"{name} by its {disc.what}", run) for run in self._runs(disc.pin, name)
+                    )
+        told = set()
+        for one, two in combinations(discs, 2):
+            pair = one.pin.name, two.pin.name
+            if pair[0] == pair[1] or pair in told or min(one.high, two.high) <= max(one.low, two.low) + HAIR:
+                continue
+            for run in self._discs_meet(one.pin, two.pin):
+                told.add(pair)
+                yield pair[0], f"the {two.what} of {pair[1]} by its {one.what}", run
+
+
+def placed(gaps: list[int]) -> list[int]:
+    """Where each layer lies, counted with the empty ones."""
+    return [k + sum(gaps[:k]) for k in range(len(gaps) + 1)]

@@ -1,0 +1,151 @@
+"""STEP files read back entity by entity: closed shells, edges on their surfaces, the volume twice over."""
+
+import re
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.errors import DesignError
+from geomkin.export.cut import cut
+from geomkin.export.step import step
+
+PARTS = [
+    gk.Part("disc", gk.plane.Circle(5 - 3j, 20), (gk.plane.Circle(5, 4),), 2.0),
+    gk.Part(
+        "bar", gk.plane.rounded_hull([0, 90, 40 + 25j], 8), (gk.plane.slot(0, 20, 2), gk.plane.Circle(90, 2.1)), 3.0
+    ),
+    gk.Part("gear", gk.SpurGear(17, 2, 0.3).outline, (gk.plane.slot(-3, 3, 2),), 6.0),
+    gk.Part("turned", gk.plane.Reversed(gk.plane.slot(-10, 30j, 6)), (gk.plane.Circle(-10, 2),), 2.0),
+]
+
+
+def turn(a, b, forward):
+    """From one direction to another, counterclockwise or clockwise, rad."""
+    angle = np.angle(b / a)
+    return angle % (2 * np.pi) if forward else -(-angle % (2 * np.pi))
+
+
+class Solid:
+    """What a reader finds: entities by number, each its word and its arguments, and what they lead to."""
+
+    def __init__(self, content: bytes) -> None:
+        text = content.decode("ascii")
+        data = text[text.index("DATA;") : text.index("ENDSEC;", text.index("DATA;"))]
+        rows = re.findall(r"^#(\d+)=([A-Z_0-9]+)\((.*)\);$", data, re.MULTILINE)
+        self.entities = {int(number): (word, arguments) for number, word, arguments in rows}
+
+    def all(self, word):
+        return [number for number, (found, _) in self.entities.items() if found == word]
+
+    def refers(self, number):
+        return [int(n) for n in re.findall(r"#(\d+)", self.entities[number][1])]
+
+    def numbers(self, number):
+        return np.array([float(n) for n in re.findall(r"-?\d+\.\d*(?:E-?\d+)?", self.entities[number][1])])
+
+    def yes(self, number):
+        return self.entities[number][1].endswith(".T.")
+
+    def frame(self, placement):
+        """Origin, axis and first direction."""
+        return [self.numbers(n) for n in self.refers(placement)]
+
+    def corner(self, vertex):
+        return self.numbers(self.refers(vertex)[0])
+
+    def way(self, oriented):
+        """First and last corner of an edge as a face runs along it, and how far it bulges left, seen from above."""
+        forward = self.yes(oriented)
+        (edge,) = self.refers(oriented)
+        first, last, curve = self.refers(edge)
+        ends = [self.corner(first), self.corner(last)]
+        bow = 0.0
+        if self.entities[curve][0] == "CIRCLE":
+            origin, axis, _ = self.frame(self.refers(curve)[0])
+            radius = self.numbers(curve)[-1]
+            for end in ends:
+                assert abs(np.linalg.norm(end - origin) - radius) < 1e-8
+            a, b = (complex(*(end - origin)[:2]) for end in ends)
+            # Of the segment between chord and arc; a circle runs counterclockwise about its axis.
+            sweep = turn(a, b, axis[2] > 0)
+            bow = radius**2 * (sweep - np.sin(sweep)) / 2
+        else:
+            point, vector = self.refers(curve)
+            along = self.numbers(self.refers(vector)[0])
+            assert abs(np.cross(ends[1] - ends[0], along)).max() < 1e-8 * np.linalg.norm(ends[1] - ends[0]) + 1e-12
+            assert (ends[1] - ends[0]) @ along > 0
+            assert abs(np.cross(ends[0] - self.numbers(point), along)).max() < 1e-9
+        return (*ends, bow) if forward else (*ends[::-1], -bow)
+
+    def rings(self, face):
+        bounds = [n for n in self.refers(face) if self.entities[n][0].endswith("BOUND")]
+        loops = [self.refers(bound)[0] for bound in bounds]
+        return [[self.way(oriented) for oriented in self.refers(loop)] for loop in loops]
+
+    def surface(self, face):
+        """Kind, frame and radius; whether its own normal leads out."""
+        number = self.refers(face)[-1]
+        placed = self.frame(self.refers(number)[0])
+        return self.entities[number][0], placed, self.numbers(number)[-1:], self.yes(face)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
+def test_a_closed_shell_of_the_exact_volume(part):
+    ready = cut(part, 0.005, arcs=True)
+    solid = Solid(step(ready))
+    used = Counter()
+    for oriented in solid.all("ORIENTED_EDGE"):
+        used[solid.refers(oriented)[0], solid.yes(oriented)] += 1
+    edges = solid.all("EDGE_CURVE")
+    assert set(used) == {(edge, way) for edge in edges for way in (True, False)} and set(used.values()) == {1}
+    faces = solid.all("ADVANCED_FACE")
+    assert sorted(solid.refers(solid.all("CLOSED_SHELL")[0])) == faces
+    # Corners, edges and faces of a plate with holes: each hole is a handle, and adds a ring to both lids.
+    holes = len(part.holes)
+    rings = sum(len(solid.rings(face)) for face in faces)
+    corners = len(solid.all("VERTEX_POINT"))
+    assert corners - len(edges) + len(faces) - (rings - len(faces)) == 2 - 2 * holes
+    by_lids = by_walls = 0.0
+    for face in faces:
+        kind, (origin, axis, _), radius, outward = solid.surface(face)
+        for ring in solid.rings(face):
+            for (_, last, _), (first, _, _) in zip(ring, ring[1:] + ring[:1]):
+                assert (last == first).all()
+            places = np.array([start for start, _, _ in ring])
+            if kind == "PLANE" and abs(axis[2]) == 1:
+                assert outward and (places[:, 2] == origin[2]).all()
+                z = places[:, 0] + 1j * places[:, 1]
+                area = (np.conj(z) * np.roll(z, -1)).imag.sum() / 2 + sum(bow for *_, bow in ring)
+                # Round a lid that looks up, the outline runs counterclockwise; round the other, clockwise.
+                by_lids += area * origin[2]
+                continue
+            assert axis[2] == (kind != "PLANE") and len(ring) == 4
+            low, height = places[0], np.ptp(places[:, 2])
+            if kind == "PLANE":
+                assert outward and abs((places - origin) @ axis).max() < 1e-9
+                by_walls += places[:, 0].mean() * axis[0] * np.linalg.norm((places[1] - low)[:2]) * height
+                # Seen from outside the ring runs counterclockwise.
+                assert np.cross(places[1] - low, places[2] - places[1]) @ axis > 0
+            else:
+                seen = (places - origin)[:, :2] @ [1, 1j]
+                assert abs(abs(seen) - radius).max() < 1e-8
+                a = np.angle(seen[0])
+                t = np.array([a, a + turn(seen[0], seen[1], outward)])
+                flux = origin[0] * np.sin(t) + radius[0] * (t / 2 + np.sin(2 * t) / 4)
+                by_walls += radius[0] * height * (flux[1] - flux[0])
+    assert by_lids == pytest.approx(ready.area * part.thickness, rel=1e-9)
+    assert by_walls == pytest.approx(ready.area * part.thickness, rel=1e-9)
+
+
+def test_letters_of_any_script_in_a_name():
+    part = gk.Part("Rad é 車", gk.plane.Circle(0, 5), (), 1.0)
+    content = step(cut(part, 0.005, arcs=True)).decode("ascii")
+    assert "MANIFOLD_SOLID_BREP('Rad \\X4\\000000E9\\X0\\ \\X4\\00008ECA\\X0\\'" in content
+
+
+def test_more_edges_than_programs_read_are_refused():
+    z = 1000 * np.exp(2j * np.pi * np.arange(60_000) / 60_000)
+    with pytest.raises(DesignError, match="60,000 edges.*at most 50,000"):
+        step(cut(gk.Part("many", gk.plane.Polyline(z), (), 1.0), 0.005, arcs=True))
