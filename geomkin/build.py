@@ -143,7 +143,7 @@ def write(
     then nothing has been written, or what was is whole.
     """
     path = Path(path)
-    files = source.files if isinstance(source, AbstractRecipe) else Files()
+    files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)
     held, needs = _held(source)
     name = format_of(path.name, needs)
     if not name:
@@ -190,7 +190,7 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 def _job(name: str, source: Source, files: Files) -> Job:
     held = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
-    job = dataclasses.replace(held, assembly_at=files.assembly_at)
+    job = dataclasses.replace(held, laser=files.style == "laser", assembly_at=files.assembly_at)
     if not isinstance(source, AbstractRecipe):
         return job
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))

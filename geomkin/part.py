@@ -1,4 +1,4 @@
-"""A part: what a cutter or a printer needs to know of a body, and nothing of its mechanism."""
+"""What a mechanism is made of: parts, as a cutter or a printer needs to know them, and things that are bought."""
 
 from __future__ import annotations
 
@@ -40,3 +40,14 @@ class Part:
 
     def _repr_svg_(self) -> str | None:
         return still(self, (self.outline, *self.holes), self.marks)
+
+
+@dataclass(frozen=True)
+class Bought:
+    """A line of the bill: what is bought, or cut from a rod, how many, and the joints that it is for, by letter."""
+
+    name: str
+    count: int
+    joints: tuple[str, ...]
+
+    __repr__ = one_line

@@ -10,7 +10,7 @@ from typing import Protocol
 from ..brief import one_line
 from ..check import Check
 from ..errors import DesignError
-from ..part import Part
+from ..part import Bought, Part
 from ..scene import Scene
 from ..table import Table
 from .cut import Cut, cut
@@ -35,6 +35,12 @@ class Source(Protocol):
     @property
     def notes(self) -> Mapping[str, object]: ...
 
+    @property
+    def bought(self) -> tuple[Bought, ...]: ...
+
+    @property
+    def steps(self) -> tuple[str, ...]: ...
+
 
 @dataclass(frozen=True, eq=False)
 class Loose:
@@ -45,6 +51,8 @@ class Loose:
     scene: Scene | None = None
     checks: tuple[Check, ...] = ()
     notes: Mapping[str, object] = field(default_factory=dict)
+    bought: tuple[Bought, ...] = ()
+    steps: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +60,10 @@ class Job:
     """Files to be written, worked out no further than writers ask.
 
     name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. labels:
-    drawings engrave parts with their names. about: one line that introduces it; recipe: gives the text that it is made
-    from; "" where there is none. What a writer asks for and the source has not is a DesignError of `write`.
-    assembly_at: where the driver stands in stills, in its own unit; None for anywhere.
+    drawings engrave parts with their names. laser: SVG as laser cutters' programs take it. about: one line that
+    introduces it; recipe: gives the text that it is made from; "" where there is none. assembly_at: where the driver
+    stands in stills, in its own unit; None for anywhere. What a writer asks for and the source has not is a DesignError
+    of `write`.
     """
 
     name: str
@@ -63,6 +72,7 @@ class Job:
     kerf: float = 0.0
     arcs: bool = False
     labels: bool = False
+    laser: bool = False
     about: str = ""
     recipe: Callable[[], str] = str
     assembly_at: float | None = None

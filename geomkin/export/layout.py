@@ -39,7 +39,8 @@ class Placed:
         Holes first, then marks, then the outline: what is cut free drops or tilts, and takes no more cuts.
         """
         outline, *holes = self.cut.loops
-        return tuple(loop.moved(self.shift, self.cut.digits) for loop in (*holes, *self.cut.marks, outline))
+        inner = [holes[k] for k in nearest_next([hole.points[0] for hole in holes], outline.box[0])]
+        return tuple(loop.moved(self.shift, self.cut.digits) for loop in (*inner, *self.cut.marks, outline))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,16 @@ class Sheet:
         """Lower left and upper right corner of all that is cut, mm."""
         low, high = np.array([p.loops[-1].box for p in self.placed]).T
         return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+
+
+def nearest_next(places: Sequence[complex], start: complex) -> list[int]:
+    """An order of places, mm, in which each is the nearest one to the last: a head that moves less is done sooner."""
+    left, order, here = np.array(places, dtype=complex), [], start
+    for _ in places:
+        # To the micrometre, so that no last digit chooses between two that are equally far.
+        order.append(int(np.argmin(np.round(np.abs(left - here), 3))))
+        here, left[order[-1]] = complex(left[order[-1]]), np.inf
+    return order
 
 
 def lay_out(cuts: Sequence[Cut]) -> Sheet:
@@ -77,4 +88,7 @@ def lay_out(cuts: Sequence[Cut]) -> Sheet:
         placed[k] = Placed(copies[k], complex(np.ceil(x - low.real), np.ceil(y - low.imag)))
         top = placed[k].shift + low + size
         x, row, width = top.real + GAP, max(row, top.imag - y), max(width, top.real + GAP)
-    return Sheet(tuple(placed[k] for k in range(len(copies))), np.ceil(width).item(), np.ceil(y + row + GAP).item())
+    starts = [complex(placed[k].shift + copies[k].loops[0].points[0]) for k in range(len(copies))]
+    return Sheet(
+        tuple(placed[k] for k in nearest_next(starts, 0j)), np.ceil(width).item(), np.ceil(y + row + GAP).item()
+    )

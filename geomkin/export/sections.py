@@ -168,6 +168,24 @@ def _short(name: str, wide: float) -> str:
     return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
 
 
+def joined(job: Job) -> str:
+    """What is bought to join the parts, and how they are put together."""
+    bought, steps = job.source.bought, job.source.steps
+    if not bought:
+        return ""
+    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Count", "What", "For the joints"))
+    rows = "".join(
+        f'<tr><td>{one.count}</td><th scope="row">{text(one.name)}</th><td>{text(" ".join(one.joints))}</td></tr>'
+        for one in bought
+    )
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    order = "".join(f"<li>{text(capital(step))}</li>" for step in steps)
+    told = "<p>Letters are engraved at the holes. From the bottom up, a line for each layer:</p>"
+    return section(
+        "joined", "What joins it, and how it is put together", f"{wide('Bought', table)}{told}<ul>{order}</ul>"
+    )
+
+
 def notes(held: Mapping[str, object]) -> str:
     """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
     inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
@@ -312,5 +330,6 @@ def all_of(job: Job) -> Iterator[str]:
     yield checks(job)
     yield parts(job)
     yield stack(scene)
+    yield joined(job)
     yield notes(job.source.notes)
     yield recipe(job)

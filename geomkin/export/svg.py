@@ -14,29 +14,34 @@ from .layout import LAYERS, Sheet
 
 # Hairlines, mm, as cutting programs expect; thick enough to be seen on a screen.
 STROKE = 0.25
+# What laser cutters' programs take for a cut, and for engraving along a line: pure red and blue, as thin as can be.
+LASER = {"CUT": "#ff0000", "HOLE": "#ff0000", "ENGRAVE": "#0000ff", "LABEL": "#0000ff"}
+HAIRLINE = 0.01
 
 
 def write(job: Job) -> dict[str, bytes]:
     """All parts in one file."""
-    return {f"{job.name}.svg": svg(job.sheet, job.name)}
+    return {f"{job.name}.svg": svg(job.sheet, job.name, job.laser)}
 
 
-def svg(sheet: Sheet, title: str) -> bytes:
+def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
     """The sheet as an SVG file, y up turned into the format's y down; width and height in mm.
 
-    White behind it is a style of the page and no shape: whatever is drawn is cut.
+    White behind it is a style of the page and no shape: whatever is drawn is cut. laser: in the colours and strokes
+    that laser cutters' programs go by, and without what is there to be looked at.
     """
-    colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
+    colours = LASER if laser else {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
+    stroke = HAIRLINE if laser else STROKE
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
-        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{STROKE}" style="background:#fff">',
+        f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{stroke}" style="background:#fff">',
         f"<title>{escape(_plain(title))}</title>",
     ]
     for number, placed in enumerate(sheet.placed, 1):
         lines.append(f'<g id="{escape(placed.cut.part.name)}-{number}">')
-        for loop in placed.loops:
+        for loop in (loop for loop in placed.loops if loop.layer in colours):
             shape = _shape(loop, sheet.height, placed.cut.digits)
             lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
         lines.append("</g>")

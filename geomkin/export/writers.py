@@ -48,11 +48,14 @@ WRITERS: dict[str, Writer] = {
     "stl": Writer("parts", _in("stl"), ("shapely",)),
     "svg": Writer("parts", _in("svg"), ("shapely",), flat=True),
     "csv": Writer("table", _in("csv")),
+    "bom": Writer("parts", _in("bom"), ("shapely",), tail="-bom.csv"),
     "page": Writer("scene", _in("page"), tail=".html"),
     "assembly-svg": Writer("scene", _in("assembly_svg"), tail="-assembly.svg"),
     # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
     "assembly-dxf": Writer("scene", _in("assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True),
     "animation": Writer("scene", _in("animation"), tail="-animation.svg", asked=True),
+    "glb": Writer("scene", _in("glb"), ("shapely", "trimesh"), tail="-assembly.glb", asked=True),
+    "3mf": Writer("parts", _in("threemf"), ("shapely",), asked=True),
     "step": Writer("parts", _in("step"), ("shapely",), asked=True),
 }
 # What is written where a recipe names no formats.

@@ -16,7 +16,7 @@ from ..linkage.coupler.curves import CouplerCurve
 from ..linkage.motion import Motion
 from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move
-from ..part import Part
+from ..part import Bought, Part
 from ..plane.vec import Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
@@ -77,6 +77,14 @@ class CognatesRecipe(AbstractRecipe):
     @cached_property
     def stack(self) -> Stack:
         return stack_links(self.figure, self.stock)
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.stack.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.stack.steps
 
     @cached_property
     def table(self) -> Table:

@@ -23,7 +23,7 @@ from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
 from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
 from ..linkage.solve.branch import Branch, chosen
 from ..linkage.solve.move import move
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
@@ -82,6 +82,14 @@ class AbstractLinkageRecipe(AbstractRecipe):
     def stack(self) -> Stack:
         """How the plates lie on each other."""
         return stack_links(self.fine_motion, self.stock)
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.stack.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.stack.steps
 
     @cached_property
     def table(self) -> Table:

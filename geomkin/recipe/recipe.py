@@ -13,7 +13,7 @@ from ..arguments import checked
 from ..brief import one_line
 from ..check import Check
 from ..display import moving
-from ..part import Part
+from ..part import Bought, Part
 from ..scene import Scene
 from ..table import Table
 from ..walls import wall_checks
@@ -60,6 +60,16 @@ class AbstractRecipe(ABC):
     @abstractmethod
     def parts(self) -> tuple[Part, ...]:
         """What is cut."""
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """What joins the parts and is not cut; empty where a kind does not tell."""
+        return ()
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """How the parts are put together, a line each, from the bottom up; empty where a kind does not tell."""
+        return ()
 
     @property
     @abstractmethod
@@ -136,6 +146,14 @@ class AbstractGoal(AbstractRecipe):
     @property
     def parts(self) -> tuple[Part, ...]:
         return self.design.parts
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.design.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.design.steps
 
     @property
     def judged(self) -> tuple[Check, ...]:

@@ -90,6 +90,9 @@ class Files:
         at_least=0,
         at_most=20,
     )
+    style: Literal["drawing", "laser"] = entry(
+        "SVG to look at, or in the red and blue hairlines that laser cutters' programs go by", default="drawing"
+    )
     labels: bool = entry(
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )

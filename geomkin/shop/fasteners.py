@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ..brief import one_line
 from ..errors import DesignError
+from ..part import Bought
 
 
 @dataclass(frozen=True)
@@ -47,17 +47,6 @@ SIZES: dict[float, Size] = {
 }
 # Lengths in which screws are made, mm (ISO 888).
 LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
-
-
-@dataclass(frozen=True)
-class Bought:
-    """A line of the bill: what is bought, or cut from a rod, how many, and the joints that it is for."""
-
-    name: str
-    count: int
-    joints: tuple[str, ...]
-
-    __repr__ = one_line
 
 
 @dataclass(frozen=True)

@@ -117,6 +117,34 @@ def test_holes_and_marks_come_before_the_outline_that_frees_the_part():
     assert [e.get("class") for e in drawn if e.get("class")] == wanted
 
 
+def test_the_next_cut_is_the_nearest():
+    """Of the sheet's parts from the origin, and of a part's holes: no other that is left lies nearer."""
+    row = gk.Part(
+        "row", gk.plane.slot(-40, 40, 9), tuple(gk.plane.Circle(x, 2) for x in (30, -30, 10, -10)), 2, count=7
+    )
+    sheet = sheet_of([row, *PARTS])
+    here, left = 0j, [complex(p.loops[-1].points[0]) for p in sheet.placed]
+    while left:
+        assert abs(left[0] - here) <= min(abs(z - here) for z in left) + 1e-3
+        here = left.pop(0)
+    (first, *_) = (p for p in sheet.placed if p.cut.part is row)
+    assert [round((hole.points[0] - first.shift).real) for hole in first.loops[:4]] == [-28, -8, 12, 32]
+
+
+def test_laser_cutters_get_red_hairlines_and_blue_engraving(tmp_path):
+    text = 'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }\n'
+    gk.write(gk.load(text + '[files]\nstyle = "laser"\n'), tmp_path / "laser.svg")
+    gk.write(gk.load(text), tmp_path / "plain.svg")
+    drawn = [e for e in ET.parse(tmp_path / "laser.svg").getroot().iter() if e.get("stroke")]
+    assert {(e.get("class"), e.get("stroke")) for e in drawn} == {
+        ("CUT", "#ff0000"),
+        ("HOLE", "#ff0000"),
+        ("LABEL", "#0000ff"),
+    }
+    plain = [e for e in ET.parse(tmp_path / "plain.svg").getroot().iter() if e.get("stroke")]
+    assert [e.attrib | {"stroke": ""} for e in plain] == [e.attrib | {"stroke": ""} for e in drawn]
+
+
 def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
     sheet = sheet_of(PARTS)
     outlines = [p for layer, p in polygons(read_dxf(dxf(sheet))) if layer == "CUT"]
@@ -124,8 +152,9 @@ def test_parts_lie_apart_inside_the_sheet_and_keep_their_size():
     for k, a in enumerate(outlines):
         assert all(a.distance(b) >= 4.9 for b in outlines[:k])
         assert a.within(shapely.box(0, 0, sheet.width, sheet.height).buffer(-3.9))
-    box = np.array(outlines[0].bounds)
-    assert box[2:] - box[:2] == pytest.approx([90 + 16, 25 + 16], abs=2 * TOLERANCE)
+    sizes = [np.ptp(np.array(outline.exterior.coords), axis=0) for outline in outlines]
+    alike = [size for size in sizes if size == pytest.approx([90 + 16, 25 + 16], abs=2 * TOLERANCE)]
+    assert len(alike) == PLATE.count
 
 
 def test_arcs_take_a_tenth_of_the_points_of_chords():

@@ -13,7 +13,7 @@ import geomkin as gk
 RECIPE = """
 kind = "four-bar"
 linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }
-files = { kerf = 0.4, tolerance = 0.1, curves = "%s" }
+files = { labels = false, kerf = 0.4, tolerance = 0.1, curves = "%s" }
 """
 
 

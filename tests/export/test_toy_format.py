@@ -67,7 +67,7 @@ def test_the_command_knows_it(tmp_path):
     assert result.exit_code == 0 and ": txt json, " in result.output
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
     told = CliRunner().invoke(cli, [*call[:-1], "text"]).output
-    assert "choose of dxf, stl, svg, csv, page, assembly-svg, assembly-dxf, animation, step, txt, lone" in told
+    assert f"choose of {', '.join(WRITERS)}" in told
 
 
 def test_schema_and_messages_list_it():
@@ -76,7 +76,7 @@ def test_schema_and_messages_list_it():
     # It is written where it is asked for.
     assert files["default"] == [*USUAL]
     with pytest.raises(
-        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'animation', 'step', 'txt' or 'lone'"
+        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'3mf', 'step', 'txt' or 'lone'"
     ):
         parse(GEAR % '"txd"')
 

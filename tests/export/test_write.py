@@ -120,7 +120,12 @@ CROSSED = gk.Part("bow", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), ()
 @pytest.mark.parametrize(
     ("source", "name", "more", "words"),
     [
-        (PLATE, "plate.pdf", {}, "path: found .*plate.pdf; give a name that ends in dxf or stl or svg or step$"),
+        (
+            PLATE,
+            "plate.pdf",
+            {},
+            "path: found .*plate.pdf; give a name that ends in .dxf or .stl or .svg or -bom.csv or .3mf or .step$",
+        ),
         (PLATE, "plate", {}, "path: found .*give a name that ends in dxf"),
         (PLATE, "", {}, "path: found"),
         (PLATE, ".dxf", {}, "path: found"),

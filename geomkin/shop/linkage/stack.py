@@ -13,10 +13,10 @@ from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.motion import Motion
-from ...part import Part
+from ...part import Bought, Part
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
-from ..fasteners import Bought, Fastener, gathered
+from ..fasteners import Fastener, gathered
 from .heads import Heads, Reach, placed
 from .layers import Meetings, Order, Passing, Run, order
 from .plates import Assembly, LinkStock, Pin, Plate, assemble
@@ -100,7 +100,7 @@ class Stack:
         return dict(zip((pin.name for pin in self.pins), signs))
 
     @property
-    def bill(self) -> tuple[Bought, ...]:
+    def bought(self) -> tuple[Bought, ...]:
         """What is bought to join the plates, for joints by their letters."""
         return gathered([(self.letters[pin.name], self.fastener.bill(pin.length)) for pin in self.pins])
 
@@ -138,7 +138,7 @@ class Stack:
             }
             for pin in self.pins
         ]
-        bought = [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bill]
+        bought = [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bought]
         collisions = [str(c) for c in self.collisions]
         return {"layers": rows, "pins": pins, "collisions": collisions, "bought": bought, "steps": list(self.steps)}
 
