@@ -65,9 +65,10 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     """Make a recipe, or what `load` finds: its files go to `out`/<name>/.
 
     The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
-    another one that was made under its name. only: formats to write of those the recipe asks for, or of all there are where it names none; all that
-    it asks for unless given, and then files of parts that the recipe had when it was last made here, and has no more, are removed. A
-    recipe that asks for all formats gets those that its kind has something for.
+    another one that was made under its name. only: formats to write of those the recipe asks for, or of all there are
+    where it names none. Unless it is given, all that the recipe asks for are written, and files of parts that it had
+    when it was last made here, and has no more, are removed. A recipe that names no formats gets the usual ones that
+    its kind has something for.
     Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
     of this recipe has been written, or what was is whole.
     """

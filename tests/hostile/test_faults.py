@@ -7,7 +7,18 @@ from pathlib import Path
 
 import pytest
 
-NAMES = ["coupler.stl", "crank.stl", "ground.stl", "r.csv", "r.dxf", "r.html", "r.svg", "rocker.stl", "summary.json"]
+NAMES = [
+    "coupler.stl",
+    "crank.stl",
+    "ground.stl",
+    "r-assembly.svg",
+    "r.csv",
+    "r.dxf",
+    "r.html",
+    "r.svg",
+    "rocker.stl",
+    "summary.json",
+]
 
 
 def contents(folder):

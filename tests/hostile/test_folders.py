@@ -10,8 +10,8 @@ FILES = {"r.csv", "r.dxf", "r.svg", "summary.json"}
 
 
 def names(folder):
-    """Of the files in a folder, without the page, which comes only of kinds that show something."""
-    return {path.name for path in folder.iterdir()} - {"r.html"}
+    """Of the files in a folder, without the page and the picture, which come only of kinds that show something."""
+    return {path.name for path in folder.iterdir()} - {"r.html", "r-assembly.svg"}
 
 
 def test_files_of_parts_that_a_recipe_has_no_more_are_removed_and_nothing_else(run, recipe, here):
