@@ -120,22 +120,22 @@ def test_a_motion_is_shown_as_it_is():
 @pytest.mark.parametrize(
     ("thing", "bodies"),
     [
-        (gk.SliderCrank(30, 90, 5, driver="slider"), {"crank", "coupler", "slider"}),
-        (gk.Cam(gk.TranslatingRoller(10, 5), PROGRAM, 40), {"cam", "roller"}),
-        (gk.Cam(gk.TranslatingRoller(0.1, 0), SMALL, 0.4), {"cam", "roller"}),
-        (gk.Cam(gk.TranslatingFlat(), PROGRAM, 60), {"cam", "follower"}),
-        (gk.SpurGear(24, 2), {"gear", "tool"}),
-        (gk.RingGear(60, 200), {"ring", "tool"}),
-        (gk.GearPair(*GEARS), {"first", "second"}),
-        (gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)), {"first", "second"}),
-        (gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2)), {"pinion", "rack"}),
-        (gk.gear.StraightSidedGear(20, 2), {"gear"}),
+        (gk.SliderCrank(30, 90, 5, driver="slider"), "crank, coupler, slider"),
+        (gk.Cam(gk.TranslatingRoller(10, 5), PROGRAM, 40), "cam, roller"),
+        (gk.Cam(gk.TranslatingRoller(0.1, 0), SMALL, 0.4), "cam, roller"),
+        (gk.Cam(gk.TranslatingFlat(), PROGRAM, 60), "cam, follower"),
+        (gk.SpurGear(24, 2), "gear, tool"),
+        (gk.RingGear(60, 200), "ring, tool"),
+        (gk.GearPair(*GEARS), "first, second"),
+        (gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)), "first, second"),
+        (gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2)), "pinion, rack"),
+        (gk.gear.StraightSidedGear(20, 2), "gear"),
     ],
     ids=repr,
 )
 def test_bodies_are_those_that_move(thing, bodies):
     data, drive = scene_of(thing)
-    assert bodies <= {body["name"] for body in data["scenes"][0]["bodies"]}
+    assert set(bodies.split(", ")) <= {body["name"] for body in data["scenes"][0]["bodies"]}
     assert data["frames"] == 1 or np.ptp(drive) > 0
 
 
