@@ -8,7 +8,7 @@ from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 
-from .island import island
+from .island import MOST_FRAMES, island
 from .job import Job
 from .sections import all_of, text, verdict
 
@@ -33,6 +33,9 @@ def page(job: Job) -> bytes:
         "base-uri 'none'; form-action 'none'"
     )
     about = f"<p>{text(job.about)}</p>" if job.about else ""
+    frames = len(job.scene.time)
+    if frames > MOST_FRAMES:
+        about += f"<p>It shows {MOST_FRAMES} of {frames} frames, evenly chosen; the CSV file of the recipe has all.</p>"
     told = f"""<!doctype html>
 <html lang="en">
 <head>
@@ -63,7 +66,19 @@ def _script() -> str:
     library, *own = (_web(name) for name in SCRIPTS)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), START, ""])
+    told: list[str] = [library]
+    for line in (_tight(line.removeprefix("export ")) for line in kept):
+        if line.startswith("const") and _declares(told[-1]):
+            told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
+        else:
+            told.append(line)
+    return "\n".join([*told, START, ""])
+
+
+def _declares(line: str) -> bool:
+    """Whether a line is one whole declaration, which may go on with what the next line declares."""
+    closed = sum(map(line.count, "([{")) == sum(map(line.count, ")]}"))
+    return line.startswith("const") and closed and line.find(";") == len(line) - 1
 
 
 def _tight(line: str) -> str:

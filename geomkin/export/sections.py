@@ -19,8 +19,9 @@ from .island import kept_frames, shown_columns
 from .job import Job
 from .path import path
 
-# Distance between a part in small and its chords, as a share of its size: what 60 pixels show.
-SMALL = 4e-3
+# Distance between a part in small and its chords, as a share of its size: what 60 pixels show. And where its size is
+# told to four digits.
+SMALL, SIZED = 8e-3, 5e-5
 # How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
 SAME = 0.02
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
@@ -118,7 +119,7 @@ def _part(part: Part, tint: str) -> str:
 
 
 def _extent(part: Part) -> tuple[float, float]:
-    low, high = _box(flatten(part.outline, SMALL * reach(part.outline)))
+    low, high = _box(flatten(part.outline, SIZED * reach(part.outline)))
     return (high - low).real, (high - low).imag
 
 
