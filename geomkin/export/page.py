@@ -97,7 +97,8 @@ def _tight(line: str) -> str:
 @cache
 def _style() -> str:
     """The style, without comments and the spaces that nothing depends on."""
-    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", _web("style.css"), flags=re.DOTALL))
+    tight = re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", _web("style.css"), flags=re.DOTALL))
+    return tight.replace(";}", "}")
 
 
 def _web(name: str) -> str:

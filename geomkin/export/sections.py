@@ -52,14 +52,14 @@ def checks(job: Job) -> str:
 
 
 def _check(check: Check, scene: Scene) -> str:
-    word, sign = ("holds", "&#10003;") if check.passed else ("fails", "&#10007;")
+    word, sign = ("holds", "\N{CHECK MARK}") if check.passed else ("fails", "\N{BALLOT X}")
     frame = worst_frame(check, scene)
     there = ""
     if frame is not None:
         drive = scene.drive
         place = _with(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
         there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
-    means = "as it should be" if check.passed else check.advice or "see the limit"
+    means = "fine" if check.passed else check.advice or "see the limit"
     return (
         f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
         f'<th scope="row">{text(_capital(check.name))}</th>'
@@ -108,7 +108,7 @@ def _part(part: Part, tint: str) -> str:
     curves = (part.outline, *part.holes)
     cells = (
         f"{part.count}",
-        " &times; ".join(number(size) for size in _extent(part)),
+        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in _extent(part)),
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
@@ -138,7 +138,7 @@ def _thumbnail(part: Part, tint: str) -> str:
     left, top = middle.real - 30 * room, -middle.imag - 20 * room
     box = " ".join(f"{value:.4g}" for value in (left, top, 60 * room, 40 * room))
     return (
-        f'<svg class="small" viewBox="{box}" width="60" height="40" aria-hidden="true">'
+        f'<svg class="small" viewBox="{box}" aria-hidden="true">'
         f'<path class="plate {tint}" transform="scale(1 -1)" d="{drawn}"/></svg>'
     )
 
@@ -242,7 +242,7 @@ def _quoted(name: str) -> str:
 
 
 def _lines(lines: Iterable[str]) -> str:
-    return "\n".join(escape(line) for line in lines)
+    return "\n".join(escape(line, quote=False) for line in lines)
 
 
 def text(raw: str) -> str:

@@ -348,7 +348,7 @@ export class Drawing {
   screen(x, y) { return [this.tx + this.s * x, this.ty - this.s * y]; }
 
   toggle(role, on) {
-    this.svg.classList.toggle(`without-${role}`, !on);
+    for (const shown of this.svg.querySelectorAll(`.${role}:not(.pin, .fixed-pin, .slide)`)) shown.classList.toggle("off", !on);
     if (on) this.hidden.delete(role); else this.hidden.add(role);
   }
 

@@ -5,6 +5,7 @@ import { abs, make, max, min, round } from "./shapes.js";
 export const MOST_PLOTS = 4;
 // Dashes of the curves of one plot: colour is never all that tells them apart.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
+const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
 const DEGREES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720];
 
 // To as many digits as a reader compares, with the sign that minus has in print.
@@ -74,7 +75,7 @@ export class Plots {
     const { data } = this, told = data.plots[card.chosen], drive = data.columns[0];
     const columns = told.columns.map((k) => data.columns[k]);
     const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
-    const strokes = columns.map((_, k) => colour(`--s${k % 6}`));
+    const strokes = columns.map((_, k) => colour(`--${STROKES[k % 6]}`));
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
     const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
     const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || "ratio";

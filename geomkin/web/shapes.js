@@ -49,16 +49,24 @@ export function niceLength(most) {
 
 // The first outline of a path's text as points [x, y], at most some 64 of them, and its circles [x, y, radius].
 export function pointsOf(d) {
-  const circles = [...d.matchAll(/M(-?[\d.]+) ?(-?[\d.]+)a([\d.]+)/g)].map(([, x, y, r]) => [+x + +r, +y, +r]);
-  const numbers = (d.split("z")[0].match(/-?\d*\.?\d+/g) ?? []).map(Number);
-  let points = [];
-  if (/^M[^a-z]*a/.test(d)) {
-    const [x, y, r] = circles[0];
-    for (let k = 0; k < 16; k++) points.push([x + r * Math.cos(k * Math.PI / 8), y + r * Math.sin(k * Math.PI / 8)]);
-    return { points, circles };
-  }
+  const numbers = (text) => (text.match(/-?\d*\.?\d+/g) ?? []).map(Number);
+  const circles = [...d.matchAll(/M([^a-z]+)a([\d.]+) [^a-z]+ 0a/g)].map(([, at, r]) => [numbers(at)[0] + +r, numbers(at)[1], +r]);
+  const points = [];
   let x = 0, y = 0;
-  for (let k = 0; k + 1 < numbers.length; k += 2) points.push([x += numbers[k], y += numbers[k + 1]]);
+  for (const [, sign, text] of d.split("z")[0].matchAll(/([Mla])([^Mla]*)/g)) {
+    const steps = numbers(text);
+    if (sign === "a") {
+      // Between its ends an arc goes about a centre beside the middle of its chord.
+      const [r, , , , side, u, v] = steps, half = hypot(u, v) / 2, off = (side ? 1 : -1) * Math.sqrt(max(0, r * r - half * half)) / 2 / half;
+      const [a, b] = [x + u / 2 - off * v, y + v / 2 + off * u], turn = (side ? 2 : -2) * Math.asin(min(1, half / r));
+      for (const share of [0.25, 0.5, 0.75]) {
+        const [c, s] = [Math.cos(share * turn), Math.sin(share * turn)];
+        points.push([a + (x - a) * c - (y - b) * s, b + (x - a) * s + (y - b) * c]);
+      }
+      steps.splice(0, 5);
+    }
+    for (let k = 0; k + 1 < steps.length; k += 2) points.push([x += steps[k], y += steps[k + 1]]);
+  }
   const stride = Math.ceil(points.length / 64);
   return { points: points.filter((_, k) => k % stride === 0), circles };
 }
