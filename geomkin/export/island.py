@@ -17,9 +17,13 @@ from .path import path
 # Distance between an outline and its chords, as a share of the scene's size. More, and corners show on a wide screen;
 # a tenth of it, and a gear's page is three times as long.
 SCREEN = 2e-4
-# Digits of places, counted from the scene's size, and decimals of angles in rad. Fewer, and plates tremble from frame
-# to frame on a large screen; one more makes a page a fifth longer.
+# Digits of places, counted from the scene's size. Fewer, and plates tremble from frame to frame on a large screen; one
+# more makes a page a fifth longer.
 DIGITS_OF_PLACES = 6
+# Decimals of angles in deg, of bodies as of the table. Fewer, and plates tremble from frame to frame on a large screen.
+ANGLES = 4
+# Digits that arrows and centres, of which nobody reads more than a direction and a size, have less than places.
+ROUGH, ROUGHLY = 2, ("velocity", "acceleration", "centre")
 # Digits of the table's values, counted from the largest of a column: as many as anybody reads off a plot.
 DIGITS_OF_VALUES = 6
 # Frames of a page at most, evenly chosen. More make no smoother picture and a page of megabytes; fewer would leave
@@ -40,8 +44,8 @@ def shown_columns(scene: Scene) -> list[Column]:
 def island(scene: Scene, name: str) -> str:
     """The JSON text of a scene, safe within a script element.
 
-    `series` holds rows over the frames as `packed` tells them, which all else names by their index. Angles are in rad,
-    places in mm.
+    `series` holds rows over the frames as `packed` tells them, which all else names by their index. Angles are in deg,
+    places in mm. A row that comes twice, as the angle of a body in the table, is told once.
     """
     low, high = scene.box
     told = _Island(kept_frames(len(scene.time)), abs(high - low) or 1.0)
@@ -59,7 +63,7 @@ def island(scene: Scene, name: str) -> str:
                 "name": harmless(column.name),
                 "unit": harmless(column.unit),
                 "meaning": harmless(column.meaning),
-                "row": told.values(np.asarray(column.values, dtype=float), column.scale),
+                "row": told.values(np.asarray(column.values, dtype=float), column.scale, column.unit),
             }
             for column in columns
         ],
@@ -103,43 +107,55 @@ class _Island:
     def _body(self, body: SceneBody) -> dict[str, object]:
         cut = [self._path((part.outline, *part.holes)) for part in body.parts]
         engraved = [self._path(part.marks) for part in body.parts if part.marks]
-        told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin)}
+        told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin, self.digits)}
         told |= {"turn": self._angles(body.direction), "layer": body.layer, "cut": cut}
         return told | ({"fixed": True} if body.fixed else {}) | ({"engraved": engraved} if engraved else {})
 
     def _curve(self, curve: SceneCurve) -> dict[str, object]:
         drawn = self._path((curve.curve,))
-        return {"path": drawn, "role": curve.role, "label": harmless(curve.label), "body": harmless(curve.body)}
+        told: dict[str, object] = {"path": drawn, "role": curve.role, "label": harmless(curve.label)}
+        return told | ({"body": harmless(curve.body)} if curve.body else {})
 
     def _mark(self, mark: SceneMark) -> dict[str, object]:
-        told: dict[str, object] = {"sort": mark.sort, "role": mark.role, "label": harmless(mark.label)}
-        told["at"] = self._places(mark.place)
+        digits = self.digits - ROUGH * (mark.role in ROUGHLY)
+        told: dict[str, object] = {"sort": mark.sort}
+        # What most marks are and have is left out.
+        told |= ({"label": harmless(mark.label)} if mark.label else {}) | (
+            {"role": mark.role} if mark.role != "construction" else {}
+        )
+        told["at"] = self._places(mark.place, self.digits if mark.vector is not None else digits)
         if mark.trail:
             told["trail"] = True
         if mark.vector is not None:
-            told["vector"] = self._places(mark.vector)
+            told["vector"] = self._places(mark.vector, digits)
         if mark.direction is not None:
             told["turn"] = self._angles(mark.direction)
         if mark.radius is not None:
             told["radius"] = self._row(mark.radius, self.digits)
         return told
 
-    def values(self, row: Real, scale: float = 0.0) -> int:
-        """Of the table, to as many digits as its largest value asks for."""
+    def values(self, row: Real, scale: float = 0.0, unit: str = "") -> int:
+        """Of the table, to as many digits as its largest value asks for; angles and places as those of bodies if that
+        is one less at most.
+        """
         largest = max(scale, float(np.abs(row[np.isfinite(row)]).max(initial=0.0)))
         digits = DIGITS_OF_VALUES - 1 - int(np.floor(np.log10(largest))) if largest > 0 else 0
+        if unit == "deg" and ANGLES - 2 <= digits <= ANGLES:
+            digits = ANGLES
+        if unit == "mm" and digits == self.digits + 1:
+            digits = self.digits
         return self._row(row, min(digits, 290))
 
-    def _places(self, places: Complex) -> list[int]:
+    def _places(self, places: Complex, digits: int) -> list[int]:
         places = np.asarray(places)
         gone = ~np.isfinite(places)
-        return [self._row(np.where(gone, np.nan, part), self.digits) for part in (places.real, places.imag)]
+        return [self._row(np.where(gone, np.nan, part), digits) for part in (places.real, places.imag)]
 
     def _angles(self, directions: Complex) -> int:
         angles = np.angle(directions)
         known = np.isfinite(angles)
         angles[known] = np.unwrap(angles[known])
-        return self._row(angles, DIGITS_OF_PLACES - 1)
+        return self._row(np.degrees(angles), ANGLES)
 
     def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
         # A digit less than places have is a twentieth of the tolerance still.

@@ -40,7 +40,8 @@ def packed(row: Real, decimals: int) -> str:
 
 def _sizes(values: Whole, order: int) -> Whole:
     """Bits that the code of the order takes for each number from 0."""
-    return 2 * np.frexp((values + (1 << order)).astype(float))[1].astype(np.int64) - 1 - order
+    exponents: Whole = np.frexp((values + (1 << order)).astype(float))[1].astype(np.int64)
+    return 2 * exponents - 1 - order
 
 
 def _signs(values: Whole, order: int) -> str:

@@ -8,7 +8,7 @@ from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 
-from .island import island
+from .island import MOST_FRAMES, island
 from .job import Job
 from .sections import all_of, text, verdict
 
@@ -25,6 +25,9 @@ def write(job: Job) -> dict[str, bytes]:
 def page(job: Job) -> bytes:
     """The page: drawing and plots by the player, all else as tables that read without it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""
+    frames = len(job.scene.time)
+    if frames > MOST_FRAMES:
+        about += f"<p>It shows {MOST_FRAMES} of {frames} frames, evenly chosen; the CSV file of the recipe has all.</p>"
     body = (
         '<section id="player" aria-label="The mechanism, moving, and its plots"></section>\n'
         "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
@@ -72,7 +75,19 @@ def _script(scripts: tuple[str, ...], start: str) -> str:
     library, *own = (web_file(name) for name in scripts)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    return "\n".join([library, *(_tight(line.removeprefix("export ")) for line in kept), start, ""])
+    told: list[str] = [library]
+    for line in (_tight(line.removeprefix("export ")) for line in kept):
+        if line.startswith("const") and _declares(told[-1]):
+            told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
+        else:
+            told.append(line)
+    return "\n".join([*told, start, ""])
+
+
+def _declares(line: str) -> bool:
+    """Whether a line is one whole declaration, which may go on with what the next line declares."""
+    closed = sum(map(line.count, "([{")) == sum(map(line.count, ")]}"))
+    return line.startswith("const") and closed and line.find(";") == len(line) - 1
 
 
 def _tight(line: str) -> str:
@@ -96,7 +111,9 @@ def _style() -> str:
 
 def tight_style(style: str) -> str:
     """A style without comments and the spaces that nothing depends on."""
-    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL))
+    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL)).replace(
+        ";}", "}"
+    )
 
 
 def colours() -> str:

@@ -6,15 +6,42 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
-from ..plane.primitives import Circle
+from ..plane.joined import Path
+from ..plane.primitives import Arc, Circle, Segment
 from ..plane.vec import Complex, rounded
 
 
 def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
-    """The curves, mm, y up as they are, within `tolerance`, in numbers of so many decimals; a circle stays one."""
-    return "".join(_circle(c, digits) if isinstance(c, Circle) else _steps(c, tolerance, digits) for c in curves)
+    """The curves, mm, y up as they are, within `tolerance`, in numbers of so many decimals; arcs stay what they are."""
+    return "".join(_told(curve, tolerance, digits) for curve in curves)
+
+
+def _told(curve: AbstractCurve, tolerance: float, digits: int) -> str:
+    match curve:
+        case Circle():
+            return _circle(curve, digits)
+        case Path() if all(isinstance(piece, Arc | Segment) for piece in curve.pieces):
+            return _arcs(curve, tolerance, digits)
+        case _:
+            return _steps(curve, tolerance, digits)
+
+
+def _arcs(curve: Path, tolerance: float, digits: int) -> str:
+    """Each piece by the step to its end: an arc, of half a turn at most, with its radius and the side that it is on."""
+    chain = to_arcs(curve, tolerance)
+    corners = np.append(chain.vertices, chain.vertices[:1]) if chain.is_closed else np.asarray(chain.vertices)
+    points, bulges = rounded(corners, digits), np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
+    text = f"M{_pair(points[0].item(), digits)}"
+    for step, bulge in zip(rounded(np.diff(points), digits).tolist(), bulges.tolist()):
+        if bulge:
+            radius = decimal(rounded(abs(step) * (1 + bulge**2) / (4 * abs(bulge)), digits).item(), digits)
+            text += f"a{radius} {radius} 0 0 {int(bulge > 0)} {_pair(step, digits)}"
+        else:
+            text += f"l{_pair(step, digits)}"
+    return text.replace(" -", "-") + "z" * curve.closed
 
 
 def _steps(curve: AbstractCurve, tolerance: float, digits: int) -> str:

@@ -49,14 +49,14 @@ def checks(job: Job) -> str:
 
 
 def _check(check: Check, scene: Scene) -> str:
-    word, sign = ("holds", "&#10003;") if check.passed else ("fails", "&#10007;")
+    word, sign = ("holds", "\N{CHECK MARK}") if check.passed else ("fails", "\N{BALLOT X}")
     frame = worst_frame(check, scene)
     there = ""
     if frame is not None:
         drive = scene.drive
         place = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
         there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
-    means = "as it should be" if check.passed else check.advice or "see the limit"
+    means = "fine" if check.passed else check.advice or "see the limit"
     return (
         f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
         f'<th scope="row">{text(capital(check.name))}</th>'
@@ -105,7 +105,7 @@ def _part(part: Part, tint: str) -> str:
     curves = (part.outline, *part.holes)
     cells = (
         f"{part.count}",
-        " &times; ".join(number(size) for size in _extent(part)),
+        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in _extent(part)),
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
@@ -282,7 +282,7 @@ def _quoted(name: str) -> str:
 
 
 def _lines(lines: Iterable[str]) -> str:
-    return "\n".join(escape(line) for line in lines)
+    return "\n".join(escape(line, quote=False) for line in lines)
 
 
 def text(raw: str) -> str:

@@ -220,7 +220,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     def plotted(self) -> Sequence[Plot]:
         names = {column.name: column.header for column in self.table.columns}
         _, most = self.largest_error
-        limits = tuple(Limit(side * most, "the most that is not too large") for side in (1, -1))
+        limits = tuple(Limit(side * most, "largest error allowed") for side in (1, -1))
         return (
             Plot("error of the output", (names["error"],), limits),
             Plot("output", (names["wanted"], names["reached"])),

@@ -114,7 +114,8 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
             for name, role in roles.items()
         }
-        what = {role: f"shaking force, counterbalance: {name}" for name, role in roles.items()}
+        words = {"none": "force without counterweight", "given": "with the one given", "best": "with the best"}
+        what = {role: words[name] for name, role in roles.items()}
         most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
         plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
         plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}_N" for name in roles)) for way in "xy"]

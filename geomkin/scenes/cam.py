@@ -149,7 +149,7 @@ class _Riding:
         length = ARROW * self.cam.prime_radius
         yield SceneMark("point", self.contact, "contact", "contact")
         yield SceneMark("vector", self.contact, "contact", "force on the follower", vector=length * self.normal)
-        yield SceneMark("line", self.contact, "contact", "way of the follower", vector=length * self.way)
+        yield SceneMark("line", self.contact, "contact", "direction of motion", vector=length * self.way)
 
     def wished(self) -> Iterator[SceneMark]:
         """The follower where it should be, as long as undercut keeps it from there."""

@@ -42,7 +42,7 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
         pairs = combinations(places.items(), 2) if len(places) <= 3 else pairwise(places.items())
         for (one, start), (other, end) in pairs:
             if abs(end - start) > least:
-                words = f"{mm(abs(end - start))}, {body} from {one} to {other}".replace("_", " ")
+                words = f"{mm(abs(end - start))}, {one} to {other}".replace("_", " ")
                 yield dimension(start, end, words, body)
     for slider in linkage.sliders:
         line = complex(np.asarray(slider.direction))

@@ -39,9 +39,9 @@ def linkage_scene(
     table: `motion_table(motion)`, or another of its frames, for the plots. parts: as `link_parts` gives them, each
     placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
     names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
-    linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations and instant
-    centres are marks to be switched on, and left out where `rates` is false. DesignError for arrays of linkages.
-    Derived here.
+    linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations, instant
+    centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays
+    of linkages. Derived here.
     """
     if motion.linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
@@ -60,7 +60,7 @@ def linkage_scene(
         time,
         motion.closed,
         bodies,
-        tuple(link_dimensions(motion.linkage)),
+        tuple(link_dimensions(motion.linkage)) if rates else (),
         marks,
         tuple(_plots(table, limits or {})),
         turns and around != 0,
@@ -134,7 +134,12 @@ def _vectors(motion: Motion) -> Iterator[SceneMark]:
             arrow = _finite(track[k]) * scale
             most = 1.5 * LONGEST_ARROW * size
             arrow = arrow * (most / np.maximum(np.abs(arrow), most))
-            yield SceneMark("vector", track[0], role, f"{name} {role}, 1 mm is {1 / scale:.3g} {unit}", vector=arrow)  # type: ignore[arg-type]
+            yield SceneMark("vector", track[0], role, f"{name} {role}, {drawn_at(scale, unit)}", vector=arrow)  # type: ignore[arg-type]
+
+
+def drawn_at(scale: float, unit: str) -> str:
+    """What a millimetre of an arrow stands for, where one of the unit is drawn `scale` mm long."""
+    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
 
 
 def _centres(motion: Motion) -> Iterator[SceneMark]:

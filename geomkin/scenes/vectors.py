@@ -14,7 +14,7 @@ from ..linkage.motion import Motion
 from ..plane.vec import Complex
 from ..scene import Plot, Role, Scene, SceneMark
 from ..table import Table
-from .linkage import LONGEST_ARROW, linkage_scene
+from .linkage import LONGEST_ARROW, drawn_at, linkage_scene
 
 # Room between the linkage and its polygons, as a share of its size.
 GAP = 0.3
@@ -45,7 +45,7 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
         scale = round_scale(extent, size)
         pole = complex(right - scale * ends.real.min(), middle)
         right += scale * np.ptp(ends.real) + GAP * size
-        marks += _polygon(sides, pole, scale, rate, f"1 mm is {1 / scale:.3g} {unit}")
+        marks += _polygon(sides, pole, scale, rate, drawn_at(scale, unit))
     return replace(scene, marks=tuple(marks))
 
 
@@ -71,7 +71,7 @@ def _polygon(
             continue
         start, side = pole + scale * tail, scale * (tip - tail)
         if kind == "absolute":
-            yield SceneMark("vector", start, "traced", f"{rate[0]} {name}, {rate} of it, {words}", vector=side)
+            yield SceneMark("vector", start, "traced", f"{rate[0]} {name}, {words}", vector=side)
             yield SceneMark("point", start + side, "traced", trail=True)
         else:
             yield SceneMark("line", start, "traced", vector=side)
@@ -93,7 +93,7 @@ def force_scene(
     scale = LONGEST_ARROW * abs(high - low) / largest
     at = np.full(len(scene.time), place)
     marks = tuple(
-        SceneMark("vector", at, role, f"{what[role]}, 1 mm is {1 / scale:.3g} N", vector=force * scale)
+        SceneMark("vector", at, role, f"{what[role]}, {drawn_at(scale, 'N')}", vector=force * scale)
         for role, force in forces.items()
     )
     return replace(scene, marks=(*scene.marks, *marks), plots=plots)

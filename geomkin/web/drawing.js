@@ -1,14 +1,14 @@
 // A scene as an SVG drawing: one group a body, of which each frame sets the matrix alone; marks in pixels above them.
 import { Names } from "./names.js";
-import { arrow, axisOf, make, niceLength, pointsOf, px, spaced, STAND } from "./shapes.js";
+import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, spaced, STAND } from "./shapes.js";
 
 // What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
 export const OFF = ["dimension", "centre", "velocity", "acceleration"];
 // What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on.
-const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.3;
+const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5;
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
-const CLOSEST = 60;
+const CLOSEST = 60, DEG = Math.PI / 180;
 // Pixels between a name and what it stands beside.
 const BESIDE = 8;
 // Share of the drawing that is seen around a contact that stays in one place.
@@ -36,11 +36,11 @@ export class Drawing {
     for (const body of this.bodies) body.tint = body.fixed ? "ground" : `t${tint++ % 8}`;
     for (const body of [...this.bodies].sort((a, b) => a.layer - b.layer)) this.drawBody(body);
     this.hasGround = this.bodies.some((body) => body.fixed && body.cut.length);
-    this.marks = scene.marks.map((mark) => this.drawMark({ ...mark, ...this.rows(mark) }));
+    this.marks = scene.marks.map((mark) => this.drawMark({ label: "", role: "construction", ...mark, ...this.rows(mark) }));
     for (const curve of scene.curves) this.drawCurve(curve);
     this.bounds = this.extent();
     // Trails are told in ten-thousandths of the drawing, so that few decimals will do whatever its size.
-    this.fine = 1e4 / Math.max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1], 1e-9);
+    this.fine = 1e4 / max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1], 1e-9);
     for (const mark of this.marks) if (mark.trail) this.drawTrail(mark, drive, every);
     this.sizePins();
     this.nameAll();
@@ -54,7 +54,7 @@ export class Drawing {
       if (k === undefined) continue;
       for (const body of this.bodies) for (const { circles } of body.drawn) for (const [u, v, r] of circles) {
         const [x, y] = this.place(body, u, v, k);
-        if (Math.hypot(x - mark.x[k], y - mark.y[k]) < near) mark.hole = Math.max(mark.hole ?? 0, r);
+        if (hypot(x - mark.x[k], y - mark.y[k]) < near) mark.hole = max(mark.hole ?? 0, r);
       }
     }
   }
@@ -65,7 +65,7 @@ export class Drawing {
 
   unpacked(body) {
     const [x, y, turn] = [...body.at, body.turn].map((index) => this.data.rows[index]);
-    return { ...body, lined: [], x, y, cos: turn.map(Math.cos), sin: turn.map(Math.sin) };
+    return { ...body, lined: {}, x, y, cos: turn.map((deg) => Math.cos(deg * DEG)), sin: turn.map((deg) => Math.sin(deg * DEG)) };
   }
 
   drawBody(body) {
@@ -87,7 +87,7 @@ export class Drawing {
     const d = this.data.paths[curve.path];
     if (curve.role === "dimension") { this.drawDimension(curve, body, pointsOf(d).points); return; }
     const path = make(body ? body.group : this.world, "path", { d, class: `line ${curve.role}`, "data-role": curve.role });
-    if (body && !FAR.includes(curve.role)) body.lined.push(...pointsOf(d).points);
+    if (body) (body.lined[curve.role] ??= []).push(...pointsOf(d).points);
     if (curve.label) make(path, "title", {}, spaced(curve.label));
   }
 
@@ -104,9 +104,8 @@ export class Drawing {
 
   // What of a mark is told by rows.
   rows({ at, vector = [], turn, radius }) {
-    const [x, y, u, v, turned, r] = [...at, ...(vector.length ? vector : [undefined, undefined]), turn, radius]
-      .map((index) => this.data.rows[index]);
-    return { x, y, u, v, turned, r };
+    const [x, y, turned, r, u, v] = [...at, turn, radius, ...vector].map((index) => this.data.rows[index]);
+    return { x, y, turned: turned?.map((deg) => deg * DEG), r, u, v };
   }
 
   drawMark(mark) {
@@ -140,9 +139,9 @@ export class Drawing {
     const [c, s] = [Math.cos(mark.turned[known[0]]), Math.sin(mark.turned[known[0]])];
     const along = known.map((k) => c * mark.x[k] + s * mark.y[k]);
     const beside = known.map((k) => c * mark.y[k] - s * mark.x[k]);
-    const [low, high] = [Math.min(...along), Math.max(...along)];
-    const still = known.every((k) => Math.abs(Math.sin(mark.turned[k] - mark.turned[known[0]])) < 1e-3);
-    if (!still || high - low === 0 || Math.max(...beside) - Math.min(...beside) > 2e-3 * (high - low)) return;
+    const [low, high] = [min(...along), max(...along)];
+    const still = known.every((k) => abs(Math.sin(mark.turned[k] - mark.turned[known[0]])) < 1e-3);
+    if (!still || high - low === 0 || max(...beside) - min(...beside) > 2e-3 * (high - low)) return;
     mark.rail = { c, s, low, high, beside: beside[0], path: make(this.guides, "path", { class: "rail" }) };
   }
 
@@ -151,10 +150,10 @@ export class Drawing {
     let d = "", drawn = false;
     for (let k = 1; k < this.frames; k++) {
       const from = drive[k - 1] - drive[0], to = drive[k] - drive[0];
-      if (!Number.isFinite(mark.x[k] + mark.x[k - 1])) { drawn = false; continue; }
+      if (!isFinite(mark.x[k] + mark.x[k - 1])) { drawn = false; continue; }
       // Steps may end between two frames: the way there is straight.
       for (let at = from; at < to - 1e-9 * every;) {
-        const step = Math.floor(at / every + 1e-6), next = Math.min(to, (step + 1) * every);
+        const step = floor(at / every + 1e-6), next = min(to, (step + 1) * every);
         if (step % 2 === 0) {
           const [a, b] = [at, next].map((value) => (value - from) / (to - from));
           const between = (row, share) => (this.fine * (row[k - 1] + share * (row[k] - row[k - 1]))).toFixed(1);
@@ -169,16 +168,16 @@ export class Drawing {
   }
 
   known(mark) {
-    return [...mark.x.keys()].filter((k) => Number.isFinite(mark.x[k] + mark.y[k]));
+    return [...mark.x.keys()].filter((k) => isFinite(mark.x[k] + mark.y[k]));
   }
 
   // Left, lower, right and upper end, mm, of all that is always shown, over all frames.
   extent() {
     const ends = [Infinity, Infinity, -Infinity, -Infinity];
     const take = (x, y) => {
-      if (!Number.isFinite(x + y)) return;
-      ends[0] = Math.min(ends[0], x); ends[1] = Math.min(ends[1], y);
-      ends[2] = Math.max(ends[2], x); ends[3] = Math.max(ends[3], y);
+      if (!isFinite(x + y)) return;
+      ends[0] = min(ends[0], x); ends[1] = min(ends[1], y);
+      ends[2] = max(ends[2], x); ends[3] = max(ends[3], y);
     };
     const takeMarks = (marks) => {
       for (const mark of marks) mark.x.forEach((x, k) => {
@@ -187,12 +186,17 @@ export class Drawing {
         if (mark.u) take(x + mark.u[k], mark.y[k] + mark.v[k]);
       });
     };
+    const takeMoving = (body, points) => {
+      for (let k = 0; k < this.frames; k++) for (const [u, v] of points) take(...this.place(body, u, v, k));
+    };
+    const takeLined = (wanted) => {
+      for (const body of this.bodies) for (const [role, points] of Object.entries(body.lined)) if (wanted(role)) takeMoving(body, points);
+    };
     for (const body of this.bodies) {
       body.drawn = body.cut.map((index) => pointsOf(this.data.paths[index]));
-      const points = body.drawn.flatMap((drawn) => drawn.points);
-      points.push(...body.lined);
-      for (let k = 0; k < this.frames; k++) for (const [u, v] of points) take(...this.place(body, u, v, k));
+      takeMoving(body, body.drawn.flatMap((drawn) => drawn.points));
     }
+    takeLined((role) => !FAR.includes(role));
     takeMarks(this.marks.filter((mark) => !FAR.includes(mark.role)));
     const takeCurves = (wanted) => {
       for (const path of this.world.querySelectorAll("path")) {
@@ -209,7 +213,8 @@ export class Drawing {
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);
-      this.asides[role] = ends.map((end, k) => (k < 2 ? Math.max(end, always[k] - room[k]) : Math.min(end, always[k] + room[k - 2])));
+      takeLined((other) => other === role);
+      this.asides[role] = ends.map((end, k) => (k < 2 ? max(end, always[k] - room[k]) : min(end, always[k] + room[k - 2])));
     }
     return always;
   }
@@ -227,9 +232,18 @@ export class Drawing {
       const [u, v] = mark.u ? [share * mark.u[k], share * mark.v[k]] : [0, 0], [x, y] = this.screen(mark.x[k] + u, mark.y[k] + v);
       return [x + side * (half + BESIDE), y + down];
     };
+    for (const body of this.bodies) {
+      const points = body.drawn.flatMap((drawn) => drawn.points), slide = this.marks.find((mark) => mark.sort === "slide");
+      if (points.length) {
+        this.named.add(spaced(body.name), "of-body", "names", spotsOn(body, points).map(([u, v]) => on(body, u, v)));
+      } else if (slide && !body.fixed && !this.marks.some(({ sort, label }) => sort === "line" && label === body.name)) {
+        // What nothing is cut of is named beside its block.
+        this.named.add(spaced(body.name), "of-body", "names", [24, -20].map((down) => at(body, 0, 0, down)));
+      }
+    }
     const lines = new Set();
     for (const mark of this.marks) {
-      const { sort, role, label } = mark, text = spaced(label).split(", ")[0];
+      const { sort, role, label } = mark, text = spaced(label).replace(sort === "dimension" ? /,.*/ : /, 1 mm is.*/, "");
       if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration"].includes(role))) continue;
       if (mark.u) {
         if (sort === "line" && lines.has(label)) continue;
@@ -243,23 +257,14 @@ export class Drawing {
           .map(([side, down]) => at(mark, 0, side, down)));
       }
     }
-    for (const body of this.bodies) {
-      const points = body.drawn.flatMap((drawn) => drawn.points), slide = this.marks.find((mark) => mark.sort === "slide");
-      if (points.length) {
-        this.named.add(spaced(body.name), "of-body", "names", spotsOn(body, points).map(([u, v]) => on(body, u, v)));
-      } else if (slide && !body.fixed && !lines.has(body.name)) {
-        // What nothing is cut of is named beside its block.
-        this.named.add(spaced(body.name), "of-body", "names", [24, -20].map((down) => at(body, 0, 0, down)));
-      }
-    }
   }
 
   // Across and up, mm, of what is on.
   size() {
     const boxes = [this.bounds, ...FAR.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
-    this.box = this.bounds.map((_, k) => (k < 2 ? Math.min : Math.max)(...boxes.map((box) => box[k])));
+    this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
     const [left, low, right, high] = this.box;
-    return [Math.max(right - left, 1e-9), Math.max(high - low, 1e-9)];
+    return [max(right - left, 1e-9), max(high - low, 1e-9)];
   }
 
   // So many pixels wide and tall, all of it shown at `scale`, px/mm; what was looked at more closely still is.
@@ -274,10 +279,10 @@ export class Drawing {
   // So many times as close as all of it, with a place, mm, in the middle.
   look(by, at) {
     const [left, low, right, high] = this.box;
-    this.by = Math.min(CLOSEST, Math.max(1, by));
+    this.by = min(CLOSEST, max(1, by));
     if (this.by < 1.02) [this.by, at] = [1, undefined];
     const [x, y] = at ?? [(left + right) / 2, (low + high) / 2];
-    this.at = at && [Math.min(right, Math.max(left, x)), Math.min(high, Math.max(low, y))];
+    this.at = at && [min(right, max(left, x)), min(high, max(low, y))];
     const s = this.scale * this.by, [middle, centre] = this.at ?? [x, y];
     [this.s, this.tx, this.ty] = [s, this.wide / 2 - s * middle, (this.tall - FOOT) / 2 + s * centre];
     this.svg.classList.toggle("closer", this.by > 1);
@@ -286,7 +291,7 @@ export class Drawing {
     this.trails.setAttribute("transform", `matrix(${s / this.fine} 0 0 ${-s / this.fine} ${this.tx} ${this.ty})`);
     for (const { rail, hole, shape } of this.marks) {
       if (rail) this.fitRail(rail);
-      if (hole) shape.setAttribute("r", px(Math.min(9 * Math.sqrt(this.by), Math.max(3.4, hole * s))));
+      if (hole) shape.setAttribute("r", px(min(9 * Math.sqrt(this.by), max(3.4, hole * s))));
     }
     this.fitScale(this.wide, this.tall);
     this.named.arrange();
@@ -296,7 +301,7 @@ export class Drawing {
   // Closer so many times, what is at a place on the stage, px, staying there.
   zoom(times, [x, y] = [this.wide / 2, (this.tall - FOOT) / 2]) {
     const [u, v] = [(x - this.tx) / this.s, (this.ty - y) / this.s];
-    const by = Math.min(CLOSEST, Math.max(1, this.by * times)), s = this.scale * by;
+    const by = min(CLOSEST, max(1, this.by * times)), s = this.scale * by;
     this.look(by, [u + (this.wide / 2 - x) / s, v - ((this.tall - FOOT) / 2 - y) / s]);
   }
 
@@ -312,9 +317,9 @@ export class Drawing {
   }
 
   lookAtContact() {
-    const ends = [0, 1].map((axis) => this.contacts.map((place) => place[axis])).map((row) => [Math.min(...row), Math.max(...row)]);
-    const sizes = ends.map(([low, high]) => high - low), size = Math.max(...sizes, NEAR * Math.max(...this.size()));
-    this.look(0.4 * Math.min(this.wide, this.tall) / (size * this.scale), ends.map(([low, high]) => (low + high) / 2));
+    const ends = [0, 1].map((axis) => this.contacts.map((place) => place[axis])).map((row) => [min(...row), max(...row)]);
+    const sizes = ends.map(([low, high]) => high - low), size = max(...sizes, NEAR * max(...this.size()));
+    this.look(0.4 * min(this.wide, this.tall) / (size * this.scale), ends.map(([low, high]) => (low + high) / 2));
   }
 
   fitRail({ c, s, low, high, beside, path }) {
@@ -328,7 +333,7 @@ export class Drawing {
   }
 
   fitScale(wide, tall) {
-    const length = niceLength(Math.min(0.3 * wide, 160) / this.s), end = 12 + length * this.s, y = tall - 12;
+    const length = niceLength(min(0.3 * wide, 110) / this.s), end = 12 + length * this.s, y = tall - 12;
     this.scaleBar.replaceChildren();
     make(this.scaleBar, "path", { d: `M12 ${y - 4}V${y + 4}M12 ${y}H${px(end)}M${px(end)} ${y - 4}V${y + 4}` });
     make(this.scaleBar, "text", { x: px(end + 7), y: y + 4 }, `${+length.toPrecision(3)} mm`);
@@ -343,7 +348,7 @@ export class Drawing {
   screen(x, y) { return [this.tx + this.s * x, this.ty - this.s * y]; }
 
   toggle(role, on) {
-    this.svg.classList.toggle(`without-${role}`, !on);
+    for (const shown of this.svg.querySelectorAll(`.${role}:not(.pin, .fixed-pin, .slide)`)) shown.classList.toggle("off", !on);
     if (on) this.hidden.delete(role); else this.hidden.add(role);
   }
 
@@ -354,7 +359,7 @@ export class Drawing {
     const { s, tx, ty } = this;
     for (const body of this.bodies) {
       const x = body.x[k], c = s * body.cos[k], n = s * body.sin[k];
-      const there = Number.isFinite(x + c);
+      const there = isFinite(x + c);
       body.group.setAttribute("visibility", there ? "visible" : "hidden");
       if (there) body.group.setAttribute("transform",
         `matrix(${c.toFixed(4)} ${(-n).toFixed(4)} ${(-n).toFixed(4)} ${(-c).toFixed(4)} ${px(tx + s * x)} ${px(ty - s * body.y[k])})`);
@@ -366,10 +371,10 @@ export class Drawing {
 
   showMark(mark, k) {
     const { s } = this, x = this.tx + s * mark.x[k], y = this.ty - s * mark.y[k];
-    const there = Number.isFinite(x + y + (mark.u ? mark.u[k] + mark.v[k] : 0));
+    const there = isFinite(x + y + (mark.u ? mark.u[k] + mark.v[k] : 0));
     mark.group.setAttribute("visibility", there ? "inherit" : "hidden");
     if (!there) return;
-    const turn = mark.sort === "slide" ? ` rotate(${px(-mark.turned[k] * 180 / Math.PI)})` : "";
+    const turn = mark.sort === "slide" ? ` rotate(${px(-mark.turned[k] / DEG)})` : "";
     mark.group.setAttribute("transform", `translate(${px(x)} ${px(y)})${turn}`);
     if (mark.r) mark.shape.setAttribute("r", px(s * mark.r[k]));
     if (mark.u) mark.shape.setAttribute("d", arrow(s * mark.u[k], -s * mark.v[k], { line: 0, vector: 1, dimension: 2 }[mark.sort]));
@@ -377,13 +382,13 @@ export class Drawing {
 
   // The frame at which a body's own point (u, v) is nearest to a place, rather near frame `from` than across a turn.
   nearestFrame({ body, u, v }, place, from, cyclic) {
-    const reach = Math.max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1]);
+    const reach = max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1]);
     let best = from, least = Infinity;
     for (let k = 0; k < this.frames; k++) {
       const [x, y] = this.place(body, u, v, k);
-      const off = Math.hypot(x - place[0], y - place[1]);
-      let away = Math.abs(k - from) / this.frames;
-      if (cyclic) away = Math.min(away, 1 - away);
+      const off = hypot(x - place[0], y - place[1]);
+      let away = abs(k - from) / this.frames;
+      if (cyclic) away = min(away, 1 - away);
       const cost = off + 0.12 * reach * away;
       if (cost < least) { least = cost; best = k; }
     }

@@ -1,4 +1,5 @@
 // What hands do on a drawing: drag a body, which turns the driver; move what is seen; look closer by wheel or two fingers.
+import { hypot, max } from "./shapes.js";
 
 // How much closer a wheel's step takes one: more, and what was looked at is lost.
 const WHEEL = 0.0015;
@@ -25,8 +26,8 @@ export function handle(drawing, player, said) {
     if (held) {
       player.goTo(drawing.nearestFrame(held, worldOf(drawing, now), player.frame, player.data.cyclic));
     } else if (other) {
-      const [from, to] = [before, now].map(([x, y]) => Math.hypot(x - other[0], y - other[1]));
-      drawing.zoom(to / Math.max(from, 1), other);
+      const [from, to] = [before, now].map(([x, y]) => hypot(x - other[0], y - other[1]));
+      drawing.zoom(to / max(from, 1), other);
       said(drawing);
     } else drawing.pan(now[0] - before[0], now[1] - before[1]);
   });

@@ -1,5 +1,5 @@
 // Names in a drawing, each at that of its places at which it covers the least of others, of pins and of the edge.
-import { make, px } from "./shapes.js";
+import { abs, make, px, round } from "./shapes.js";
 
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
@@ -11,13 +11,13 @@ export class Names {
 
   // spots: of a frame and half the text's width, px, where its middle may be; the best first.
   add(text, look, role, spots) {
-    const shape = make(this.drawing.names, "text", { class: `name ${look}`, "data-role": role }, text);
+    const shape = make(this.drawing.names, "text", { class: `name ${look}` }, text);
     this.all.push({ shape, role, spots, spot: spots[0], half: shape.getComputedTextLength() / 2 });
   }
 
   arrange() {
     const { frames, hidden, marks, wide, tall } = this.drawing, taken = [];
-    const looks = Array.from({ length: LOOKS }, (_, k) => Math.round(k * (frames - 1) / LOOKS));
+    const looks = Array.from({ length: LOOKS }, (_, k) => round(k * (frames - 1) / LOOKS));
     const pins = marks.filter((mark) => mark.always || mark.trail);
     const pinned = looks.map((k) => pins.map((pin) => this.drawing.screen(pin.x[k], pin.y[k])));
     for (const name of this.all) {
@@ -31,9 +31,9 @@ export class Names {
           if (x < half || x > wide - half || y < LINE / 2 || y > tall - LINE) cost += 2;
           for (const other of taken) {
             const [u, v] = other.places[look];
-            if (Math.abs(x - u) < half + other.half && Math.abs(y - v) < LINE) cost += 3;
+            if (abs(x - u) < half + other.half && abs(y - v) < LINE) cost += 3;
           }
-          for (const [u, v] of pinned[look]) if (Math.abs(x - u) < half + 4 && Math.abs(y - v) < LINE / 2 + 4) cost += 1;
+          for (const [u, v] of pinned[look]) if (abs(x - u) < half + 4 && abs(y - v) < LINE / 2 + 4) cost += 1;
         });
         if (cost < least) { least = cost; Object.assign(name, { spot, places }); }
       });
@@ -44,7 +44,7 @@ export class Names {
   show(k) {
     for (const { shape, spot, role, half } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k, half), there = Number.isFinite(x + y);
+      const [x, y] = spot(k, half), there = isFinite(x + y);
       shape.setAttribute("visibility", there ? "inherit" : "hidden");
       if (there) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }

@@ -2,7 +2,7 @@
 import { Drawing, FOOT, MARGIN, OFF } from "./drawing.js";
 import { handle } from "./hands.js";
 import { measured, Plots, shown, unitOf } from "./plots.js";
-import { make, spaced, unpack } from "./shapes.js";
+import { abs, floor, make, max, min, spaced, unpack } from "./shapes.js";
 
 // Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
 const FIRST_PASS = 5;
@@ -18,6 +18,7 @@ const ROLES = {
 const READING = 120;
 // How much closer a key or a button takes one, and how far the arrows move what is seen, px.
 const CLOSER = 1.4, MOVE = 40;
+const HINT = "Drag a link and the rest follows. Look closer with + and − or, once it is clicked, with the wheel; 0 shows all.";
 // Pixels between two drawings, as the style has it.
 const GAP = 12;
 
@@ -60,6 +61,7 @@ class Player {
     });
     this.controls();
     this.switches();
+    make(this.left, "p", { class: "hint" }, HINT);
     this.live = make(root, "p", { class: "unseen", "aria-live": "polite" });
     this.right = make(root, "div", { class: "right" });
     this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
@@ -86,7 +88,7 @@ class Player {
       this.closer(this.drawings[0]);
     });
     const pass = this.time[data.frames - 1] - this.time[0] || 1;
-    const first = SPEEDS.reduce((a, b) => (Math.abs(Math.log(pass / b / FIRST_PASS)) < Math.abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
+    const first = SPEEDS.reduce((a, b) => (abs(Math.log(pass / b / FIRST_PASS)) < abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
     const pace = make(bar, "label", { class: "speed" });
     make(pace, "span", {}, "Speed ");
     this.speed = make(pace, "select");
@@ -139,7 +141,7 @@ class Player {
       const line = make(body, "tr");
       make(line, "th", { scope: "row" }, meaning);
       make(line, "td", {}, unitOf(unit));
-      const now = make(line, "td"), known = [...row.keys()].filter((k) => Number.isFinite(row[k]));
+      const now = make(line, "td"), known = [...row.keys()].filter((k) => isFinite(row[k]));
       for (const sense of [1, -1]) {
         const k = known.reduce((best, other) => (sense * row[other] < sense * row[best] ? other : best), known[0]);
         make(line, "td", {}, shown(row[k]));
@@ -191,15 +193,15 @@ class Player {
     if (room < 50 || (room === this.room && !changed)) return;
     this.room = room;
     const drawings = this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings;
-    const columns = room > 620 ? Math.min(2, drawings.length) : 1;
-    const sizes = drawings.map((drawing) => drawing.size()), widest = Math.max(...sizes.map(([across]) => across));
+    const columns = room > 620 ? min(2, drawings.length) : 1;
+    const sizes = drawings.map((drawing) => drawing.size()), widest = max(...sizes.map(([across]) => across));
     // Two side by side share the width by what they need; of any other number all are as wide.
-    const needs = sizes.map(([across]) => (columns === drawings.length ? Math.max(across, widest / 4) : widest));
+    const needs = sizes.map(([across]) => (columns === drawings.length ? max(across, widest / 4) : widest));
     const sum = columns === drawings.length ? needs.reduce((a, b) => a + b) : columns * widest;
     const free = room - GAP * (columns - 1) - 2 * MARGIN * columns, foot = 2 * MARGIN + FOOT;
-    const tallest = Math.max(...sizes.map(([, up]) => up)), most = Math.max(260, 0.62 * innerHeight) - foot;
-    const scale = Math.min(free / sum, most / tallest), tall = Math.max(200, scale * tallest + foot);
-    drawings.forEach((drawing, k) => drawing.fit(Math.floor(2 * MARGIN + free * needs[k] / sum), tall, scale));
+    const tallest = max(...sizes.map(([, up]) => up)), most = max(260, 0.62 * innerHeight) - foot;
+    const scale = min(free / sum, most / tallest), tall = (up) => max(150, scale * up + foot);
+    drawings.forEach((drawing, k) => drawing.fit(floor(2 * MARGIN + free * needs[k] / sum), tall(columns > 1 ? tallest : sizes[k][1]), scale));
   }
 
   zoom(times) {
@@ -229,12 +231,12 @@ class Player {
     if (!this.playing) return;
     const start = performance.now();
     const [first, last] = [this.time[0], this.time[this.data.frames - 1]], pass = last - first;
-    this.clock += this.way * Math.min(0.1, (now - (this.before ?? now)) / 1000) * this.speed.value;
+    this.clock += this.way * min(0.1, (now - (this.before ?? now)) / 1000) * this.speed.value;
     this.before = now;
     if (this.data.cyclic) this.clock = first + ((((this.clock - first) % pass) + pass) % pass);
     else if (this.clock > last || this.clock < first) {
       this.way = this.clock > last ? -1 : 1;
-      this.clock = Math.min(last, Math.max(first, this.clock));
+      this.clock = min(last, max(first, this.clock));
     }
     this.frame = this.at(this.clock);
     this.show(now - this.written > READING);
@@ -258,11 +260,11 @@ class Player {
   step(by) {
     const { frames, cyclic } = this.data, last = frames - 1;
     // The last frame of a turn is the first again.
-    this.goTo(cyclic ? (((this.frame + by) % last) + last) % last : Math.min(last, Math.max(0, this.frame + by)));
+    this.goTo(cyclic ? (((this.frame + by) % last) + last) % last : min(last, max(0, this.frame + by)));
   }
 
   goTo(frame) {
-    this.frame = Math.min(this.data.frames - 1, Math.max(0, frame));
+    this.frame = min(this.data.frames - 1, max(0, frame));
     this.clock = this.time[this.frame];
     this.show(true);
   }
@@ -286,7 +288,7 @@ class Player {
   csv() {
     const { columns, frames } = this.data;
     const lines = [columns.map((column) => column.header).join(",")];
-    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (Number.isFinite(row[k]) ? row[k] : "")).join(","));
+    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? row[k] : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
 }

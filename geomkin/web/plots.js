@@ -1,24 +1,25 @@
 // Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
 /* global uPlot */
-import { make } from "./shapes.js";
+import { abs, make, max, min, round } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
 // Dashes of the curves of one plot: colour is never all that tells them apart.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
+const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
 const DEGREES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720];
 
 // To as many digits as a reader compares, with the sign that minus has in print.
 export function shown(value) {
-  if (!Number.isFinite(value)) return "–";
-  const size = Math.abs(value);
+  if (!isFinite(value)) return "–";
+  const size = abs(value);
   const text = size !== 0 && (size >= 1e7 || size < 1e-4) ? value.toExponential(3) : String(+value.toPrecision(5));
   return text.replace("-", "−");
 }
 
-export const unitOf = (unit) => unit.replace("deg", "°").replace("2", "²");
+export const unitOf = (unit) => unit.replace(/\bdeg\b/, "°").replace(/([a-z])2/, "$1²");
 
 export const measured = (value, unit) =>
-  Number.isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
+  isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
 
 export class Plots {
   // root: what holds them; data.spots: whether values stand alone, and are marked; seek(frame): called where a reader points at another place of the drive.
@@ -29,14 +30,14 @@ export class Plots {
     this.more.addEventListener("click", () => this.add());
     this.resized = new ResizeObserver(() => this.cards.forEach((card) => this.resize(card)));
     const first = document.documentElement.clientWidth > 900 ? 2 : 1;
-    for (let k = 0; k < Math.min(first, data.plots.length); k++) this.add();
+    for (let k = 0; k < min(first, data.plots.length); k++) this.add();
     if (!data.plots.length) this.more.hidden = true;
   }
 
   add() {
     const taken = new Set(this.cards.map((card) => card.chosen));
     const free = this.data.plots.findIndex((_, k) => !taken.has(k));
-    const card = { chosen: Math.max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
+    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
     const head = make(card.root, "div", { class: "head" });
     card.select = make(head, "select", { "aria-label": "What is plotted" });
     this.data.plots.forEach((plot, k) => make(card.select, "option", { value: k }, plot.title));
@@ -61,7 +62,7 @@ export class Plots {
   }
 
   count() {
-    this.more.hidden = this.cards.length >= Math.min(MOST_PLOTS, this.data.plots.length);
+    this.more.hidden = this.cards.length >= min(MOST_PLOTS, this.data.plots.length);
     for (const { root } of this.cards) root.querySelector(".close").hidden = this.cards.length < 2;
   }
 
@@ -74,7 +75,7 @@ export class Plots {
     const { data } = this, told = data.plots[card.chosen], drive = data.columns[0];
     const columns = told.columns.map((k) => data.columns[k]);
     const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
-    const strokes = columns.map((_, k) => colour(`--s${k % 6}`));
+    const strokes = columns.map((_, k) => colour(`--${STROKES[k % 6]}`));
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
     const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
     const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || (data.spots ? "" : "ratio");
@@ -91,7 +92,7 @@ export class Plots {
       ],
       series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!data.spots, size: 6 } }))],
       hooks: { draw: [(plot) => limits(plot, told, colour("--wanted"), colour("--paper"), font)], setCursor: [(plot) => this.hover(card, plot)] },
-    }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (Number.isFinite(y) ? y : null)))], card.chart);
+    }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (isFinite(y) ? y : null)))], card.chart);
     this.label(card, strokes);
     this.point(card);
     this.show(this.frame, true);
@@ -99,8 +100,8 @@ export class Plots {
 
   range(told, low, high) {
     let [from, to] = [low ?? 0, high ?? 1];
-    for (const [value] of told.limits) [from, to] = [Math.min(from, value), Math.max(to, value)];
-    const room = 0.06 * (to - from) || Math.abs(to) || 1;
+    for (const [value] of told.limits) [from, to] = [min(from, value), max(to, value)];
+    const room = 0.06 * (to - from) || abs(to) || 1;
     return [from - room, to + room];
   }
 
@@ -135,8 +136,8 @@ export class Plots {
   }
 
   sizeOf(card) {
-    const width = Math.max(200, card.chart.clientWidth);
-    return { width, height: Math.round(Math.min(260, Math.max(180, 0.5 * width))) };
+    const width = max(200, card.chart.clientWidth);
+    return { width, height: round(min(260, max(180, 0.5 * width))) };
   }
 
   resize(card) {

@@ -1,5 +1,6 @@
 // Elements, rows of numbers and forms that a drawing is made of.
 
+export const { abs, floor, hypot, max, min, round } = Math;
 const SVG = "http://www.w3.org/2000/svg";
 // A pivot on the ground, where no plate shows the ground: a stand with hatches below.
 export const STAND = "M-2.6 3.8L-8 13H8L2.6 3.8M-12 13H12M-10 13l-4 5M-4 13l-4 5M2 13l-4 5M8 13l-4 5";
@@ -23,7 +24,7 @@ export function unpack(text, frames) {
   const [decimals, times, order, runs, signs] = text.split(" ");
   const codes = Array.from(signs, (sign) => SIGNS.indexOf(sign)), sums = new Array(+times + 1).fill(0);
   let at = 0, k = 0, known = true;
-  const bit = () => (codes[Math.floor(at / 6)] >> (5 - at++ % 6)) & 1;
+  const bit = () => (codes[floor(at / 6)] >> (5 - at++ % 6)) & 1;
   const next = () => {
     let more = +order, value = 1;
     while (!bit()) more++;
@@ -42,22 +43,30 @@ export function unpack(text, frames) {
 
 // 1, 2 or 5 times a power of ten, at most `most`.
 export function niceLength(most) {
-  const power = 10 ** Math.floor(Math.log10(most));
+  const power = 10 ** floor(Math.log10(most));
   return [5, 2, 1].find((step) => step * power <= most) * power;
 }
 
 // The first outline of a path's text as points [x, y], at most some 64 of them, and its circles [x, y, radius].
 export function pointsOf(d) {
-  const circles = [...d.matchAll(/M(-?[\d.]+) ?(-?[\d.]+)a([\d.]+)/g)].map(([, x, y, r]) => [+x + +r, +y, +r]);
-  const numbers = (d.split("z")[0].match(/-?\d*\.?\d+/g) ?? []).map(Number);
-  let points = [];
-  if (/^M[^a-z]*a/.test(d)) {
-    const [x, y, r] = circles[0];
-    for (let k = 0; k < 16; k++) points.push([x + r * Math.cos(k * Math.PI / 8), y + r * Math.sin(k * Math.PI / 8)]);
-    return { points, circles };
-  }
+  const numbers = (text) => (text.match(/-?\d*\.?\d+/g) ?? []).map(Number);
+  const circles = [...d.matchAll(/M([^a-z]+)a([\d.]+) [^a-z]+ 0a/g)].map(([, at, r]) => [numbers(at)[0] + +r, numbers(at)[1], +r]);
+  const points = [];
   let x = 0, y = 0;
-  for (let k = 0; k + 1 < numbers.length; k += 2) points.push([x += numbers[k], y += numbers[k + 1]]);
+  for (const [, sign, text] of d.split("z")[0].matchAll(/([Mla])([^Mla]*)/g)) {
+    const steps = numbers(text);
+    if (sign === "a") {
+      // Between its ends an arc goes about a centre beside the middle of its chord.
+      const [r, , , , side, u, v] = steps, half = hypot(u, v) / 2, off = (side ? 1 : -1) * Math.sqrt(max(0, r * r - half * half)) / 2 / half;
+      const [a, b] = [x + u / 2 - off * v, y + v / 2 + off * u], turn = (side ? 2 : -2) * Math.asin(min(1, half / r));
+      for (const share of [0.25, 0.5, 0.75]) {
+        const [c, s] = [Math.cos(share * turn), Math.sin(share * turn)];
+        points.push([a + (x - a) * c - (y - b) * s, b + (x - a) * s + (y - b) * c]);
+      }
+      steps.splice(0, 5);
+    }
+    for (let k = 0; k + 1 < steps.length; k += 2) points.push([x += steps[k], y += steps[k + 1]]);
+  }
   const stride = Math.ceil(points.length / 64);
   return { points: points.filter((_, k) => k % stride === 0), circles };
 }
@@ -69,7 +78,7 @@ export function axisOf(points) {
   let [xx, xy, yy] = [0, 0, 0];
   for (const [a, b] of points) { xx += (a - x) ** 2; xy += (a - x) * (b - y); yy += (b - y) ** 2; }
   const turn = Math.atan2(2 * xy, xx - yy) / 2, [c, s] = [Math.cos(turn), Math.sin(turn)];
-  const along = points.map(([a, b]) => Math.abs((a - x) * c + (b - y) * s)), half = Math.max(...along);
+  const along = points.map(([a, b]) => abs((a - x) * c + (b - y) * s)), half = max(...along);
   return { x, y, u: half * c, v: half * s };
 }
 
@@ -78,7 +87,7 @@ export const spaced = (name) => name.replaceAll("_", " ");
 
 // A line from the origin to (u, v), px, with an open head at its end, at both or at none.
 export function arrow(u, v, heads) {
-  const long = Math.hypot(u, v), size = Math.min(8, long), [c, s] = long ? [u / long, v / long] : [0, 0];
+  const long = hypot(u, v), size = min(8, long), [c, s] = long ? [u / long, v / long] : [0, 0];
   const head = (x, y, back) => {
     const at = (off) => `${px(x - back * c - off * s)} ${px(y - back * s + off * c)}`;
     return `M${at(0.4 * size)}L${px(x)} ${px(y)}L${at(-0.4 * size)}`;

@@ -169,7 +169,7 @@ def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
     rows = re.findall(r'<tr class="(holds|fails)">', text)
     assert rows == ["fails"] + ["holds"] * (len(recipe.checks) - 1)
     assert all(f'<th scope="row">{part.name}</th>' in text for part in recipe.parts)
-    told = re.search(r'<code id="recipe-text">(.*?)</code>', text, re.DOTALL)[1].replace("&quot;", '"')
+    told = re.search(r'<code id="recipe-text">(.*?)</code>', text, re.DOTALL)[1]
     assert gk.load(told + "\n") == recipe
     assert "geomkin run leg.toml" in text
 
@@ -201,6 +201,8 @@ def test_paths_draw_what_they_are_made_of():
     assert (
         path([square, gk.plane.Circle(5 + 5j, 2)], 0.01, 3) == "M0 0l10 0 0 10-10 0zM3 5a2 2 0 0 1 4 0a2 2 0 0 1-4 0z"
     )
+    bar = path([gk.plane.rounded_hull([0, 30], 5)], 0.01, 3)
+    assert bar == "M0 5a5 5 0 0 1 0-10l30 0a5 5 0 0 1 0 10l-30 0z"
     gear = gk.SpurGear(24, 2).outline
     numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", path([gear], 0.02, 3))]
     points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))

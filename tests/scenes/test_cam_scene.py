@@ -45,7 +45,7 @@ def test_faces_touch(name):
 def test_the_pressure_angle_lies_between_force_and_way():
     for name in ("roller-cam", "rocker-cam", "flat-rocker-cam"):
         scene = recipe(name).scene
-        (force,), (way,) = marks(scene, "vector", "force"), marks(scene, "line", "way")
+        (force,), (way,) = marks(scene, "vector", "force"), marks(scene, "line", "direction of motion")
         told = np.abs(scene.table["pressure_angle"])
         np.testing.assert_allclose(np.abs(np.degrees(np.angle(force.vector / way.vector))), told, atol=1e-3)
 
