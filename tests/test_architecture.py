@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
+WORDS = {"arguments", "brief", "errors", "names", "sizes", "lazy", "version", "progress", "beside", "processes"}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.
@@ -34,9 +34,10 @@ MAY = {
     "recipe": GEOMETRY | {"scene", "part", "check", "walls", "export"},
     "kinds": MECHANISMS | GEOMETRY | {"synthesis", "scene", "show", "part", "check", "judge", "shop", "recipe"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
-    "commands": {"build", "recipe", "kinds", "export"},
+    "sweeps": {"build", "plane", "table", "check", "export", "recipe", "kinds"},
+    "commands": {"build", "sweeps", "recipe", "kinds", "export"},
     "cli": {"commands"},
-    "__init__": {"build", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
+    "__init__": {"build", "sweeps", "kinds", "part", "check", "export", "judge", "shop", "recipe", "show", "synthesis"}
     | MECHANISMS
     | GEOMETRY,
     "__main__": {"cli"},
