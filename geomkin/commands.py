@@ -1,4 +1,4 @@
-"""The commands: run, check, list, new, schema, chart."""
+"""The commands: run, check, sweep, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -14,7 +15,12 @@ import click
 from .export.writers import WRITERS
 
 if TYPE_CHECKING:
+    from click._termui_impl import ProgressBar
+
     from .build import Made
+
+# What helps where there is not enough memory.
+LARGER = "give a larger tolerance"
 
 _recipes = click.argument(
     "recipes", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path), metavar="RECIPE_OR_FOLDER..."
@@ -77,6 +83,55 @@ def check_command(recipes: tuple[Path, ...]) -> None:
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {check}")
     sys.exit(1 if failed else 0)
+
+
+@cli.command()
+@click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5; once for each key.",
+)  # fmt: skip
+@click.option(
+    "--tell", multiple=True, metavar="NAME",
+    help="Tell besides the checks: COLUMN:least, :largest or :last of the table, or an entry of the notes.",
+)  # fmt: skip
+@click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
+def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: Path) -> None:
+    """Work out a RECIPE for all combinations of values, into OUT/<recipe>/<recipe>.sweep.csv and .html.
+
+    One that was stopped goes on where it was.
+    """
+    from .errors import GeomkinError, printable
+    from .progress import shown
+    from .sweeps.sweep import by_processes, swept
+
+    values: dict[str, str] = {}
+    for setting in settings:
+        key, equals, listed = setting.partition("=")
+        if not equals or key.strip() in values:
+            problem = "is given twice" if equals else "has no values"
+            raise click.BadParameter(f"{printable(key.strip())} {problem}; give KEY=VALUES once for each key")
+        values[key.strip()] = listed
+    watched = _is_terminal(sys.stderr)
+    try:
+        with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
+            found = swept(recipe, values, tell, out, by_processes)
+    except GeomkinError as error:
+        click.secho(str(error), fg="red", err=True)
+        sys.exit(1)
+    if found.anew:
+        click.echo("the recipe, what is to be told, or geomkin has changed since: begun anew", err=True)
+    refused = [row.refused for row in found.rows if row.refused]
+    told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refused):,} refused"
+    click.echo(f"{', '.join(map(printable, found.files))}: {told}")
+    if len(refused) == len(found.rows):
+        click.secho(f"all are refused, the first for this: {refused[0]}", fg="red", err=True)
+        sys.exit(1)
+
+
+def _overwrite(line: str) -> None:
+    """A line in place of the one before."""
+    click.echo(f"\r\x1b[K{line}", nl=False, err=True)
 
 
 @cli.command("list")
@@ -178,11 +233,11 @@ def _refuse_twins(files: list[Path]) -> None:
 
 def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made], int]:
     """Results of those that worked, and how many did not; each failure is told when all is done."""
-    from .errors import GeomkinError, printable
+    from .errors import printable
+    from .processes import each
     from .progress import shown
 
-    results: list[Made] = []
-    failures: list[str] = []
+    outcomes: dict[int, Made | str] = {}
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def tell(share: float, what: str) -> None:
@@ -190,36 +245,51 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
         if not _is_terminal(sys.stderr):
             return
         if hidden:
-            click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
+            _overwrite(f"{what}: {share:.0%}" if share < 1 else "")
         else:
             bar.label = f"Recipes, {what}: {share:.0%}" if share < 1 else "Recipes"
             bar.render_progress()
 
+    def begun(file: Path) -> None:
+        bar.current_item = file
+        bar.render_progress()
+
     if not hidden:
         # The bar hides the cursor, and only code of ours brings it back.
         signal.signal(signal.SIGINT, _leave)
-    with click.progressbar(
-        files,
+    counted: ProgressBar[Path] = click.progressbar(
+        length=len(files),
         label="Recipes",
         item_show_func=lambda f: printable(f.stem) if f else "",
         file=sys.stderr,
         hidden=hidden,
-    ) as bar:
-        for file in bar:
-            try:
-                with shown(tell):
-                    results.append(action(file))
-            except GeomkinError as error:
-                failures.append(str(error))
-            except MemoryError:
-                failures.append(f"{printable(file)}: not enough memory; give a larger tolerance")
-            except Exception as error:
-                # A fault of ours in one recipe is told like any other, and the rest are made.
-                fault = printable(f"{type(error).__name__}: {error}", 200)
-                failures.append(f"{printable(file)}: geomkin failed by a fault of its own ({fault}); please report it")
+    )
+    with counted as bar, shown(tell):
+        for number, outcome in each(partial(_tried, action), files, begun):
+            outcomes[number] = outcome or f"{printable(files[number])}: its process was killed; {LARGER}"
+            bar.update(1)
+    # In the order in which they were named, whichever was done first.
+    every = [outcomes[number] for number in sorted(outcomes)]
+    failures = [outcome for outcome in every if isinstance(outcome, str)]
     for failure in failures:
         click.secho(failure, fg="red", err=True)
-    return results, len(failures)
+    return [outcome for outcome in every if not isinstance(outcome, str)], len(failures)
+
+
+def _tried(action: Callable[[Path], Made], file: Path) -> Made | str:
+    """What an action makes of a recipe, or in a text why not."""
+    from .errors import GeomkinError, printable
+
+    try:
+        return action(file)
+    except GeomkinError as error:
+        return str(error)
+    except MemoryError:
+        return f"{printable(file)}: not enough memory; {LARGER}"
+    except Exception as error:
+        # A fault of ours in one recipe is told like any other, and the rest are made.
+        fault = printable(f"{type(error).__name__}: {error}", 200)
+        return f"{printable(file)}: geomkin failed by a fault of its own ({fault}); please report it"
 
 
 def _is_terminal(stream: TextIO | None) -> bool:

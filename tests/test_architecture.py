@@ -11,7 +11,19 @@ PACKAGE = Path(__file__).parent.parent / "geomkin"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # Words that every room may use.
-WORDS = {"arguments", "brief", "display", "errors", "names", "sizes", "lazy", "version", "progress", "beside"}
+WORDS = {
+    "arguments",
+    "brief",
+    "display",
+    "errors",
+    "names",
+    "sizes",
+    "lazy",
+    "version",
+    "progress",
+    "beside",
+    "processes",
+}
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}
 # Each room and the rooms it may look into besides.
@@ -36,14 +48,16 @@ MAY = {
     # Whatever has methods to compare, but no recipe's kind.
     "tradeoff": MECHANISMS | GEOMETRY | {"synthesis", "part", "shop", "export"},
     "build": {"scene", "part", "table", "check", "export", "recipe", "kinds"},
+    "sweeps": {"build", "plane", "table", "check", "export", "recipe", "kinds"},
     # All that can be shown, and what shows it.
     "notebook": MECHANISMS
     | GEOMETRY
     | {"synthesis", "scene", "scenes", "part", "check", "judge", "shop", "recipe", "kinds", "export", "build"},
-    "commands": {"build", "recipe", "kinds", "export", "tradeoff"},
+    "commands": {"build", "sweeps", "recipe", "kinds", "export", "tradeoff"},
     "cli": {"commands"},
     "__init__": {
         "build",
+        "sweeps",
         "notebook",
         "kinds",
         "part",

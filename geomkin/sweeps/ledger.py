@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,10 +41,11 @@ class Ledger:
                     file.truncate(len(content) - len(lines[-1]))
 
     def _content(self) -> bytes:
-        if not self.path.exists():
+        if not os.path.lexists(self.path):
             return b""
-        if not self.path.is_file():
-            raise FileExistsError(0, "something that is not a file stands under this name")
+        # A link may lead to what is no sweep's, and would be written over.
+        if self.path.is_symlink() or not self.path.is_file():
+            raise FileExistsError(0, "something that is no plain file stands under this name")
         if self.path.stat().st_size > LARGEST:
             raise OSError(0, f"it is larger than {LARGEST:,} bytes")
         return self.path.read_bytes()

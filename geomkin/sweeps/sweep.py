@@ -20,6 +20,7 @@ from ..check import Check
 from ..errors import DesignError, GeomkinError, RecipeError, printable
 from ..export.csv import csv
 from ..export.files import write_whole
+from ..processes import each
 from ..progress import tell as tell_progress
 from ..recipe.dump import to_toml
 from ..recipe.load import parsed, table_of
@@ -39,6 +40,9 @@ ENDING = ".sweep"
 TOGETHER = 4
 # Jobs handed to an executor before the first is done. Fewer leave a large cluster idle; more fill its memory.
 AHEAD = 256
+
+# What comes of a combination whose process was killed.
+ENDED = {"refused": "its process was killed, perhaps for want of memory", "checks": [], "told": {}}
 
 Rows = Iterator[tuple[int, list[dict[str, Any]]]]
 # Works out batches of combinations: (task, batches) -> (number of the batch, its rows), in any order.
@@ -126,11 +130,11 @@ def swept(
         raise DesignError("values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}')
     every = list(combinations(keyed))
     _check_keys(task, keyed)
+    _check_tell(task, every)
     ledger = None if out is None else Ledger(Path(out) / name / f"{name}{ENDING}.jsonl", _title(task))
     known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
     keys = [_key_of(task, changes) for changes in every]
     left = [k for k, key in enumerate(keys) if key not in known]
-    _check_tell(task, [every[k] for k in left])
     together = 1 if by is _here else TOGETHER
     batches = [left[k : k + together] for k in range(0, len(left), together)]
     done = len(every) - len(left)
@@ -198,6 +202,12 @@ def _here(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
         yield number, worked_out(task, batch)
 
 
+def by_processes(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    """By all cores, as the command does; for the main thread of a program that is nothing else."""
+    for number, rows in each(partial(worked_out, task), batches):
+        yield number, [dict(ENDED) for _ in batches[number]] if rows is None else rows
+
+
 def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
     """A window of jobs at a time, so that however many there are, few wait."""
     waiting: dict[Future[list[dict[str, Any]]], int] = {}
@@ -208,7 +218,9 @@ def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapp
                 waiting[executor.submit(worked_out, task, batch)] = number
             if not waiting:
                 return
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+            done = wait(waiting, return_when=FIRST_COMPLETED).done
+            # What was found is handed on before what went wrong.
+            for future in sorted(done, key=lambda one: one.exception() is not None):
                 yield waiting.pop(future), future.result()
     except GeomkinError:
         raise

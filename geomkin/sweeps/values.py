@@ -104,9 +104,9 @@ def _read(key: str, piece: str) -> list[Any]:
         return _range(key, piece, *(Decimal(part) for part in found.groups()))
     try:
         read = tomllib.loads(f"value = {piece.strip()}\n")
-        return [_plain(key, read["value"] if set(read) == {"value"} else piece.strip())]
     except (ValueError, RecursionError):
-        return [_plain(key, piece.strip())]
+        read = {}
+    return [_plain(key, read["value"] if set(read) == {"value"} else piece.strip())]
 
 
 def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) -> list[float | int]:

@@ -1,0 +1,383 @@
+"""Sweeps against recipes made one by one, whoever works them out and however often they are stopped."""
+
+import csv
+import io
+import itertools
+import json
+import multiprocessing
+import threading
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from decimal import Decimal
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.sweeps import ledger
+from geomkin.sweeps import sweep as sweeping
+from geomkin.sweeps.values import MOST, combinations, listed, with_values
+
+BAR = """kind = "four-bar"
+[linkage]
+ground = 100
+crank = 30
+coupler = 90
+rocker = 70
+[drive]
+step_deg = 10
+"""
+CRANKS, ROCKERS = [20, 30, 500], [60.5, 80]
+TELL = ["transmission_angle_deg:least", "rocker_angle_deg:last", "grashof_type"]
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "bar.toml"
+    path.write_text(BAR)
+    return path
+
+
+def swept(file, out=None, executor=None, values=None):
+    values = values or {"linkage.crank": CRANKS, "linkage.rocker": ROCKERS}
+    return gk.sweep(file, values, TELL, out, executor)
+
+
+def rows_of(content):
+    return list(csv.DictReader(io.StringIO(content.decode())))
+
+
+def bytes_of(sweep):
+    return {path.name: path.read_bytes() for path in sweep.files}
+
+
+def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
+    sweep = swept(file, tmp_path)
+    rows = rows_of(bytes_of(sweep)["bar.sweep.csv"])
+    assert len(rows) == len(CRANKS) * len(ROCKERS)
+    for row, (crank, rocker) in zip(rows, itertools.product(CRANKS, ROCKERS)):
+        assert (float(row["linkage.crank"]), float(row["linkage.rocker"])) == (crank, rocker)
+        text = BAR.replace("crank = 30", f"crank = {crank}").replace("rocker = 70", f"rocker = {rocker}")
+        try:
+            recipe = gk.load(text)
+            checks = recipe.checks
+        except gk.GeomkinError as error:
+            assert (
+                crank == 500
+                and row["refused"]
+                and row["refused"] in str(error)
+                and not row["transmission_angle_deg_least"]
+            )
+            continue
+        assert not row["refused"]
+        assert row["failed"] == "; ".join(check.name for check in checks if not check.passed)
+        for check in checks:
+            unit = f"_{check.unit}" if check.unit else ""
+            assert float(row[check.name.replace(" ", "_") + unit]) == pytest.approx(check.value, rel=1e-8, abs=1e-9)
+        column = recipe.table["transmission_angle"]
+        if np.isfinite(column).any():
+            assert float(row["transmission_angle_deg_least"]) == pytest.approx(np.nanmin(column), rel=1e-8, abs=1e-9)
+        last = recipe.table["rocker_angle"][-1]
+        assert (
+            row["rocker_angle_deg_last"] == ""
+            if np.isnan(last)
+            else float(row["rocker_angle_deg_last"]) == pytest.approx(last)
+        )
+        assert row["grashof_type"] == recipe.notes["grashof_type"]
+
+
+class Backwards(Executor):
+    """Does what it was given in the reverse order."""
+
+    def __init__(self):
+        self.jobs = []
+
+    def submit(self, function, /, *args, **kwargs):
+        self.jobs.append((Future(), function, args))
+        threading.Timer(0.05, self.work).start()
+        return self.jobs[-1][0]
+
+    def work(self):
+        while self.jobs:
+            future, function, args = self.jobs.pop()
+            future.set_result(function(*args))
+
+
+def spawned():
+    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
+
+
+@pytest.mark.parametrize(
+    "made", [lambda: ThreadPoolExecutor(3), Backwards, pytest.param(spawned, marks=pytest.mark.campaign)]
+)
+def test_whoever_works_them_out_the_files_are_the_same(file, tmp_path, made):
+    alone = bytes_of(swept(file, tmp_path / "alone"))
+    with made() as executor:
+        assert bytes_of(swept(file, tmp_path / "shared", executor)) == alone
+
+
+def test_a_cluster_of_dask_gives_the_same_files(file, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="pip install -e '.[cluster]'")
+    alone = bytes_of(swept(file, tmp_path / "alone"))
+    options = {"n_workers": 1, "threads_per_worker": 2, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        assert bytes_of(swept(file, tmp_path / "shared", client.get_executor())) == alone
+        with pytest.raises(gk.DesignError, match="executor"):
+            swept(file, None, client)
+
+
+class Stopping(ThreadPoolExecutor):
+    """Fails at the second job that it is given."""
+
+    given = 0
+
+    def submit(self, function, /, *args, **kwargs):
+        self.given += 1
+        return super().submit(function if self.given < 2 else self.fail, *args, **kwargs)
+
+    @staticmethod
+    def fail(*_):
+        raise RuntimeError("the lights went out")
+
+
+@pytest.fixture
+def stopped(file, tmp_path):
+    """The folder of a sweep that was stopped after its first rows."""
+    with Stopping(1) as executor, pytest.raises(gk.DesignError, match="executor: it failed .*lights"):
+        swept(file, tmp_path / "out", executor)
+    assert sorted(path.name for path in (tmp_path / "out/bar").iterdir()) == ["bar.sweep.jsonl"]
+    return tmp_path / "out"
+
+
+@pytest.mark.parametrize("half", ["", '{"key": "[{\\"linkage'])
+def test_what_was_stopped_goes_on_where_it_was(file, tmp_path, stopped, half, monkeypatch):
+    kept = stopped / "bar/bar.sweep.jsonl"
+    with kept.open("a") as lines:
+        lines.write(half)
+    worked = []
+    monkeypatch.setattr(sweeping, "worked_out", lambda task, rows: worked.extend(rows) or WORKED(task, rows))
+    sweep = swept(file, stopped)
+    assert (sweep.kept, len(worked), sweep.anew) == (4, 2, False)
+    assert bytes_of(sweep) == bytes_of(swept(file, tmp_path / "fresh"))
+    assert all(isinstance(json.loads(line), dict) for line in kept.read_text().splitlines())
+    assert swept(file, stopped).kept == 6 and len(worked) == 8
+    # More values of a key: those that are known are not worked out again.
+    assert swept(file, stopped, values={"linkage.crank": [30, 35], "linkage.rocker": ROCKERS}).kept == 2
+
+
+WORKED = sweeping.worked_out
+
+
+@pytest.mark.parametrize("change", ["recipe", "version", "tell", "file"])
+def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
+    (tmp_path / "lift.csv").write_text(
+        "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))
+    )
+    text = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\nprogram = [{kind = "table", file = "lift.csv", decimals = 3}]\n[cam.follower]\nkind = "translating-roller"\nroller_radius = 10\n[drive]\nstep_deg = 10\n'
+    recipe = tmp_path / "cam.toml"
+    recipe.write_text(text)
+
+    def run(tell=()):
+        sweep = gk.sweep(recipe, {"cam.base_radius": [40, 50]}, tell, tmp_path)
+        assert not any(row.refused for row in sweep.rows), sweep.rows
+        return sweep.kept, sweep.anew
+
+    assert run() == (0, False)
+    recipe.write_text(text + "# a remark changes nothing\n")
+    assert run() == (2, False)
+    if change == "recipe":
+        recipe.write_text(text.replace("= 10\n[d", "= 11\n[d"))
+    elif change == "version":
+        monkeypatch.setattr(sweeping, "VERSION", "another")
+    elif change == "file":
+        (tmp_path / "lift.csv").write_text((tmp_path / "lift.csv").read_text().replace("\n180,20.000", "\n180,20.001"))
+    assert run(["lift_mm:largest"] if change == "tell" else ()) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("8:20:4", [8, 12, 16, 20]),
+        ("8:21:4", [8, 12, 16, 20]),
+        ("-0.5, 0 ,0.5", [-0.5, 0, 0.5]),
+        ("1:-1:-1", [1, 0, -1]),
+        ("3:3:1", [3]),
+        ("1,1,2,1.0", [1, 2]),
+        ("spur, 'ring' ,true,false", ["spur", "ring", True, False]),
+        ("[0, 1.5],[2,3]", [[0, 1.5], [2, 3]]),
+        ("1:3:1,10", [1, 2, 3, 10]),
+        ("=1+1", ["=1+1"]),
+    ],
+)
+def test_how_values_are_written(text, values):
+    found = listed("key", text)
+    assert list(found) == values and [type(v) is bool for v in found] == [type(v) is bool for v in values]
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "step"), [("0.1", "0.9", "0.1"), ("-1", "1", "0.001"), ("1e-7", "3e-7", "1e-8")]
+)
+def test_a_range_does_not_drift_and_holds_its_stop(start, stop, step):
+    count = int((Decimal(stop) - Decimal(start)) / Decimal(step)) + 1
+    assert listed("key", f"{start}:{stop}:{step}") == tuple(
+        float(Decimal(start) + k * Decimal(step)) for k in range(count)
+    )
+    assert listed("key", f"{start}:{stop}:{step}")[-1] == float(stop)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "1,,2",
+        "1:2:0",
+        "1:2:-1",
+        "nan",
+        "inf",
+        "1:1e400:1",
+        "0:1e300:1e-300",
+        "0:1:1e-9",
+        "9" * 30,
+        "1979-05-27",
+        ",",
+    ],
+)
+def test_values_that_cannot_be_are_refused_at_once(text):
+    with pytest.raises(gk.DesignError) as refusal:
+        listed("gear.teeth", text)
+    assert refusal.value.field == "gear.teeth"
+
+
+def test_a_refusal_names_what_works():
+    with pytest.raises(gk.DesignError, match="give a step of at least (.*)$") as refusal:
+        listed("key", "0:7:1e-6")
+    step = str(refusal.value).rpartition(" ")[2]
+    assert 0.9 * MOST < len(listed("key", f"0:7:{step}")) <= MOST
+    rows = {"a": listed("a", "1:500:1"), "b": listed("b", "1:30:1")}
+    with pytest.raises(gk.DesignError, match="500 x 30 = 15,000 combinations; give at most 333 values of a"):
+        combinations(rows)
+    assert len(list(combinations(rows | {"a": rows["a"][:333]}))) == 9990
+
+
+@pytest.mark.parametrize("key", ["", "gear..teeth", "../teeth", "gear.", "a[-1]", "a[9999999]", "__class__", 3, "a\nb"])
+def test_what_is_no_key(key):
+    with pytest.raises(gk.DesignError, match="values"):
+        listed(key, [1])
+
+
+def test_values_are_put_in_their_places():
+    recipe = {"a": {"b": [{"c": 1}, {"c": 2}]}, "d": 3}
+    changed = with_values(recipe, {"a.b[1].c": 5, "d": [1, 2], "e.f": "x"})
+    assert changed == {"a": {"b": [{"c": 1}, {"c": 5}]}, "d": [1, 2], "e": {"f": "x"}}
+    assert recipe == {"a": {"b": [{"c": 1}, {"c": 2}]}, "d": 3}
+    for key in ("a.b[2].c", "d.x", "a.b.c", "d[0]"):
+        with pytest.raises(gk.DesignError, match=key.replace("[", r"\[")):
+            with_values(recipe, {key: 1})
+
+
+@pytest.mark.parametrize(
+    ("values", "tell", "words"),
+    [
+        ({"linkage.crnk": [1]}, [], "linkage.crnk: unknown key; did you mean crank"),
+        ({"linkge.crank": [1]}, [], "linkge: unknown key"),
+        ({"linkage.crank": [30]}, ["transmission_angle:least"], "did you mean transmission_angle_deg"),
+        ({"linkage.crank": [30]}, ["grashof"], "did you mean grashof_type"),
+        ({"linkage.crank": [float("nan")]}, [], "linkage.crank: found nan"),
+        ({"linkage.crank": range(10**9)}, [], "linkage.crank: found 1,000,000,000 values"),
+        ({"linkage.crank": []}, [], "linkage.crank: found no value"),
+        ({}, [], "values: found none"),
+    ],
+)
+def test_slips_are_told_before_anything_is_worked_out(file, tmp_path, values, tell, words):
+    with pytest.raises(gk.DesignError, match="^.*") as refusal:
+        gk.sweep(file, values, tell, tmp_path / "out")
+    assert words in str(refusal.value) and not (tmp_path / "out").exists()
+
+
+class Texts(HTMLParser):
+    """Rows of a page's table, and what its scripts hold."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.rows, self.tags, self.data, self.within = [], set(), "", None
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.add(tag)
+        self.within = "data" if dict(attributes).get("id") == "scene" else tag
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+
+    def handle_data(self, data):
+        if self.within == "data":
+            self.data += data
+        elif self.within in ("td", "th"):
+            self.rows[-1][-1] += data
+
+    def handle_endtag(self, tag):
+        self.within = None
+
+
+def test_the_page_tells_and_plots_what_the_file_tells(file, tmp_path):
+    sweep = swept(file, tmp_path)
+    files = bytes_of(sweep)
+    page = Texts(files["bar.sweep.html"].decode())
+    rows = rows_of(files["bar.sweep.csv"])
+    assert len(page.rows) == len(rows) + 1
+    data = json.loads(page.data)
+    plot = next(plot for plot in data["plots"] if plot["title"] == "Least transmission angle")
+    assert data["columns"][0]["row"] == CRANKS and plot["limits"][0][0] == 40
+    for rocker, index in zip(ROCKERS, plot["columns"]):
+        line = data["columns"][index]
+        told = [row["least_transmission_angle_deg"] for row in rows if float(row["linkage.rocker"]) == rocker]
+        assert line["name"] == f"rocker {rocker}" and line["unit"] == "deg"
+        assert line["row"] == [pytest.approx(float(value), rel=1e-5) if value else None for value in told]
+
+
+def test_texts_of_a_recipe_stay_texts(tmp_path):
+    nasty = ["=cmd|'/C calc'!A0", "</script><img src=x onerror=alert(1)>", "\u202ea"]
+    sweep = gk.sweep(
+        {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90}},
+        {"linkage.rocker": nasty},
+        [],
+        tmp_path,
+    )
+    assert all(row.refused for row in sweep.rows)
+    files = bytes_of(sweep)
+    assert [row["linkage.rocker"][0] for row in rows_of(files["four-bar.sweep.csv"])] == ["'", "<", "?"]
+    page = files["four-bar.sweep.html"].decode()
+    assert "<img" not in page and "\u202e" not in page and not Texts(page).tags & {"img"}
+
+
+@pytest.mark.parametrize("kind", ["../../evil", "a/b", ".hidden", "con", "x" * 300])
+def test_a_name_leads_nowhere_else(tmp_path, kind):
+    with pytest.raises(gk.GeomkinError):
+        gk.sweep({"kind": kind}, {"linkage.crank": [1]}, [], tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_other_file_is_written_over(file, tmp_path):
+    (tmp_path / "bar").mkdir()
+    (tmp_path / "mine").write_text("mine")
+    (tmp_path / "bar/bar.sweep.jsonl").symlink_to(tmp_path / "mine")
+    with pytest.raises(gk.FileError, match="no plain file"):
+        swept(file, tmp_path)
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
+def test_a_ledger_bears_whatever_stands_in_it(tmp_path):
+    path, title = tmp_path / "kept.jsonl", {"a": 1}
+    path.write_bytes(b'{"a": 1}\n\xff\xfe\n[1]\n{"key": 3}\n' + b"[" * 5000 + b'\n{"key": "x", "row": {"b": 2}}\n')
+    held = ledger.Ledger(path, title)
+    assert held.known == {"x": {"b": 2}} and not held.anew
+    held.add({"y": {"b": 3}})
+    assert ledger.Ledger(path, title).known == {"x": {"b": 2}, "y": {"b": 3}}
+    assert ledger.Ledger(path, {"a": 2}).anew and ledger.Ledger(path, {"a": 2}).known == {}
+
+
+def test_a_recipe_a_table_and_a_text_are_swept_alike(file):
+    values = {"linkage.crank": "20:40:10"}
+    told = [gk.sweep(source, values).table.to_columns() for source in (file, BAR, gk.load(file), gk.load(BAR))]
+    assert all((one[name] == told[0][name]).all() for one in told for name in told[0])
