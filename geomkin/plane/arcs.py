@@ -10,7 +10,7 @@ from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
-from .spread import Judge, direction, probes, spread, tops, turns
+from .spread import Intervals, Judge, direction, probes, spread, tops, turns
 from .vec import Complex, Real, dot, unit
 
 # Where a biarc is compared with its curve. Fewer let the largest deviation slip between two; more cost time.
@@ -72,8 +72,9 @@ def _chain(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Ch
             links = [_chain(piece, tolerance, known) for piece in curve.pieces]
         case _:
             judge = _biarc_judge(curve)
-            runs = [spread(judge, curve.breaks[k : k + 2], tolerance, order=3) for k in range(len(curve.breaks) - 1)]
-            links = [_merge(*_alternating(*_biarcs(curve, edges))) for edges in runs]
+            pieces = [curve.breaks[k : k + 2] for k in range(len(curve.breaks) - 1)]
+            runs = spread(judge, pieces, tolerance, order=3)
+            links = [_merge(*_alternating(*_biarcs(curve, edges[:-1], edges[1:]))) for edges in runs]
     ends = [z[:-1] for z, _ in links] + [links[-1][0][-1:]]
     known[curve] = np.concatenate(ends), np.concatenate([bulges for _, bulges in links])
     return known[curve]
@@ -104,15 +105,14 @@ def _no_large_arcs(curve: Polyline) -> Chain:
     return vertices, np.tan(np.repeat(np.arctan(bulges) / halves, halves))
 
 
-def _biarcs(curve: AbstractCurve, edges: Real) -> tuple[Complex, ...]:
-    """Ends, joints and end tangents of the biarc over each interval.
+def _biarcs(curve: AbstractCurve, low: Real, high: Real) -> tuple[Complex, ...]:
+    """Ends, joints and end tangents of the biarc over each interval from `low` to `high`.
 
     The joint is the middle of p0 + d t0 and p1 - d t1 with one d for both ends, in the form without
     a difference of nearly equal numbers.
     """
-    p = curve.point(edges)
-    t0, t1 = direction(curve, edges[:-1], after=True), direction(curve, edges[1:], after=False)
-    p0, p1 = p[:-1], p[1:]
+    p0, p1 = curve.point(low), curve.point(high)
+    t0, t1 = direction(curve, low, after=True), direction(curve, high, after=False)
     chord, along = p1 - p0, t0 + t1
     c2 = np.abs(chord) ** 2
     ahead = dot(chord, along)
@@ -155,18 +155,19 @@ def _merge(z: Complex, bulge: Real) -> Chain:
 
 
 def _biarc_judge(curve: AbstractCurve) -> Judge:
-    def judge(edges: Real) -> tuple[Real, Real]:
-        p0, p1, joint, t0, t1 = (a[:, None] for a in _biarcs(curve, edges))
-        inside = probes(edges, SHARES)
+    def judge(intervals: Intervals) -> tuple[Real, Real]:
+        low, high, first = intervals
+        p0, p1, joint, t0, t1 = (a[:, None] for a in _biarcs(curve, low, high))
+        inside = probes(low, high, SHARES)
         z = curve.point(inside)
         # Direction at the joint: the first tangent mirrored in the first arc's chord.
         middle = t0.conj() * unit(joint - p0) ** 2
-        first = dot(middle, z - joint) < 0
-        off = np.where(first, _off_arc(z, p0, t0, joint), _off_arc(z, p1, -t1, joint))
+        in_first = dot(middle, z - joint) < 0
+        off = np.where(in_first, _off_arc(z, p0, t0, joint), _off_arc(z, p1, -t1, joint))
         v = curve.velocity(inside)
         # A biarc that does not exist (its tangents face each other) is as wrong as its chord is long.
         off = np.where(np.isfinite(off), off, np.abs(p1 - p0) + np.abs(z - p0))
-        return tops(off, z), turns(v)
+        return tops(off, z, first), turns(v)
 
     return judge
 

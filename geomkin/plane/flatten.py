@@ -14,7 +14,7 @@ from .curve import AbstractCurve
 from .derived import Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
-from .spread import CORNER, Judge, cells_of, direction, probes, spread, tops, turns
+from .spread import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, turns
 from .vec import Complex, Real
 
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
@@ -72,7 +72,7 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
     if len(groups := _between_corners(curve, runs)) > 1:
         parts = [_end_to_end(group, tolerance, known) for group in groups]
     else:
-        parts = [curve.point(spread(_chord_judge(curve), run, tolerance, order=2)) for run in runs]
+        parts = [curve.point(edges) for edges in spread(_chord_judge(curve), runs, tolerance, order=2)]
     if curve.closed and sum(len(part) - 1 for part in parts) < 3:
         # A tolerance as large as the curve would leave no area: keep a triangle.
         parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in runs]
@@ -151,15 +151,18 @@ def smooth_runs(curve: AbstractCurve) -> list[Real]:
 
 
 def _chord_judge(curve: AbstractCurve) -> Judge:
-    def judge(edges: Real) -> tuple[Real, Real]:
+    def judge(intervals: Intervals) -> tuple[Real, Real]:
         # A chord across a break is looked at on both sides of it: each side is smooth.
-        cells, owner = cells_of(edges, curve.breaks)
-        inside = curve.point(probes(cells, SHARES))
-        first = owner.searchsorted(np.arange(len(edges)))
-        start, end = inside[first[:-1], 0], inside[first[1:] - 1, -1]
+        low, high, owner = cells_of(intervals, curve.breaks)
+        inside = curve.point(probes(low, high, SHARES))
+        if len(low) == len(intervals.low):
+            off = _distance(inside[:, :1], inside[:, -1:], inside)
+            return tops(off, inside, intervals.first), turns(inside[:, 1:] - inside[:, :-1])
+        first = owner.searchsorted(np.arange(len(intervals.low)))
+        start, end = inside[first, 0], inside[np.append(first[1:], len(low)) - 1, -1]
         off = _distance(start[owner, None], end[owner, None], inside)
-        return np.maximum.reduceat(tops(off, inside), first[:-1]), np.add.reduceat(
-            turns(inside[:, 1:] - inside[:, :-1]), first[:-1]
+        return np.maximum.reduceat(tops(off, inside, first[intervals.first]), first), np.add.reduceat(
+            turns(inside[:, 1:] - inside[:, :-1]), first
         )
 
     return judge
