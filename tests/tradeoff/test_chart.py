@@ -19,7 +19,7 @@ from geomkin.progress import shown
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
-KEPT = Path(__file__).parent.parent.parent / "out" / "chart"
+KEPT = Path(__file__).parent.parent.parent / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
 # What a tick's label says, in the axis's unit.
 SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
@@ -168,3 +168,34 @@ def test_the_quick_chart_of_everything(tmp_path):
     assert CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)]).exit_code == 0
     told = rows((tmp_path / "chart" / "chart.csv").read_bytes())
     assert {row["family"] for row in told} == set(FAMILIES)
+
+
+def test_every_default_in_the_kept_chart_is_on_the_front_or_says_why_not():
+    told = rows((KEPT / "chart.csv").read_bytes())
+    assert {row["family"] for row in told} == set(FAMILIES), "make it anew: geomkin chart --out ."
+    for name, family in FAMILIES.items():
+        points = [row for row in told if row["family"] == name]
+        methods = {method.name: method for method in family.methods}
+        assert {row["method"] for row in points} == set(methods)
+        defaults = [row for row in points if row["default"] == "1"]
+        assert defaults and {row["method"] for row in defaults} == {n for n, m in methods.items() if m.is_default}
+        for row in defaults:
+            assert row["on_front"] == "1" or methods[row["method"]].despite, row
+        # What the file says of the front is what its numbers say.
+        errors = [max(float(row["largest_error"] or "nan"), family.floor) for row in points]
+        errors = [np.nan if float(row["missed_share"]) else error for row, error in zip(points, errors)]
+        front = gk.tradeoff.pareto_front([float(row["seconds_per_result"]) for row in points], errors)
+        assert [row["on_front"] == "1" for row in points] == front.tolist()
+
+
+def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
+    names = {path.name for path in KEPT.iterdir()}
+    assert names == {"chart.csv", "chart.html", *(f"{name}.svg" for name in FAMILIES)}
+    page = (KEPT / "chart.html").read_text("utf-8")
+    for name, family in FAMILIES.items():
+        # The page holds each picture as it is.
+        assert (KEPT / f"{name}.svg").read_text("utf-8").split("\n", 1)[1].strip() in page
+        for method in family.methods:
+            assert not method.is_default or method.because in page.replace("&#x27;", "'")
+    readme = (KEPT.parent / "README.md").read_text("utf-8")
+    assert [name for name in FAMILIES if f"`{name}`" not in readme] == []

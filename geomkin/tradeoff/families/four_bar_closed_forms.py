@@ -13,7 +13,7 @@ from ...linkage.solve.move import move, planned
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
 from ..family import Method
-from .four_bar_problem import Directions, FourBarProblem
+from .four_bar_problem import FRAMES, Directions, FourBarProblem
 
 Call = Callable[[], Directions]
 
@@ -132,11 +132,12 @@ def _single(problem: FourBarProblem, _: float) -> Call:
 
 LIBRARY: Method[FourBarProblem, Directions] = Method(
     "geomkin.move",
-    "The library's call: bounds of the crank, branches and all; the toggle-proof form is what it works out.",
+    "The library's call, for any linkage: it finds in which order members are placed, and works out a four-bar's by "
+    "the toggle-proof form.",
     _library,
-    because="one form for all sizes, which keeps all its digits up to the toggle and through it.",
-    despite="What it takes longer is the finding of the plan and the checks of a call; see the toggle-proof form "
-    "in plain NumPy, the same formula without them.",
+    because="one call for any linkage, driver and branch, which keeps all its digits up to a toggle and through it.",
+    despite="What it takes longer is what any linkage needs around the formula. That is the same for one pose as for "
+    f"these {FRAMES}: it counts less the more poses there are in a call.",
 )
 CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
     LIBRARY,

@@ -134,7 +134,8 @@ def _error(problem: FourBarProblem, found: Rates) -> Real:
     for rate, right in zip(found, (*problem.first, *problem.second)):
         off = np.fmax(off, np.abs(rate - right) / np.maximum(1.0, np.abs(right)))
         off = np.where(np.isfinite(rate), off, np.nan)
-    return off
+    # What is wrong by more than itself was not found.
+    return np.where(off <= 1, off, np.nan)
 
 
 METHODS: tuple[Method[FourBarProblem, Rates], ...] = (
@@ -177,7 +178,8 @@ def _family(name: str, title: str, about: str, linkage: FourBar) -> MethodFamily
         title=title,
         about=f"{about} Found are the first and second derivatives of the angles of coupler and rocker by the crank's "
         f"at {FRAMES} even steps of a whole turn, which are velocities and accelerations at a speed of 1 rad/s. The "
-        "error is that of the worst of the four, as a share of the value, or of 1 where that is larger.",
+        "error is that of the worst of the four, as a share of the value, or of 1 where that is larger; what is off by "
+        "more than itself counts as missed.",
         per="pose",
         unit="share of the value",
         reference="circles that meet, differentiated, in decimal arithmetic of 110 digits",

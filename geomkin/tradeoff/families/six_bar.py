@@ -182,7 +182,14 @@ SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(
     count=count,
     error=misses,
     methods=(
-        Method("geomkin.move", LIBRARY.about, _library, because=LIBRARY.because, despite=LIBRARY.despite),
+        Method(
+            "geomkin.move",
+            "The library's call, for any linkage: the first dyad by the toggle-proof form, the second by the general "
+            "dyad solver.",
+            _library,
+            because=LIBRARY.because,
+            despite=LIBRARY.despite,
+        ),
         Method(
             "general dyad solver",
             "Both dyads by the library's solver of two bars between any moving points.",

@@ -120,7 +120,14 @@ SLIDER_CRANK: MethodFamily[Track, Array] = MethodFamily(
     count=count,
     error=misses,
     methods=(
-        Method("geomkin.move", LIBRARY.about, _library, because=LIBRARY.because, despite=LIBRARY.despite),
+        Method(
+            "geomkin.move",
+            "The library's call, for any linkage: the rod's direction by the product of factors, and from there the "
+            "slider's place.",
+            _library,
+            because=LIBRARY.because,
+            despite=LIBRARY.despite,
+        ),
         Method(
             "general dyad solver", "The library's solver of a bar and a slide on any two moving bodies.", _general_dyad
         ),
