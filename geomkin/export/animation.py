@@ -61,7 +61,7 @@ def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:
     return run[kept_frames(len(run))], cyclic and bool(closed.all())
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Film:
     """Items of a still and how they move: each motion once, whatever follows it.
 
