@@ -188,9 +188,9 @@ def test_switches_show_what_is_off_at_first(folder, opened):
         assert not page.locator(f".mark.{role}").first.is_visible()
         page.click(f".switch.{role} input")
         assert page.locator(f".mark.{role}").first.is_visible()
-    assert page.locator("g.names").is_visible()
+    assert page.locator("g.names").first.is_visible()
     page.click(".switch.names input")
-    assert not page.locator("g.names").is_visible()
+    assert not page.locator("g.names").first.is_visible()
 
 
 def test_trails_are_cut_every_five_degrees(folder, opened):
