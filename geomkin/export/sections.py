@@ -13,7 +13,6 @@ from ..part import Part
 from ..plane.curve import reach
 from ..plane.flatten import flatten
 from ..plane.measure import area, length
-from ..plane.vec import Complex
 from ..scene import Scene
 from .island import kept_frames, shown_columns
 from .job import Job
@@ -105,32 +104,28 @@ def parts(job: Job) -> str:
 
 
 def _part(part: Part, tint: str) -> str:
-    curves = (part.outline, *part.holes)
+    curves, (low, high) = (part.outline, *part.holes), _box(part)
     cells = (
         f"{part.count}",
-        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in _extent(part)),
+        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in ((high - low).real, (high - low).imag)),
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
         text(part.layer),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
-    return f'<tr><td>{_thumbnail(part, tint)}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
+    return f'<tr><td>{_thumbnail(part, tint, low, high)}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
 
 
-def _extent(part: Part) -> tuple[float, float]:
-    low, high = _box(flatten(part.outline, SIZED * reach(part.outline)))
-    return (high - low).real, (high - low).imag
-
-
-def _box(points: Complex) -> tuple[complex, complex]:
+def _box(part: Part) -> tuple[complex, complex]:
+    """Its lower left and upper right corner, mm."""
+    points = flatten(part.outline, SIZED * reach(part.outline))
     return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
 
 
-def _thumbnail(part: Part, tint: str) -> str:
+def _thumbnail(part: Part, tint: str, low: complex, high: complex) -> str:
     """All of them 60 by 40 pixels, y up."""
     size = reach(part.outline)
-    low, high = _box(flatten(part.outline, SMALL * size))
     digits = 2 - int(np.floor(np.log10(size)))
     drawn = path((part.outline, *part.holes), SMALL * size, digits)
     room = max((high - low).real / 56, (high - low).imag / 36)
