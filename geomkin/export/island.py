@@ -90,6 +90,8 @@ class _Island:
         self.digits = DIGITS_OF_PLACES - 1 - int(np.floor(np.log10(size)))
         self.paths: list[str] = []
         self._rows: dict[str, int] = {}
+        # What was told already, as it came: plates and pins are in both assembly modes, and ends of several links.
+        self._known: dict[object, int] = {}
 
     @property
     def series(self) -> list[str]:
@@ -158,15 +160,18 @@ class _Island:
         return self._row(np.degrees(angles), ANGLES)
 
     def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
-        # A digit less than places have is a twentieth of the tolerance still.
-        text = path(curves, self.tolerance, self.digits - 1)
-        if text not in self.paths:
-            self.paths.append(text)
-        return self.paths.index(text)
+        if curves not in self._known:
+            # A digit less than places have is a twentieth of the tolerance still.
+            text = path(curves, self.tolerance, self.digits - 1)
+            if text not in self.paths:
+                self.paths.append(text)
+            self._known[curves] = self.paths.index(text)
+        return self._known[curves]
 
     def _row(self, row: Real, digits: int) -> int:
         """The index of a row, which is told once however often it comes."""
-        text = packed(np.asarray(row, dtype=float)[self.frames], digits)
-        if text not in self._rows:
-            self._rows[text] = len(self._rows)
-        return self._rows[text]
+        kept = np.asarray(row, dtype=float)[self.frames]
+        key = kept.tobytes(), digits
+        if key not in self._known:
+            self._known[key] = self._rows.setdefault(packed(kept, digits), len(self._rows))
+        return self._known[key]

@@ -30,26 +30,28 @@ def packed(row: Real, decimals: int) -> str:
     whole = np.rint(exact * 10.0**decimals if decimals >= 0 else exact / 10.0**-decimals).astype(np.int64)
     tried = [whole]
     for _ in range(MOST_TIMES):
-        tried.append(np.diff(tried[-1], prepend=0))
+        tried.append(tried[-1].copy())
+        tried[-1][1:] -= tried[-2][:-1]
     folded = np.array([np.where(values < 0, -2 * values - 1, 2 * values) for values in tried])
-    bits = np.array([_sizes(folded, order).sum(axis=1) for order in range(MOST_ORDER + 1)])
-    order, times = (int(k) for k in np.unravel_index(np.argmin(bits), bits.shape))
+    times = int(np.argmin(_sizes(folded, 1).sum(axis=1)))
+    orders = np.arange(MOST_ORDER + 1)
+    order = int(np.argmin(_sizes(folded[times], orders[:, None]).sum(axis=1)))
     runs = "" if known.all() else _runs(known)
     return f"{decimals} {times} {order} {runs} {_signs(folded[times], order)}"
 
 
-def _sizes(values: Whole, order: int) -> Whole:
+def _sizes(values: Whole, order: Whole | int) -> Whole:
     """Bits that the code of the order takes for each number from 0."""
-    exponents: Whole = np.frexp((values + (1 << order)).astype(float))[1].astype(np.int64)
+    exponents: Whole = np.frexp((values + np.left_shift(1, order)).astype(float))[1].astype(np.int64)
     return 2 * exponents - 1 - order
 
 
 def _signs(values: Whole, order: int) -> str:
     """All numbers in a row: each with the bit of the order added, zeros before it for the bits beyond the order."""
     sizes = _sizes(values, order)
-    high = np.arange(int(sizes.max(initial=1)) - 1, -1, -1)
-    # Numbers end where their bits do, so what stands before them is zeros.
-    bits = ((values + (1 << order))[:, None] >> np.minimum(high, 62) & 1)[high < sizes[:, None]]
+    # A row for each bit: its number, and how many bits of it come after. What stands before a number is zeros.
+    after = np.repeat(np.cumsum(sizes), sizes) - np.arange(1, sizes.sum() + 1)
+    bits = np.repeat(values + (1 << order), sizes) >> np.minimum(after, 62) & 1
     bits = np.concatenate([bits, np.zeros(-len(bits) % 6, dtype=bits.dtype)])
     return SIGNS[bits.reshape(-1, 6) @ (1 << np.arange(5, -1, -1))].tobytes().decode()
 

@@ -103,27 +103,18 @@ def parts(job: Job) -> str:
 
 def _part(part: Part, tint: str) -> str:
     curves = (part.outline, *part.holes)
+    low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
+    small = thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
     cells = (
         f"{part.count}",
-        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in _extent(part)),
+        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in ((high - low).real, (high - low).imag)),
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
         text(part.layer),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
-    return f'<tr><td>{_thumbnail(part, tint)}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
-
-
-def _extent(part: Part) -> tuple[float, float]:
-    low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
-    return (high - low).real, (high - low).imag
-
-
-def _thumbnail(part: Part, tint: str) -> str:
-    """All of them of one size."""
-    curves = (part.outline, *part.holes)
-    return thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
+    return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
 
 
 def tints_of(scene: Scene) -> dict[str, str]:

@@ -104,7 +104,7 @@ class DiskCamRecipe(AbstractRecipe):
             limits["profile_curvature"] = (Limit(1 / LEAST_CONVEX_RADIUS, "sharper edges wear"),)
         return limits
 
-    @property
+    @cached_property
     def notes(self) -> Mapping[str, object]:
         """The least base circle within the usual pressure angle, optimised segments, and what undercut does."""
         cam = self.cam

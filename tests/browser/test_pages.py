@@ -193,6 +193,85 @@ def test_switches_show_what_is_off_at_first(folder, opened):
     assert not page.locator("g.names").first.is_visible()
 
 
+def test_it_is_looked_at_more_closely_and_that_stays_while_it_moves(folder, opened):
+    _, file = page_of("gear-pair", folder)
+    tab = opened(file, viewport={"width": 1200, "height": 900})
+    page, drawing = tab.page, tab.page.locator("svg.drawing")
+
+    def scale():
+        # Of what lies still beneath all that turns.
+        return page.evaluate("() => document.querySelector('g.world').getCTM().a")
+
+    whole = scale()
+    page.click('button[aria-label="Zoom on the contact"]')
+    near = scale()
+    assert near > 2 * whole and "times as large" in page.text_content("p.unseen[aria-live]")
+    contact, box = page.locator(".mark.contact circle").first.bounding_box(), drawing.bounding_box()
+    middle = [contact[a] + contact[s] / 2 - box[a] - box[s] / 2 for a, s in (("x", "width"), ("y", "height"))]
+    assert max(map(abs, middle)) < 0.3 * box["width"]
+    page.keyboard.press("ArrowRight")
+    go_to(page, 50)
+    page.set_viewport_size({"width": 1000, "height": 900})
+    page.wait_for_timeout(100)
+    assert scale() > 2 * whole
+    page.keyboard.press("0")
+    page.set_viewport_size({"width": 1200, "height": 900})
+    page.wait_for_timeout(100)
+    assert scale() == pytest.approx(whole)
+    # A wheel over a drawing that nobody took up scrolls the page; then it looks closer, and the place under it stays.
+    centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 3
+    page.evaluate("() => document.activeElement.blur()")
+    page.mouse.move(*centre)
+    page.mouse.wheel(0, -300)
+    page.wait_for_timeout(100)
+    assert scale() == pytest.approx(whole)
+    drawing.focus()
+    before = page.locator(".mark.fixed-pin").first.bounding_box()
+    page.mouse.wheel(0, -300)
+    page.wait_for_timeout(100)
+    grown = scale() / whole
+    assert grown > 1.2
+    after = page.locator(".mark.fixed-pin").first.bounding_box()
+    for at, size, under in (("x", "width", centre[0]), ("y", "height", centre[1])):
+        was, now = (b[at] + b[size] / 2 - under for b in (before, after))
+        assert now == pytest.approx(grown * was, abs=12)
+    assert frame_of(page) == 50 and not tab.said
+
+
+def test_dimensions_are_those_of_the_recipe(folder, opened):
+    recipe, file = page_of("crank-rocker", folder)
+    page = opened(file).page
+    assert not page.locator(".name.dimension").first.is_visible()
+    page.click(".switch.dimension input")
+    told = [text.text_content() for text in page.locator(".name.dimension:visible").all()]
+    assert {f"{getattr(recipe.linkage, name):g} mm" for name in ("ground", "crank", "coupler", "rocker")} == set(told)
+
+
+def test_every_control_is_reached_by_keys_and_has_a_name(folder, opened):
+    _, file = page_of("gear-pair", folder)
+    page = opened(file).page
+    controls = "#player :is(button, select, input, summary, svg.drawing, .u-over)"
+    wanted, reached = page.locator(f"{controls}:visible").count(), set()
+    for _ in range(wanted + 3):
+        page.keyboard.press("Tab")
+        k, outline, name = page.evaluate(
+            "(controls) => { const at = document.activeElement;"
+            " return [[...document.querySelectorAll(controls)].indexOf(at), getComputedStyle(at).outlineStyle,"
+            " at.getAttribute('aria-label') || at.labels?.[0]?.textContent || at.textContent]; }",
+            controls,
+        )
+        assert outline != "none" and name.strip()
+        reached |= {k} - {-1}
+    assert len(reached) == wanted > 15
+
+
+def test_a_long_table_says_that_it_is_thinned(folder, opened):
+    recipe = gk.load(OPEN.replace("[linkage]", "[drive]\nstep_deg = 0.1\n[linkage]")).called("long")
+    gk.write(recipe, folder / "long.html")
+    page = opened(folder / "long.html").page
+    assert f"of {len(recipe.scene.time)} frames" in page.inner_text("header")
+
+
 def test_trails_are_cut_every_five_degrees(folder, opened):
     _, file = page_of("crank-rocker", folder)
     trail = opened(file).page.get_attribute(".trail.traced", "d")
