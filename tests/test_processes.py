@@ -47,7 +47,13 @@ def test_few_tasks_are_done_here(tasks):
     assert [pid for _, (_, pid) in found] == [here] * len(json.loads(tasks))
 
 
-@pytest.mark.parametrize("why", ["os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])", "import threading; threading.Thread(target=time.sleep, args=(2,)).start()"])
+@pytest.mark.parametrize(
+    "why",
+    [
+        "os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])",
+        "import threading; threading.Thread(target=time.sleep, args=(2,)).start()",
+    ],
+)
 def test_one_core_or_a_thread_that_no_copy_has_leaves_all_here(why):
     here, found = said(f"{why}\nprint(json.dumps([os.getpid(), list(each(work, [0] * 6))]))")
     assert {pid for _, (_, pid) in found} == {here}
@@ -72,7 +78,9 @@ def test_no_copy_outlives_the_one_that_made_it(end, handler):
     # Where nothing can be told any more, a copy ends with the task that it is at.
     long = 0.5 if end == signal.SIGKILL else 60
     code = f"signal.signal(signal.SIGINT, signal.{handler})\ndef told(task):\n    if task: print(*os.listdir(f'/proc/self/task/{{os.getpid()}}/children') if 0 else open(f'/proc/self/task/{{os.getpid()}}/children').read().split(), flush=True)\nlist(each(work, [0] + [{long}] * 50, told))"
-    process = subprocess.Popen([sys.executable, "-c", PRELUDE + code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", PRELUDE + code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     process.stdout.readline()
     copies = [int(pid) for pid in process.stdout.readline().split()]
     assert len(copies) == 2 and all(map(alive, copies))

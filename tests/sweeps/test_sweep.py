@@ -26,6 +26,7 @@ coupler = 90
 rocker = 70
 [drive]
 step_deg = 10
+end_deg = 30
 """
 CRANKS, ROCKERS = [20, 30, 500], [60.5, 80]
 TELL = ["transmission_angle_deg:least", "rocker_angle_deg:last", "grashof_type"]
@@ -62,7 +63,12 @@ def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
             recipe = gk.load(text)
             checks = recipe.checks
         except gk.GeomkinError as error:
-            assert crank == 500 and row["refused"] and row["refused"] in str(error) and not row["transmission_angle_deg_least"]
+            assert (
+                crank == 500
+                and row["refused"]
+                and row["refused"] in str(error)
+                and not row["transmission_angle_deg_least"]
+            )
             continue
         assert not row["refused"]
         assert row["failed"] == "; ".join(check.name for check in checks if not check.passed)
@@ -73,7 +79,11 @@ def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
         if np.isfinite(column).any():
             assert float(row["transmission_angle_deg_least"]) == pytest.approx(np.nanmin(column), rel=1e-8, abs=1e-9)
         last = recipe.table["rocker_angle"][-1]
-        assert row["rocker_angle_deg_last"] == "" if np.isnan(last) else float(row["rocker_angle_deg_last"]) == pytest.approx(last)
+        assert (
+            row["rocker_angle_deg_last"] == ""
+            if np.isnan(last)
+            else float(row["rocker_angle_deg_last"]) == pytest.approx(last)
+        )
         assert row["grashof_type"] == recipe.notes["grashof_type"]
 
 
@@ -98,7 +108,9 @@ def spawned():
     return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
 
 
-@pytest.mark.parametrize("made", [lambda: ThreadPoolExecutor(3), Backwards, pytest.param(spawned, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize(
+    "made", [lambda: ThreadPoolExecutor(3), Backwards, pytest.param(spawned, marks=pytest.mark.campaign)]
+)
 def test_whoever_works_them_out_the_files_are_the_same(file, tmp_path, made):
     alone = bytes_of(swept(file, tmp_path / "alone"))
     with made() as executor:
@@ -159,7 +171,9 @@ WORKED = sweeping.worked_out
 
 @pytest.mark.parametrize("change", ["recipe", "version", "tell", "file"])
 def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
-    (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10)))
+    (tmp_path / "lift.csv").write_text(
+        "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))
+    )
     text = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\nprogram = [{kind = "table", file = "lift.csv", decimals = 3}]\n[cam.follower]\nkind = "translating-roller"\nroller_radius = 10\n[drive]\nstep_deg = 10\n'
     recipe = tmp_path / "cam.toml"
     recipe.write_text(text)
@@ -201,16 +215,33 @@ def test_how_values_are_written(text, values):
     assert list(found) == values and [type(v) is bool for v in found] == [type(v) is bool for v in values]
 
 
-@pytest.mark.parametrize(("start", "stop", "step"), [("0.1", "0.9", "0.1"), ("-1", "1", "0.001"), ("1e-7", "3e-7", "1e-8")])
+@pytest.mark.parametrize(
+    ("start", "stop", "step"), [("0.1", "0.9", "0.1"), ("-1", "1", "0.001"), ("1e-7", "3e-7", "1e-8")]
+)
 def test_a_range_does_not_drift_and_holds_its_stop(start, stop, step):
     count = int((Decimal(stop) - Decimal(start)) / Decimal(step)) + 1
-    assert listed("key", f"{start}:{stop}:{step}") == tuple(float(Decimal(start) + k * Decimal(step)) for k in range(count))
+    assert listed("key", f"{start}:{stop}:{step}") == tuple(
+        float(Decimal(start) + k * Decimal(step)) for k in range(count)
+    )
     assert listed("key", f"{start}:{stop}:{step}")[-1] == float(stop)
 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "1,,2", "1:2:0", "1:2:-1", "nan", "inf", "1:1e400:1", "0:1e300:1e-300", "0:1:1e-9", "9" * 30, "1979-05-27", ","],
+    [
+        "",
+        "1,,2",
+        "1:2:0",
+        "1:2:-1",
+        "nan",
+        "inf",
+        "1:1e400:1",
+        "0:1e300:1e-300",
+        "0:1:1e-9",
+        "9" * 30,
+        "1979-05-27",
+        ",",
+    ],
 )
 def test_values_that_cannot_be_are_refused_at_once(text):
     with pytest.raises(gk.DesignError) as refusal:
@@ -308,7 +339,12 @@ def test_the_page_tells_and_plots_what_the_file_tells(file, tmp_path):
 
 def test_texts_of_a_recipe_stay_texts(tmp_path):
     nasty = ["=cmd|'/C calc'!A0", "</script><img src=x onerror=alert(1)>", "\u202ea"]
-    sweep = gk.sweep({"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90}}, {"linkage.rocker": nasty}, [], tmp_path)
+    sweep = gk.sweep(
+        {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90}},
+        {"linkage.rocker": nasty},
+        [],
+        tmp_path,
+    )
     assert all(row.refused for row in sweep.rows)
     files = bytes_of(sweep)
     assert [row["linkage.rocker"][0] for row in rows_of(files["four-bar.sweep.csv"])] == ["'", "<", "?"]
