@@ -49,6 +49,8 @@ def _calm() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     # NumPy's linear algebra would start a thread for every core; nothing here multiplies matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Looking through every package there is for plugins of the validator takes longer, the more there are.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Importing makes objects that stay: collecting among them every 700 costs a tenth of the run.
     gc.set_threshold(100_000)
 

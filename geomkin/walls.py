@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,6 +28,9 @@ ACCURACY = 1e-4
 FINEST, COARSEST = 2e-6, 1e-4
 # Necks are told up to this many limits wide. More takes longer and says nothing of whether the part holds.
 NECKS = 2.0
+# Plates whose necks are kept, as many as a recipe has whose other sizes are varied. More fill the memory; fewer, and
+# plates that stay the same are looked at anew each time.
+KEPT = 16
 
 
 def least_wall(thickness: float, kerf: float) -> float:
@@ -55,10 +59,16 @@ def thinnest_wall(part: Part, limit: float) -> float:
             0 if is_round and k else len(z) // curve.count if isinstance(curve, Ring) else len(z)
             for k, (curve, z, is_round) in enumerate(zip(curves, loops, round_ones))
         ]
-        found = min(found, region.neck(loops, tried, thin))
+        found = min(found, _neck(tuple(loop.tobytes() for loop in loops), tuple(tried), thin))
     # Half of the last digit is no less than the accuracy, so that a round number comes out as one.
     digits = -int(np.ceil(np.log10(2 * accuracy)))
     return round(found, digits)
+
+
+@lru_cache(maxsize=KEPT)
+def _neck(loops: tuple[bytes, ...], tried: tuple[int, ...], within: float) -> float:
+    """The least neck, kept: it takes longest of all, and of a plate that is looked at again it is the same."""
+    return region.neck([np.frombuffer(loop, dtype=complex) for loop in loops], tried, within)
 
 
 def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Complex:

@@ -26,6 +26,7 @@ coupler = 90
 rocker = 70
 [drive]
 step_deg = 10
+end_deg = 30
 """
 CRANKS, ROCKERS = [20, 30, 500], [60.5, 80]
 TELL = ["transmission_angle_deg:least", "rocker_angle_deg:last", "grashof_type"]
@@ -168,7 +169,9 @@ def test_what_was_stopped_goes_on_where_it_was(file, tmp_path, stopped, half, mo
 WORKED = sweeping.worked_out
 
 
-@pytest.mark.parametrize("change", ["recipe", "version", "tell", "file"])
+@pytest.mark.parametrize(
+    "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "tell"))]
+)
 def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
     (tmp_path / "lift.csv").write_text(
         "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))
