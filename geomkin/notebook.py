@@ -232,7 +232,7 @@ def _(gears: PlanetarySet) -> Job:
 
 
 def _ring_stock(ring: AbstractGear) -> RingStock:
-    return RingStock(rim=4 * ring.module)
+    return RingStock(rim=max(4 * ring.module, 0.1))
 
 
 def _files(radius: float) -> Files:

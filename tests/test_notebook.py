@@ -24,6 +24,10 @@ SMALL = gk.Program(
 )
 GROUND = {"ground": {"O": 0, "C": 60}, "slider": {"S": 0}, "rod": {"S": 0, "P": 70}, "arm": {"C": 0, "P": 40}}
 ROD = gk.Linkage(GROUND, "slider", (gk.Slider("way", "slider", "ground", through=30j),))
+# A cart on an endless rail, with another on its rod.
+CARTS = {"ground": {"O": 0}, "cart": {"S": 0}, "rod": {"S": 0, "P": 70}, "other": {"P": 0}}
+RAILS = gk.Slider("low", "cart", "ground"), gk.Slider("high", "other", "ground", through=30j)
+FREE = gk.Linkage(CARTS, "cart", RAILS)
 GEARS = gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)
 
 
@@ -124,7 +128,7 @@ def test_a_motion_is_shown_as_it_is():
         (gk.Cam(gk.TranslatingRoller(10, 5), PROGRAM, 40), "cam, roller"),
         (gk.Cam(gk.TranslatingRoller(0.1, 0), SMALL, 0.4), "cam, roller"),
         (gk.SpurGear(24, 2), "gear, tool"),
-        (gk.RingGear(60, 200), "ring, tool"),
+        (gk.RingGear(60, 0.01), "ring, tool"),
         (gk.GearPair(*GEARS), "first, second"),
         (gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)), "first, second"),
         (gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2)), "pinion, rack"),
@@ -170,6 +174,9 @@ def test_a_point_runs_along_a_curve():
         (gk.FourBar, "a curve"),
         (gk.FourBar(100, np.linspace(20, 40, 3), 90, 70), "one at a time"),
         (gk.move(gk.FourBar(100, np.linspace(20, 40, 3), 90, 70), [0.5]), "one at a time"),
+        (gk.move(gk.FourBar(100, 30, 90, 70), []), "no frames"),
+        (FREE, "show its motion instead"),
+        (gk.Part("a", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 3.0), "crosses itself"),
     ],
     ids=str,
 )

@@ -45,6 +45,8 @@ def linkage_scene(
     """
     if motion.linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    if not len(motion.drive):
+        raise DesignError("motion", "it has no frames", "give at least one place of the driver")
     bodies = tuple(_bodies(motion, parts, layers or {}))
     marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *_traced(motion))
     if rates:
