@@ -10,5 +10,6 @@ export function mountSweep(root, data) {
     event.preventDefault();
     plots.show(Math.min(Math.max(plots.frame + step, 0), data.frames - 1), true);
   });
+  root.dataset.ready = "";
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.rebuild());
 }

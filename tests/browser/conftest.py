@@ -41,7 +41,7 @@ def opened(chromium):
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: asked.append(request.url))
         page.goto(file.resolve().as_uri())
-        page.wait_for_selector("#player[data-ready]")
+        page.wait_for_selector("[data-ready]")
         asked = SimpleNamespace(urls=asked, own=file.resolve().as_uri())
         return SimpleNamespace(page=page, said=said, asked=asked)
 

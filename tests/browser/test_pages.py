@@ -165,6 +165,28 @@ def test_keys_step_and_play(folder, opened):
     page.wait_for_selector('button[aria-label="Play"]')
 
 
+def test_a_sweeps_page_opens_and_is_read_by_keys(folder, opened):
+    recipe = {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}
+    values = {"gear.teeth": "12:20:4", "gear.profile_shift": [0, 0.4]}
+    sweep = gk.sweep(recipe, values, [], folder)
+    file = next(path for path in sweep.files if path.suffix == ".html")
+    for width in (320, 1400):
+        tab = opened(file, viewport={"width": width, "height": 800})
+        assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
+        assert tab.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    page = tab.page
+    assert page.locator("#plots .plot").count() == 2 and page.locator("#rows tbody tr").count() == 6
+    over = page.locator("#plots .u-over").first
+    over.focus()
+    said = []
+    for key in ("ArrowRight", "ArrowRight", "ArrowRight", "ArrowLeft"):
+        page.keyboard.press(key)
+        said.append(over.get_attribute("aria-valuetext").split()[0])
+    assert said == ["16", "20", "20", "16"]
+    for row, line in zip(sweep.rows[2:4], page.locator("#plots .legend").first.locator("b").all()):
+        assert number(line.inner_text()) == pytest.approx(row.checks[0].value, rel=1e-4)
+
+
 def test_plots_follow_and_lead(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file, viewport={"width": 1400, "height": 900}).page

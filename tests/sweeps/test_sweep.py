@@ -12,8 +12,10 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import geomkin as gk
+from geomkin.commands import cli
 from geomkin.sweeps import ledger
 from geomkin.sweeps import sweep as sweeping
 from geomkin.sweeps.values import MOST, combinations, listed, with_values
@@ -384,3 +386,39 @@ def test_a_recipe_a_table_and_a_text_are_swept_alike(file):
     values = {"linkage.crank": "20:40:10"}
     told = [gk.sweep(source, values).table.to_columns() for source in (file, BAR, gk.load(file), gk.load(BAR))]
     assert all((one[name] == told[0][name]).all() for one in told for name in told[0])
+
+
+def test_the_command_sweeps_resumes_and_says_so(file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        result = CliRunner().invoke(cli, ["sweep", "bar.toml", *arguments])
+        return result.exit_code, result.stdout, result.stderr
+
+    crank = ("--set", "linkage.crank=20,500", "--tell", "transmission_angle_deg:least")
+    files = "out/bar/bar.sweep.csv, out/bar/bar.sweep.html"
+    assert run(*crank) == (0, f"{files}: 2 combinations, 0 of them from before, 1 refused\n", "")
+    first = (tmp_path / "out/bar/bar.sweep.csv").read_bytes()
+    assert run(*crank) == (0, f"{files}: 2 combinations, 2 of them from before, 1 refused\n", "")
+    assert (tmp_path / "out/bar/bar.sweep.csv").read_bytes() == first
+    assert [row["linkage.crank"] for row in rows_of(first)] == ["20", "500"]
+    assert "begun anew" in run(*crank[:2])[2]
+    code, _, told = run("--set", "linkage.crank=500,600")
+    assert code == 1 and "all are refused, the first for this: linkage" in told
+    for arguments, status, words in (
+        (["--set", "linkage.crank=20", "--set", "linkage.crank=30"], 2, "linkage.crank is given twice"),
+        (["--set", "linkage.crank"], 2, "has no values"),
+        (["--set", "linkage.crnk=20"], 1, "did you mean crank"),
+        (["--set", "linkage.crank=1:2:1e-9"], 1, "give a step of at least"),
+        ([], 2, "--set"),
+    ):
+        code, _, told = run(*arguments)
+        assert code == status and words in told
+
+
+def test_what_is_made_of_a_recipe_leaves_its_sweep_alone(file, tmp_path):
+    sweep = swept(file, tmp_path, values={"linkage.crank": [20, 30]})
+    before = bytes_of(sweep)
+    gk.make(file, tmp_path, ["csv"])
+    gk.make(file, tmp_path)
+    assert bytes_of(sweep) == before
