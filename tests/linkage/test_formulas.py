@@ -1,4 +1,4 @@
-"""Motions by formulas that were written down against the placements themselves, against 60 digits, and in blocks."""
+"""Motions by formulas that were written down against the placements themselves, and against 60 digits, on each engine."""
 
 import pickle
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import program, solution
+from geomkin.linkage.solve import program, solution, worked
 from tests.linkage.exact import four_bar
 from tests.linkage.examples import ALL, FOUR_BAR, walking_leg
 
@@ -31,18 +31,16 @@ def same(one, other):
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(b), initial=1.0))
 
 
-@pytest.fixture(params=["whole", "blocks"])
+@pytest.fixture(params=["whole", "blocks", "compiled", "compiled blocks"])
 def formulas(request, monkeypatch):
-    """Formulas from the first motion on, over all frames at once or in blocks of a few, which keep less."""
-
-    def change(on):
-        monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
-        for module in (program, worked):
-            monkeypatch.setattr(module, "BLOCK", 7 if request.param == "blocks" else 4096)
-
-    from geomkin.linkage.solve import worked
-
-    return change
+    """Formulas from the first motion on: NumPy over all frames at once or in blocks of a few, which keep less; numba."""
+    if "compiled" in request.param:
+        pytest.importorskip("numba")
+    for name in ("WORTH_LOADED", "WORTH_LOADING"):
+        monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
+    for module in (program, worked):
+        monkeypatch.setattr(module, "BLOCK", 7 if "blocks" in request.param else 4096)
+    return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
 
 
 def fresh(linkage):
@@ -132,3 +130,28 @@ def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
     _ = motion.point("coupler_point").position
     programs = motion.solution.worked._formulas.programs
     assert {group for key in programs for group in key[1:]} == {"directions", ("position", "coupler")}
+
+
+def test_the_compiled_loop_has_every_operation_of_the_examples(monkeypatch):
+    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
+    monkeypatch.setattr(solution, "WORTH", 0)
+    for linkage, drive, branch in ALL.values():
+        for how in (branch, "follow"):
+            motion, _ = told(fresh(linkage), drive[:3], branch=how, acceleration=1.0)
+            formulas = motion.solution.worked and motion.solution.worked._formulas.programs.values()
+            assert all(compiled.runs(one) for one in formulas or ())
+
+
+def test_the_compiled_loop_takes_rows_longer_than_a_block_and_what_may_not_be_written(monkeypatch):
+    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
+    rng, frames = np.random.default_rng(3), 2 * compiled.WIDTH + 5
+    many = gk.FourBar(*(v + 5 * rng.random(frames) for v in (100.0, 30.0, 90.0, 70.0)))
+    drives = np.linspace(0, 6, frames), np.linspace(0, 6, 4)
+    for linkage, drive in zip((gk.FourBar(100, 30, 90, 70), many), drives):
+        drive.setflags(write=False)
+        found = []
+        for least in (NEVER, 0):
+            monkeypatch.setattr(solution, "WORTH", 0)
+            monkeypatch.setattr(worked, "WORTH_LOADED", least)
+            found.append(told(fresh(linkage), drive, speed=2.0)[1])
+        same(*found)

@@ -1,14 +1,21 @@
-"""What formulas make of given values, each when it is first asked for."""
+"""What formulas make of given values, each when it is first asked for, by the engine that is done first."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Hashable, Mapping
+from importlib.util import find_spec
 from math import prod
 
 import numpy as np
 
 from ...plane.vec import Array
-from .program import BLOCK, Formulas
+from .program import BLOCK, Formulas, Program
+
+# Steps of a program times frames times linkages from which the compiled loop is done before NumPy: where it is loaded,
+# and where it is to be loaded, which takes a second. Fewer, and its start takes longer than it saves; more, and what it
+# would save is not saved.
+WORTH_LOADED, WORTH_LOADING = 200_000, 1_000_000_000
 
 
 class Worked:
@@ -35,6 +42,19 @@ class Worked:
             self._done = (*self._done, group)
             program = self._formulas.program(self._done, self._frames * prod(self._linkages) <= BLOCK)
             with np.errstate(all="ignore"):
-                program.run(self._values, self._frames, self._linkages)
+                run(program, self._values, self._frames, self._linkages)
         result = self._formulas.groups[group][name]
         return self._values[result] if isinstance(result, int) else result
+
+
+def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
+    """Run a program by the engine that is done with it first."""
+    work = len(program.calls) * frames * prod(linkages)
+    loaded = f"{__package__}.compiled" in sys.modules
+    if work >= (WORTH_LOADED if loaded else WORTH_LOADING) and find_spec("numba"):
+        from . import compiled
+
+        if compiled.runs(program):
+            compiled.run(program, values, frames, linkages)
+            return
+    program.run(values, frames, linkages)
