@@ -82,6 +82,7 @@ ALONE = {
     "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/schema.py", "recipe/settings.py", "sizes.py"},
     "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py", "kinds/path_files.py"},
     "click": {"commands.py", "cli.py"},
+    "numba": {"linkage/solve/compiled.py"},
     "highspy": {"cam/program/least_peak.py"},
     "mpmath": {"tradeoff/cell.py"},
 }

@@ -9,31 +9,9 @@ import numpy as np
 
 from ..brief import one_line, short
 from ..plane.vec import Complex, Real
-from .solve.placement import Numbers
+from .solve.formulas import Timing, first_of, second_of
 from .solve.solution import LinkageSolution
-
-
-@dataclass(frozen=True, eq=False)
-class Timing:
-    """The driver's speed and acceleration: rad/s and rad/s2, or mm/s and mm/s2 where a slider drives."""
-
-    speed: Real
-    acceleration: Real
-
-    __repr__ = one_line
-
-    def rate(self, first: Numbers) -> Numbers:
-        """d/dt of what has the first kinematic coefficient `first`."""
-        with np.errstate(invalid="ignore"):
-            return first * self.speed
-
-    def gain(self, first: Numbers, second: Numbers) -> Numbers:
-        """d2/dt2 of what has these first and second kinematic coefficients."""
-        with np.errstate(invalid="ignore", over="ignore"):
-            gain = second * self.speed**2
-            return (
-                gain if np.ndim(self.acceleration) == 0 and self.acceleration == 0 else gain + first * self.acceleration
-            )
+from .solve.worked import Worked
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,46 +24,54 @@ class PointMotion:
     def __repr__(self) -> str:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
 
-    # A fresh one each time: it is written over.
+    @cached_property
+    def _worked(self) -> Worked | None:
+        return self.body.solution.worked_at(self.local)
+
+    def _told(self, what: str) -> Complex:
+        assert self._worked is not None
+        return self.body.solution.over_frames(self.body.name, self._worked.value((what, self.body.name)))
+
+    @property
     def _arm(self) -> Complex:
         return self.body.direction * self.local
 
     @cached_property
     def position(self) -> Complex:
         """mm."""
-        place = self._arm()
-        place += self.body.solution.origin(self.body.name, 0)
-        return place
+        if self._worked is not None:
+            return self._told("position")
+        return self._arm + self.body.solution.origin(self.body.name, 0)
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient: dP/dq, mm per unit of drive."""
+        if self._worked is not None:
+            return self._told("first")
         with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
-            turned = self._arm()
-            turned *= self.body.first
-            turned *= 1j
-            turned += self.body.solution.origin(self.body.name, 1)
-            return turned
+            return first_of(self._arm, self.body.first, self.body.solution.origin(self.body.name, 1))
 
     @cached_property
     def second(self) -> Complex:
         """Second kinematic coefficient: d2P/dq2, mm per unit of drive squared."""
+        if self._worked is not None:
+            return self._told("second")
         with np.errstate(invalid="ignore"):
-            arm = self._arm()
-            turned = np.empty(arm.shape, dtype=complex)
-            turned.real, turned.imag = -(self.body.first**2), self.body.second
-            turned *= arm
-            turned += self.body.solution.origin(self.body.name, 2)
-            return turned
+            origin = self.body.solution.origin(self.body.name, 2)
+            return second_of(self._arm, self.body.first, self.body.second, origin)
 
     @cached_property
     def velocity(self) -> Complex:
         """mm/s."""
+        if self._worked is not None:
+            return self._told("velocity")
         return self.body.timing.rate(self.first)
 
     @cached_property
     def acceleration(self) -> Complex:
         """mm/s2."""
+        if self._worked is not None:
+            return self._told("acceleration")
         second = self.second  # first of all, so that the lower orders come with it
         return self.body.timing.gain(self.first, second)
 
@@ -115,16 +101,15 @@ class Body:
         """Second kinematic coefficient: d2(angle)/dq2, rad per unit of drive squared."""
         return self.solution.turning(self.name, 2)
 
-    @cached_property
+    @property
     def omega(self) -> Real:
         """Angular velocity, rad/s."""
-        return self.timing.rate(self.first)
+        return self.solution.rate(self.name, 1)
 
-    @cached_property
+    @property
     def alpha(self) -> Real:
         """Angular acceleration, rad/s2."""
-        second = self.second  # first of all, so that the lower orders come with it
-        return self.timing.gain(self.first, second)
+        return self.solution.rate(self.name, 2)
 
     @property
     def origin(self) -> PointMotion:

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from ..errors import DesignError, shown
 from ..names import check_names
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
+
+if TYPE_CHECKING:
+    from .solve.program import Formulas
 
 
 def _are_bodies(value: Any) -> bool:
@@ -181,7 +184,22 @@ class Linkage(AbstractLinkage):
     @cached_property
     def many(self) -> bool:
         """Whether sizes are arrays: many linkages of one make."""
-        return any(np.ndim(place) for points in self.bodies.values() for place in points.values())
+        return bool(self.shape)
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """(linkages,) where sizes are arrays, otherwise ()."""
+        return np.broadcast_shapes(*(np.shape(z) for points in self.bodies.values() for z in points.values()))
+
+    @cached_property
+    def ahead(self) -> complex:
+        """The fixed body's x axis, unit complex."""
+        return complex(direction_deg(self.ground_angle_deg))
+
+    @cached_property
+    def shifted(self) -> bool:
+        """Whether the fixed body's origin stands elsewhere than at 0."""
+        return bool(np.any(self.origin != 0))
 
     @cached_property
     def size(self) -> Real:
@@ -218,4 +236,9 @@ class Linkage(AbstractLinkage):
     @cached_property
     def plans(self) -> dict[bool, tuple[Placement, ...]]:
         """Kept here by the solver, as curves ask for it thousands of times: how bodies are placed, by `follow`."""
+        return {}
+
+    @cached_property
+    def formulas(self) -> dict[object, Formulas | int]:
+        """Kept here by the solver: the formulas of its placements on each branch, or how many frames went without."""
         return {}

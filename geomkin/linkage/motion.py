@@ -14,8 +14,9 @@ from ..display import moving
 from ..errors import DesignError
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from ..table import Column, Table, finite, xy_columns
-from .body_motion import Body, PointMotion, SlideMotion, Timing
+from .body_motion import Body, PointMotion, SlideMotion
 from .linkage import Linkage, Slider
+from .solve.formulas import Timing
 from .solve.solution import LinkageSolution
 
 # Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what

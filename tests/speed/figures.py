@@ -166,35 +166,46 @@ def cams():
 
 
 def textbook(lengths, local, t, speed):
-    """A four-bar as plain vectorised NumPy has it: the diagonal, then linear rates; the same 14 outputs."""
+    """A four-bar as plain vectorised NumPy has it: circles that meet, then linear rates; 14 outputs.
+
+    Direction, omega and alpha of crank, coupler and rocker; place, velocity and acceleration of a coupler point;
+    transmission angle; closed.
+    """
     d, a, b, c = lengths
-    pin = a * np.exp(1j * t)
+    turn = np.exp(1j * t)
+    pin = a * turn
     u = d - pin
-    s = np.abs(u) ** 2
-    left = np.sqrt(b * b / s - ((s + b * b - c * c) / (2 * s)) ** 2)
-    bar = u * ((s + b * b - c * c) / (2 * s) + 1j * left)
+    s = u.real**2 + u.imag**2
+    p = 0.5 + 0.5 * (b * b - c * c) / s
+    with np.errstate(invalid="ignore"):
+        r = np.sqrt(b * b / s - p * p)
+    bar = u * (p + 1j * r)
     arm = bar - u
-    det = np.imag(np.conj(bar) * arm)
-    h3, h4 = np.imag(np.conj(arm) * pin) / det, np.imag(np.conj(bar) * pin) / det
-    right = pin + h3**2 * bar - h4**2 * arm
-    g3, g4 = np.real(np.conj(arm) * right) / det, np.real(np.conj(bar) * right) / det
-    z = local * bar / b
-    point, velocity = pin + z, speed * (1j * pin + 1j * h3 * z)
-    gain = speed**2 * (-pin + (1j * g3 - h3**2) * z)
-    rates = speed * h3, speed * h4, speed**2 * g3, speed**2 * g4
-    return pin, bar / b, arm / c, h3, h4, g3, g4, *rates, point, velocity, gain
+    across = np.conj(bar) * arm
+    det = across.imag
+    moving = speed * pin
+    omega_3, omega_4 = (np.conj(arm) * moving).imag / det, (np.conj(bar) * moving).imag / det
+    right = speed * moving + omega_3**2 * bar - omega_4**2 * arm
+    alpha_3, alpha_4 = (np.conj(arm) * right).real / det, (np.conj(bar) * right).real / det
+    z = local / b * bar
+    velocity = 1j * (moving + omega_3 * z)
+    gain = (1j * alpha_3 - omega_3**2) * z - speed * moving
+    angle = np.arctan2(np.abs(det), np.abs(across.real))
+    crank = turn, np.full(t.shape, speed), np.zeros(t.shape)
+    rest = bar / b, omega_3, alpha_3, arm / c, omega_4, alpha_4
+    return *crank, *rest, pin + z, velocity, gain, angle, np.isfinite(r)
+
+
+def everything(motion):
+    """The same outputs of a motion."""
+    point, bodies = motion.point("coupler_point"), (motion.crank, motion.coupler, motion.rocker)
+    turns = [value for body in bodies for value in (body.direction, body.omega, body.alpha)]
+    return *turns, point.position, point.velocity, point.acceleration, motion.transmission_angle, motion.closed
 
 
 def linkages():
     print("four-bar, warm, ns a frame: all 14 outputs, (x plain NumPy), coupler curve alone")
     sizes, local = (100.0, 30.0, 90.0, 70.0), 40 + 25j
-
-    def everything(motion):
-        for body in (motion.crank, motion.coupler, motion.rocker):
-            body.direction, body.omega, body.alpha
-        point = motion.point("coupler_point")
-        return point.acceleration, point.velocity, point.position, motion.closed
-
     rng = np.random.default_rng(1)
     many = [np.array(v) + rng.random(1000) for v in sizes]
     for name, lengths, frames in (

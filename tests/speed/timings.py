@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from figures import best_ms, textbook
+from figures import best_ms, everything, textbook
 
 import geomkin as gk
 from geomkin.tradeoff.results import processor
@@ -61,12 +61,6 @@ def motions():
     local, rng = 40 + 25j, np.random.default_rng(1)
     many = [np.array(v) + rng.random(1000) for v in (100.0, 30.0, 90.0, 70.0)]
 
-    def everything(motion):
-        for body in (motion.crank, motion.coupler, motion.rocker):
-            body.direction, body.omega, body.alpha
-        point = motion.point("coupler_point")
-        return point.acceleration, point.velocity, point.position, motion.closed
-
     for name, sizes, frames in (
         ("360 frames", (100.0, 30.0, 90.0, 70.0), 360),
         ("1e6 frames", (100.0, 30.0, 90.0, 70.0), 1_000_000),
@@ -91,20 +85,21 @@ def outlines():
         yield f"outline: {name}, chords of 0.01 mm", best_ms(lambda made=made: gk.flatten(made(), 0.01), 50), plain
 
 
-def main():
+def keep(*kinds):
+    """Time cases, each a name, ms and the floor's ms; print them, and add them to the file."""
     before = list(csv.DictReader(KEPT.read_text().splitlines())) if KEPT.exists() else []
     where = [datetime.date.today().isoformat(), processor(), platform.python_version(), np.__version__]
     rows = []
-    for cases in (processes, motions, outlines):
+    for cases in kinds:
         for case, ms, floor in cases():
             load = os.getloadavg()[0] / (os.cpu_count() or 1) if hasattr(os, "getloadavg") else float("nan")
             rows.append([*where, f"{load:.1f}", case, f"{ms:.4g}", f"{ms / floor:.3g}"])
             last = [row["ms"] for row in before if row["case"] == case and row["machine"] == where[1]]
-            print(f"{case:<48}{ms:10.4g} ms  {ms / floor:6.2f} x floor{f'   was {last[-1]} ms' if last else ''}")
+            print(f"{case:<56}{ms:10.4g} ms  {ms / floor:6.2f} x floor{f'   was {last[-1]} ms' if last else ''}")
     with KEPT.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerows([HEAD, *(list(row.values()) for row in before), *rows])
 
 
 if __name__ == "__main__":
-    main()
+    keep(processes, motions, outlines)

@@ -47,6 +47,10 @@ class Chosen:
     follow: bool
     field: str = "branch"
 
+    def sign(self, joint: str) -> int:
+        """Of a dyad by its inner joint, as far as signs tell of it."""
+        return self.signs.get(joint, self.default)
+
     def check(self, linkage: Linkage, joints: Sequence[str]) -> None:
         """Raise DesignError for a sign of no dyad, or a place of no point."""
         unknown = [name for name in self.signs if name not in joints]
@@ -58,11 +62,15 @@ class Chosen:
             raise DesignError(self.field, f"found {shown(unknown[0])}", f"give places of {', '.join(points)}")
 
 
+# One sign for all dyads, as most motions have it.
+PLAIN = {sign: Chosen(sign, {}, {}, False) for sign in (1, -1)}
 Branch = int | Literal["follow"] | Mapping[str, int | complex] | Follow | Chosen
 
 
 def chosen(branch: Branch) -> Chosen:
     """What a branch asks for; DesignError for what is none."""
+    if type(branch) is int and branch in PLAIN:
+        return PLAIN[branch]
     if isinstance(branch, Chosen):
         return branch
     if isinstance(branch, Follow):

@@ -19,7 +19,7 @@ from ...brief import one_line
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
-from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, plus, scaled, times
+from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, paired, plus, scaled, times
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,16 +126,12 @@ class DrivenRRR(CrankDriven):
         along, left = plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d)
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
         p0.kept[self] = roots, over, p
-        bar = np.empty(p.shape, dtype=complex)
-        np.subtract(p * along, r * left, out=bar.real)
-        np.add(p * left, r * along, out=bar.imag)
+        bar = paired(p * along - r * left, p * left + r * along)
         if sizes.kite is not False:
             # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
             limit = 0.5 * (along + 1j * left) + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
-        other = np.empty(p.shape, dtype=complex)
-        np.subtract(bar.real, along, out=other.real)
-        np.subtract(bar.imag, left, out=other.imag)
+        other = paired(bar.real - along, bar.imag - left)
         p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0], used=True)
         p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1], used=True)
 
@@ -224,8 +220,7 @@ class DrivenRRP(CrankDriven):
     def place(self, p0: Poses, branch: Whole | int) -> None:
         gaps, c, _, _ = self._sizes
         roots = p0.kept[self] = self.roots(p0, branch)
-        bar = np.empty(roots.r.shape, dtype=complex)
-        bar.real, bar.imag = roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
+        bar = paired(roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1])
         p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:

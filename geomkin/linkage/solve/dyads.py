@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -263,10 +264,11 @@ class Crossed(Placement):
 
 def _root(branch: Whole | int, *squares: Real) -> Real:
     """The product of roots on one branch, nan where a square is negative; where the branch is 0 both meet."""
-    r: Real | Whole | int = branch
+    r: Any = branch
     for square in squares:
         r = r * np.sqrt(np.where(square >= 0, square, np.nan))
-    return np.asarray(r) if np.ndim(branch) == 0 else np.where(branch == 0, 0.0, r)
+    root: Real = r if np.ndim(branch) == 0 else np.where(branch == 0, 0.0, r)
+    return root
 
 
 def two_unknowns(a: Complex, b: Complex, right: Complex) -> tuple[Real, Real]:

@@ -8,11 +8,11 @@ import numpy as np
 
 from ...arguments import Reals, checked
 from ...errors import DesignError
-from ..body_motion import Timing
 from ..linkage import AnyLinkage, Linkage
 from ..motion import Motion
 from .branch import Branch, chosen
 from .dyads import Dyad
+from .formulas import Timing
 from .placement import Placement
 from .plan import plan
 from .solution import LinkageSolution
@@ -35,16 +35,17 @@ def move(
     loop equations; rates come by the chain rule from kinematic coefficients.
     """
     general = linkage.linkage
-    q = np.atleast_1d(np.asarray(drive, dtype=float))
-    if q.ndim != 1 or not np.isfinite(q).all():
+    q = np.asarray(drive, dtype=float)
+    q = q if q.ndim else q[None]
+    if q.ndim != 1:
         raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
-    solution = LinkageSolution(general, planned(general, branch), q, chosen(branch))
     times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
     for name, v in zip(("speed", "acceleration"), times):
         if v.ndim and v.shape != q.shape:
             raise DesignError(name, f"found shape {v.shape}", f"give a number or {q.shape} of them")
-    timing = Timing(*(v.reshape(-1, *(1,) * (len(solution.shape) - 1)) if v.ndim else v for v in times))
-    return Motion(general, q, timing, solution)
+    timing = Timing(*(v.reshape(-1, *(1,) * len(general.shape)) if v.ndim else v for v in times))
+    asked = chosen(branch)
+    return Motion(general, q, timing, LinkageSolution(general, planned(general, asked), q, asked, timing))
 
 
 def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
@@ -52,5 +53,6 @@ def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
     asked = chosen(branch)
     told = replace(linkage, estimate={**linkage.estimate, **asked.near}) if asked.near else linkage
     placements = plan(told, asked.follow)
-    asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
+    if asked.signs or asked.near:
+        asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
     return placements

@@ -16,6 +16,8 @@ import numpy as np
 
 from ...brief import one_line
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
+from . import tape
+from .tape import Recorded
 
 Numbers = TypeVar("Numbers", Real, Complex)
 
@@ -109,6 +111,17 @@ def times(used: Array, by: Array | complex) -> Array:
     return used
 
 
+def paired(real: Real, imag: Real) -> Complex:
+    """Complex numbers of their parts, which 1j * imag would not be where that is not finite."""
+    for one in (real, imag):
+        if isinstance(one, Recorded):
+            recorded: Any = one.tape.record(tape.paired, (real, imag))
+            return recorded
+    both: Complex = np.empty(real.shape, dtype=complex)
+    both.real, both.imag = real, imag
+    return both
+
+
 def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
     """z times a constant, at a third of the price where that is real; `used`: written over z."""
     real = not (isinstance(by, np.ndarray) and by.ndim) and by.imag == 0
@@ -165,8 +178,7 @@ class Turned(Placement):
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
         cosine, sine = p0.half
-        turn = p0.turn[self.body] = np.empty(cosine.shape, dtype=complex)
-        turn.real, turn.imag = (cosine - sine) * (cosine + sine), 2 * sine * cosine
+        p0.turn[self.body] = paired((cosine - sine) * (cosine + sine), 2 * sine * cosine)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.turn[self.body] = np.ones(())
@@ -209,7 +221,7 @@ class Drawn(Placement):
     name: str
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
-        p0.origin[self.name], p0.turn[self.name] = p0.drive.astype(complex), np.ones((), dtype=complex)
+        p0.origin[self.name], p0.turn[self.name] = paired(p0.drive, np.zeros(())), np.ones((), dtype=complex)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.origin[self.name], p1.turn[self.name] = np.ones((), dtype=complex), np.zeros(())

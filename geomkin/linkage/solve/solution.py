@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
 from ...brief import one_line
-from ...plane.vec import Array, Complex, Mask, Real, Whole, direction_deg
+from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
 from .drive_range import DriveRange, change_points
 from .driver_dyads import Driven
 from .dyads import Dyad
+from .formulas import Timing, linkage_formulas, tell_all
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, Turned
+from .worked import Worked
 
 # Gap, as a share of the reach, below which rounding alone keeps it from zero: true meetings come out below 2e-16 behind
 # chains of five dyads. Larger takes a near miss for a meeting, smaller misses meetings behind a dyad at bad angles.
 ROUNDING = 1e-14
+# Frames times linkages from which formulas are written down, over all motions of a linkage so far, each of which counts
+# as MOVING more for what its Python costs. Writing takes about as long as moving so many: fewer, and what moves once or
+# twice waits for it; more, and what moves again and again goes on by the placements for longer.
+WORTH, MOVING = 10_000, 1000
 
 
 def reach_of(linkage: Linkage) -> float:
@@ -40,20 +47,22 @@ def with_branches(
     linkage: Linkage, placements: Sequence[Placement], drive: Real, linkages: tuple[int, ...], asked: Chosen
 ) -> DriveRange:
     """The range of a motion's drives with the branch of every dyad: by sign, near given points, or followed."""
+    dyads = {k: one for k, one in enumerate(placements) if isinstance(one, Dyad)}
+    turns, found = isinstance(placements[0], Turned), {one.joint: asked.sign(one.joint) for one in dyads.values()}
+    if turns and not asked.follow and not asked.near:
+        return DriveRange(linkage, placements, drive, linkages, 1.0, found)
     reach = reach_of(linkage)
-    unit = 1.0 if isinstance(placements[0], Turned) else reach
-    found = DriveRange(linkage, placements, drive, linkages, unit, {})
+    whole = DriveRange(linkage, placements, drive, linkages, 1.0 if turns else reach, {})
     with np.errstate(all="ignore"):
-        for k, dyad in enumerate(placements):
-            if isinstance(dyad, Dyad):
-                found = replace(found, branches={**found.branches, dyad.joint: _branch(found, k, dyad, asked, reach)})
-    return found
+        for k, dyad in dyads.items():
+            whole = replace(whole, branches={**whole.branches, dyad.joint: _branch(whole, k, dyad, asked, reach)})
+    return whole
 
 
 def _branch(before: DriveRange, k: int, dyad: Dyad, asked: Chosen, reach: float) -> Whole | int | FollowedBranch:
     """The branch of the dyad that is placed k-th, where those of the ones before it are known."""
-    told = None if dyad.joint in asked.signs else _nearest(before, k, asked.near)
-    frame, sign = told or (0, asked.signs.get(dyad.joint, asked.default))
+    told = _nearest(before, k, asked.near) if asked.near and dyad.joint not in asked.signs else None
+    frame, sign = told or (0, asked.sign(dyad.joint))
     if not asked.follow:
         return sign
     if not isinstance(dyad, Driven):
@@ -90,6 +99,12 @@ def _nearest(before: DriveRange, k: int, near: Mapping[str, complex]) -> tuple[i
     return None
 
 
+def _kept_by(branch: tuple[str, Whole | int | FollowedBranch]) -> tuple[str, bytes]:
+    """What formulas on a joint's branch are kept by; of one that is followed there are none."""
+    joint, sign = branch
+    return joint, b"" if isinstance(sign, FollowedBranch) else np.asarray(sign).tobytes()
+
+
 @dataclass(frozen=True, eq=False)
 class LinkageSolution:
     """Where all bodies are, and the derivatives of that by the drive, each worked out when first asked for.
@@ -102,51 +117,67 @@ class LinkageSolution:
     placements: tuple[Placement, ...]
     drive: Real
     asked: Chosen
+    timing: Timing
+    # What was asked for so far.
+    _kept: dict[tuple[str, str], Array] = field(init=False, repr=False, default_factory=dict)
 
     __repr__ = one_line
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """(frames,) or (frames, linkages)."""
-        places = (z for points in self.linkage.bodies.values() for z in points.values())
-        return (len(self.drive), *np.broadcast_shapes(*(np.shape(z) for z in places)))
+        return (len(self.drive), *self.linkage.shape)
 
     def origin(self, body: str, order: int) -> Complex:
         """The place of a body's origin, mm, or its derivative of order 1 or 2 by the drive."""
-        if (body, order) not in self._origins:
-            origin = (self.poses if order == 0 else self._coefficients(order)).origin[body]
-            if self._ahead != 1:
-                origin = origin * self._ahead
-            if order == 0 and np.any(self.linkage.origin != 0):
-                origin = origin + self.linkage.origin
-            self._origins[body, order] = self._over_frames(body, origin)
-        return self._origins[body, order]
+        origin = (self.poses if order == 0 else self._first if order == 1 else self._second).origin[body]
+        if self.linkage.ahead != 1:
+            origin = origin * self.linkage.ahead
+        if order == 0 and self.linkage.shifted:
+            origin = origin + self.linkage.origin
+        return self.over_frames(body, origin)
 
     def direction(self, body: str) -> Complex:
         """A body's x axis, unit complex."""
-        if body not in self._directions:
-            turn = self.poses.turn[body]
-            self._directions[body] = self._over_frames(body, turn if self._ahead == 1 else turn * self._ahead)
-        return self._directions[body]
+        if self.worked is not None:
+            return self._told("directions", body)
+        turn = self.poses.turn[body]
+        return self.over_frames(body, turn if self.linkage.ahead == 1 else turn * self.linkage.ahead)
 
     def turning(self, body: str, order: int) -> Real:
         """The derivative of order 1 or 2 of a body's angle, rad, by the drive."""
-        if (body, order) not in self._turnings:
-            self._turnings[body, order] = self._over_frames(body, self._coefficients(order).turn[body])
-        return self._turnings[body, order]
+        if self.worked is not None:
+            return self._told("first" if order == 1 else "second", body)
+        return self.over_frames(body, (self._first if order == 1 else self._second).turn[body])
 
-    def _over_frames(self, body: str, values: Numbers) -> Numbers:
+    def rate(self, body: str, order: int) -> Real:
+        """A body's angular velocity, rad/s, order 1, or acceleration, rad/s2, order 2."""
+        if self.worked is not None:
+            return self._told("omega" if order == 1 else "alpha", body)
+        if order == 1:
+            return self.timing.rate(self.turning(body, 1))
+        second = self.turning(body, 2)  # first of all, so that the lower orders come with it
+        return self.timing.gain(self.turning(body, 1), second)
+
+    def _told(self, group: str, body: str) -> Array:
+        key = group, body
+        if key not in self._kept:
+            assert self.worked is not None
+            self._kept[key] = self.over_frames(body, self.worked.value(group, body))
+        return self._kept[key]
+
+    def over_frames(self, body: str, values: Numbers) -> Numbers:
         """Values at every frame, of what moves nan where the linkage is open."""
-        if body != self.linkage.ground and not self._all_closed:
+        if not self._all_closed and body != self.linkage.ground:
             values = np.where(self.closed, values, np.nan)
         return values if values.shape == self.shape else np.broadcast_to(values, self.shape)
-
-    def _coefficients(self, order: int) -> Coefficients:
-        return self._first if order == 1 else self._second
 
     @cached_property
     def closed(self) -> Mask:
         """Whether every body can be where its joints want it."""
+        if self.worked is not None:
+            closed = self.worked.value("directions")
+            return closed if closed.shape == self.shape else np.broadcast_to(closed, self.shape)
         closed = np.ones(self.shape, dtype=bool)
         for placement in self.placements:
             reached = placement.reached(self.poses)
@@ -172,6 +203,30 @@ class LinkageSolution:
         return with_branches(self.linkage, self.placements, self.drive, self.shape[1:], self.asked)
 
     @cached_property
+    def worked(self) -> Worked | None:
+        """By formulas on these branches; None where they are not worth writing down, or there is more than formulas."""
+        asked, kept, timing = self.asked, self.linkage.formulas, self.timing
+        # Signs that were asked for tell which formulas; where places or the motion tell, their signs do.
+        plain = not (asked.follow or asked.near)
+        signs = asked.signs.items() if plain else map(_kept_by, self._range.branches.items())
+        key = self.placements, timing.steady, timing.speed.ndim, asked.default, *signs
+        formulas = kept.get(key, 0)
+        if isinstance(formulas, int):
+            kept[key] = moved = formulas + len(self.drive) * prod(self.shape[1:]) + MOVING
+            if moved < WORTH or not tell_all(self.placements, self._range.branches):
+                return None
+            kept[key] = formulas = linkage_formulas(self.linkage, self.placements, self._range.branches, timing)
+        drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape))
+        return Worked(formulas, len(drive), self.shape[1:], {"drive": drive, **timing.given})
+
+    def worked_at(self, local: complex | Complex) -> Worked | None:
+        """The same for a point at this place of a body, mm, that goes on from the directions."""
+        if self.worked is None:
+            return None
+        self.worked.value("directions")
+        return self.worked.at("local", np.asarray(local, dtype=complex))
+
+    @cached_property
     def signs(self) -> Mapping[str, Whole]:
         """The sign of each dyad, by its inner joint, also where the linkage is open; 0 where both branches meet."""
         found: dict[str, Whole] = {}
@@ -193,29 +248,14 @@ class LinkageSolution:
     @cached_property
     def transmission_angle(self) -> Real:
         """Least over the joints that it is told of, rad; nan where there is none."""
+        if self.worked is not None:
+            return self.over_frames("", self.worked.value("angle"))
         least = np.full(self.shape, np.nan)
         for placement in self.placements:
             angle = placement.transmission_angle(self.poses)
             if angle is not None:
                 least = np.fmin(least, angle)
         return np.where(self.closed, least, np.nan)
-
-    # What was asked for so far, as seen from outside the fixed body's frame.
-    @cached_property
-    def _origins(self) -> dict[tuple[str, int], Complex]:
-        return {}
-
-    @cached_property
-    def _directions(self) -> dict[str, Complex]:
-        return {}
-
-    @cached_property
-    def _turnings(self) -> dict[tuple[str, int], Real]:
-        return {}
-
-    @cached_property
-    def _ahead(self) -> complex:
-        return complex(direction_deg(self.linkage.ground_angle_deg))
 
     @cached_property
     def _all_closed(self) -> bool:

@@ -1,0 +1,157 @@
+"""Motions by formulas that were written down against the placements themselves, and against 60 digits, on each engine."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.linkage.solve import program, solution, worked
+from tests.linkage.exact import four_bar
+from tests.linkage.examples import ALL, FOUR_BAR, walking_leg
+
+NEVER = 10**18
+
+
+def told(linkage, drive, **how):
+    """All that a motion tells, in an order that asks for the last first."""
+    motion = gk.move(linkage, drive, **how)
+    found = [motion.closed, motion.transmission_angle]
+    for body in motion.bodies.values():
+        found += [body.alpha, body.omega, body.direction, body.second, body.first]
+        for point in (body.origin, body.point(3 - 2j)):
+            found += [point.acceleration, point.position, point.velocity, point.second, point.first]
+    return motion, found
+
+
+def same(one, other):
+    for a, b in zip(one, other, strict=True):
+        assert a.shape == b.shape and a.dtype == b.dtype
+        # As large as rounding is in the sums that each value stands in.
+        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(b), initial=1.0))
+
+
+@pytest.fixture(params=["whole", "blocks", "compiled", "compiled blocks"])
+def formulas(request, monkeypatch):
+    """Formulas from the first motion on: NumPy over all frames at once or in blocks of a few, which keep less; numba."""
+    if "compiled" in request.param:
+        pytest.importorskip("numba")
+    for name in ("WORTH_LOADED", "WORTH_LOADING"):
+        monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
+    for module in (program, worked):
+        monkeypatch.setattr(module, "BLOCK", 7 if "blocks" in request.param else 4096)
+    return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
+
+
+def fresh(linkage):
+    linkage.linkage.formulas.clear()
+    return linkage
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_formulas_tell_what_placements_do(name, formulas):
+    linkage, drive, branch = ALL[name]
+    how = {"branch": branch, "speed": np.linspace(1, 3, len(drive)), "acceleration": 0.7}
+    for turn in ({"branch": branch}, how):
+        formulas(False)
+        plain, one = told(fresh(linkage), drive, **turn)
+        formulas(True)
+        motion, other = told(fresh(linkage), drive, **turn)
+        assert plain.solution.worked is None
+        iterates = name in ("loops", "actuator between moving bars")
+        assert (motion.solution.worked is None) == iterates
+        same(other, one)
+
+
+def test_formulas_are_those_of_the_branch_the_speed_and_the_sizes(formulas):
+    """One linkage moves in many ways after each other, which are not to be taken for each other."""
+    drive = np.linspace(0, 2 * np.pi, 30)
+    rng = np.random.default_rng(4)
+    many = gk.FourBar(
+        *(v + 5 * rng.random(6) for v in (100.0, 30.0, 90.0, 70.0)), coupler_point=20 + 9j * rng.random(6)
+    )
+    ways = [
+        {"branch": 1},
+        {"branch": -1},
+        {"branch": -1, "speed": 3.0},
+        {"branch": -1, "speed": np.linspace(0, 1, 30)},
+        {"branch": -1, "speed": 2.0, "acceleration": 1.5},
+        {"branch": {"rocker_pin": -1}, "speed": 2.0, "acceleration": np.linspace(0, 1, 30)},
+        {"branch": {"rocker_pin": 60 - 40j}},
+        {"branch": "follow"},
+    ]
+    for linkage in (gk.FourBar(100, 30, 90, 70, 40 + 25j), gk.FourBar(70, 50, 60, 55, 9j, "crank", 3 - 2j, 40.0), many):
+        formulas(True)
+        found = [told(linkage, drive, **how)[1] for how in ways]
+        formulas(False)
+        for how, one in zip(ways, found):
+            same(one, told(fresh(linkage), drive, **how)[1])
+
+
+@pytest.mark.parametrize("power", range(0, 16, 3))
+def test_formulas_keep_all_digits_at_a_toggle(power, formulas):
+    formulas(True)
+    sizes = (3.0, 1.0, 4.0 - 10.0**-power, 2.0)
+    drive = np.array([min(1.0, away * 10 ** (-power / 2)) for away in (0.1, 0.3, 1.0, 3.0, 10.0)])
+    motion = gk.move(gk.FourBar(*sizes), drive)
+    assert motion.solution.worked is not None
+    for k, angle in enumerate(drive):
+        for what, exact in zip(("direction", "first", "second"), four_bar(*sizes, float(angle), 1)):
+            got = np.array([getattr(motion.bodies[body], what)[k] for body in ("coupler", "rocker")])
+            assert np.abs(got - exact).max() <= 1.5e-15 * max(1.0, *np.abs(exact))
+
+
+def test_a_change_point_is_passed_by_formulas(formulas):
+    parallelogram = gk.FourBar(100, 40, 100, 40)
+    formulas(True)
+    motion = gk.move(parallelogram, np.linspace(0.1, 6.2, 200), "follow")
+    assert motion.solution.worked is not None
+    assert np.abs(motion.coupler.direction - 1).max() < 1e-12
+
+
+def test_formulas_are_written_down_for_what_moves_often(monkeypatch):
+    written = []
+    make = solution.linkage_formulas
+    monkeypatch.setattr(solution, "linkage_formulas", lambda *args: written.append(args) or make(*args))
+    linkage, drive = walking_leg(), np.linspace(0, 6, 50)
+    for _ in range(solution.WORTH // solution.MOVING + 3):
+        _ = gk.move(linkage, drive, {"B": -1, "G": -1}).closed
+    assert len(written) == 1
+    # One that moves once over many frames is not kept waiting, and a copy of it goes to another process.
+    other = gk.FourBar(100, 30, 90, 70)
+    motion = gk.move(other, np.linspace(0, 6, 20_000))
+    assert motion.closed.all() and len(written) == 2
+    assert np.array_equal(pickle.loads(pickle.dumps(motion)).rocker.alpha, motion.rocker.alpha)
+
+
+def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
+    formulas(True)
+    motion = gk.move(fresh(FOUR_BAR), np.linspace(0, 6, 50))
+    _ = motion.point("coupler_point").position
+    programs = motion.solution.worked._formulas.programs
+    assert {group for key in programs for group in key[1:]} == {"directions", ("position", "coupler")}
+
+
+def test_the_compiled_loop_has_every_operation_of_the_examples(monkeypatch):
+    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
+    monkeypatch.setattr(solution, "WORTH", 0)
+    for linkage, drive, branch in ALL.values():
+        for how in (branch, "follow"):
+            motion, _ = told(fresh(linkage), drive[:3], branch=how, acceleration=1.0)
+            formulas = motion.solution.worked and motion.solution.worked._formulas.programs.values()
+            assert all(compiled.runs(one) for one in formulas or ())
+
+
+def test_the_compiled_loop_takes_rows_longer_than_a_block_and_what_may_not_be_written(monkeypatch):
+    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
+    rng, frames = np.random.default_rng(3), 2 * compiled.WIDTH + 5
+    many = gk.FourBar(*(v + 5 * rng.random(frames) for v in (100.0, 30.0, 90.0, 70.0)))
+    drives = np.linspace(0, 6, frames), np.linspace(0, 6, 4)
+    for linkage, drive in zip((gk.FourBar(100, 30, 90, 70), many), drives):
+        drive.setflags(write=False)
+        found = []
+        for least in (NEVER, 0):
+            monkeypatch.setattr(solution, "WORTH", 0)
+            monkeypatch.setattr(worked, "WORTH_LOADED", least)
+            found.append(told(fresh(linkage), drive, speed=2.0)[1])
+        same(*found)
