@@ -227,20 +227,38 @@ def test_help_loads_no_numpy():
     assert "numpy" not in loaded_by(code)
 
 
-@pytest.mark.parametrize(
-    ("formats", "unloaded"),
-    [
-        ("dxf", {"trimesh", "matplotlib"}),
-        ("csv", {"trimesh", "ezdxf"}),
-        ("stl", {"ezdxf", "trimesh"}),
-        ("svg", {"ezdxf"}),
-    ],
-)
-def test_a_recipe_loads_only_what_it_writes(tmp_path, formats, unloaded):
-    recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"
-    code = f"import geomkin; geomkin.make({str(recipe)!r}, {str(tmp_path)!r}, [{formats!r}])"
-    assert not loaded_by(code) & unloaded
-    assert (tmp_path / "spur-gear" / ("gear.stl" if formats == "stl" else f"spur-gear.{formats}")).exists()
+UNLOADED = {
+    "dxf": {"trimesh"},
+    "csv": {"trimesh", "ezdxf"},
+    "stl": {"ezdxf", "trimesh"},
+    "svg": {"ezdxf", "trimesh"},
+    "page": {"ezdxf", "trimesh"},
+    "check": {"ezdxf", "trimesh"},
+}
+# Of no use to any format.
+NEVER = {"matplotlib", "scipy", "numba", "pandas", "networkx", "click", "mpmath"}
+RECIPES = sorted((PACKAGE.parent / "recipes").glob("*.toml"))
+
+
+def loaded_for(formats, recipes, out):
+    """Modules in memory after the recipes are made or checked in one process; the linear programs' only if asked for."""
+    done = "check_recipe(file)" if formats == "check" else f"make(file, {str(out)!r}, [{formats!r}])"
+    files = [str(recipe) for recipe in recipes]
+    return loaded_by(f"from geomkin.build import check_recipe, make\nfor file in {files}: {done}")
+
+
+@pytest.mark.parametrize("formats", UNLOADED)
+def test_a_recipe_loads_only_what_it_writes(tmp_path, formats):
+    some = [file for file in RECIPES if file.stem in ("spur-gear", "slider-crank", "inflection-circle")]
+    assert not loaded_for(formats, some, tmp_path) & (UNLOADED[formats] | NEVER | {"highspy"})
+    stem = "gear.stl" if formats == "stl" else "spur-gear." + {"page": "html"}.get(formats, formats)
+    assert (tmp_path / "spur-gear" / stem).exists() == (formats != "check")
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("formats", UNLOADED)
+def test_all_recipes_load_only_what_they_write(tmp_path, formats):
+    assert not loaded_for(formats, RECIPES, tmp_path) & (UNLOADED[formats] | NEVER)
 
 
 ROOMS = [

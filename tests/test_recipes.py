@@ -13,15 +13,46 @@ import trimesh
 from ezdxf import path as dxf_path
 
 import geomkin as gk
+from tests.watching import ORDERS, Watch
 
 RECIPES = sorted((Path(__file__).parent.parent / "recipes").glob("*.toml"))
+
+
+# What each recipe worked out while each of its files was made.
+LOGS = {}
+# Kinds whose parts or checks are made of velocities, and of accelerations: every other drawing is made without.
+BY_VELOCITY = {
+    "pump-stroke": "swing and stroke end where the slider stands still",
+    "wiper": "so does the rocker's swing",
+}
+BY_ACCELERATION = {
+    "centrodes": "a run ends where the instant centre's velocity does",
+    "rolling-ellipses": "so it does there",
+    "inflection-circle": "the circle is engraved",
+    "polygons": "the polygon of accelerations is cut",
+    "shaking-force": "the force is checked",
+}
 
 
 @pytest.fixture(scope="module", params=RECIPES, ids=lambda f: f.stem)
 def made(request, tmp_path_factory):
     out = tmp_path_factory.mktemp("out")
-    result = gk.make(request.param, out)
+    with Watch() as watch:
+        result = gk.make(request.param, out)
+    LOGS[request.param.stem] = watch.log
     return request.param, out / request.param.stem, result
+
+
+def test_each_file_works_out_what_it_shows_and_no_more(made):
+    """Files come in the order of the formats, after the checks: drawings and solids before table and page."""
+    name, log = made[0].stem, LOGS[made[0].stem]
+    where = {what: {stage for stage in log if log[stage][what]} for what in ("loops", "table", "scene", *ORDERS)}
+    assert where["loops"] <= {"dxf", "stl"}
+    assert where["table"] <= {"csv", "page"} and where["scene"] == {"page"}
+    first, second = (where[order] - {"csv", "page"} for order in ORDERS)
+    assert second == ({"checks"} if name in BY_ACCELERATION else set())
+    # A curve that the linkage draws is flattened by its tangents.
+    assert first - {"dxf"} == ({"checks"} if name in BY_ACCELERATION or name in BY_VELOCITY else set())
 
 
 def rings(folder, name):

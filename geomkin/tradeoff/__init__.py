@@ -3,9 +3,6 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .cell import ANSWERS as ANSWERS
-    from .cell import Cell as Cell
-    from .cell import Digits as Digits
     from .families import FAMILIES as FAMILIES
     from .family import Method as Method
     from .family import MethodFamily as MethodFamily
@@ -15,7 +12,6 @@ if TYPE_CHECKING:
     from .results import Chart as Chart
     from .results import FamilyChart as FamilyChart
     from .results import chart as chart
-    from .study import CELLS as CELLS
     from .study import Stability as Stability
     from .study import stability as stability
 else:

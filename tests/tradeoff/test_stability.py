@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.tradeoff import ANSWERS, CELLS, Stability, stability
-from geomkin.tradeoff.cell import answered, measured
+from geomkin.tradeoff import Stability, stability
+from geomkin.tradeoff.cell import ANSWERS, answered, measured
+from geomkin.tradeoff.study import CELLS
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
 
