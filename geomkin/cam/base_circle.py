@@ -15,7 +15,7 @@ from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .followers.flat import straight_face_base_radius
 from .followers.follower import AbstractFollower, Follower
-from .maxima import largest, samples
+from .maxima import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
@@ -144,12 +144,23 @@ def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float)
     def worst(radius: float) -> tuple[float, float, Limit]:
         return max((*_largest(program, rule, radius), name) for name, rule in rules.items())
 
-    motion = program.motion(samples(program.breaks))
+    places = samples(program.breaks)
+    motion = program.motion(places)
+
+    def breaks_a_rule(radius: float) -> bool:
+        seen = [rule(motion, radius) for rule in rules.values()]
+        # Where the samples show a rule broken, no closer look is needed.
+        if any(not values.max() <= 0 for values in seen):
+            return True
+
+        def is_broken(rule: Rule, values: Real) -> bool:
+            return exceeds(places, values, lambda t: rule(program.motion(t), radius), 0.0)
+
+        return any(is_broken(rule, values) for rule, values in zip(rules.values(), seen))
+
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        # Where the samples show a rule broken, no closer look is needed.
-        fits = all(rule(motion, middle).max() <= 0 for rule in rules.values()) and worst(middle)[0] <= 0
-        good, bad = (middle, bad) if fits else (good, middle)
+        good, bad = (good, middle) if breaks_a_rule(middle) else (middle, bad)
     _, angle, name = worst(bad)
     return good, name, angle
 
