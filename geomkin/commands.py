@@ -144,8 +144,8 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
     except GeomkinError as error:
         raise click.ClickException(str(error)) from None
-    points = sum(len(one.points) for one in measured.families)
-    click.echo(f"{printable(out / 'chart')}: {len(measured.families)} families, {points} points")
+    count, points = len(measured.families), sum(len(one.points) for one in measured.families)
+    click.echo(f"{printable(out / 'chart', 200)}: {count} famil{'y' if count == 1 else 'ies'}, {points} points")
 
 
 def _files(paths: Iterable[Path]) -> list[Path]:

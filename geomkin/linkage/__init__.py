@@ -46,6 +46,10 @@ if TYPE_CHECKING:
     from .motion import motion_table as motion_table
     from .openings import Opening as Opening
     from .openings import opening as opening
+    from .sampled import SampledRates as SampledRates
+    from .sampled import central_difference as central_difference
+    from .sampled import mid_ordinate_integral as mid_ordinate_integral
+    from .sampled import velocity_difference as velocity_difference
     from .solve.continuation import Root as Root
     from .solve.continuation import newton_raphson as newton_raphson
 else:

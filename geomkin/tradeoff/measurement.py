@@ -14,7 +14,7 @@ from .family import Method, MethodFamily, P, R
 
 # Processor seconds that one point of a full chart is measured for, and all points of a family of a quick one. Less, and
 # the least of the batches still falls; more changes no digit that is told.
-FULL, QUICK = 1.0, 2.5
+FULL, QUICK = 0.5, 1.0
 # Processor seconds of a batch of calls: far above the clock's own cost of a microsecond. Longer batches leave fewer to
 # take the least of, and a busy machine disturbs a long one for sure.
 BATCH = 4e-3

@@ -201,7 +201,7 @@ def _legend(methods: list[tuple[int, Method[object, object]]]) -> Iterator[str]:
     y += ROW
     yield f'<circle cx="{x}" cy="{y}" r="7" fill="none" stroke="#1b2127" stroke-width="2"/>'
     yield f'<text x="{x + 16}" y="{y}" dy="4">the library&#8217;s default</text>'
-    yield f'<text x="{x - 8}" y="{y + ROW}" dy="4">full: on the front; hollow: beaten</text>'
+    yield f'<text x="{x - 8}" y="{y + ROW}" dy="4">full: on the front; hollow: off it</text>'
 
 
 def _rows() -> Callable[[], int]:

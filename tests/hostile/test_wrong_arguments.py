@@ -131,6 +131,7 @@ GOOD = {
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},
     "burmester_curves": {"poses": FOUR, "reach": 200.0},
     "centroid": {"curve": CIRCLE, "accuracy": 1e-9},
+    "central_difference": {"samples": np.cos(DRIVE), "interval": 0.1, "derivative": 2, "order": 4, "periodic": False, "inexact": 1e-6},
     "chebyshev_points": {"span": (1.0, 3.0), "count": 3},
     "chord": {"gear": GEAR, "radius": 24.0},
     "circle_of_sliders": {"poses": FOUR[:3]},
@@ -218,6 +219,8 @@ GOOD = {
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
     "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
+    "mid_ordinate_integral": {"rates": np.cos(DRIVE), "interval": 0.1, "start": 2.0, "inexact": 1e-6},
+    "velocity_difference": {"samples": np.cos(DRIVE), "interval": 0.1, "inexact": 1e-6},
     "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "because": "", "despite": "", "slow": False},
     "pareto_front": {"seconds": np.array([1.0, 2.0]), "errors": np.array([2.0, 1.0])},
 }  # fmt: skip
@@ -230,7 +233,7 @@ MADE = {
     "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "Burmester", "BurmesterCurve", "Dyads", "SliderCircle", "StateFourBar",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
-    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "SampledRates", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
     "FunctionGenerator", "Peak", "SliderFunctionGenerator",
     "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files",
 }  # fmt: skip

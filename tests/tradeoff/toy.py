@@ -25,13 +25,13 @@ FAMILY = gk.tradeoff.MethodFamily(
     floor=1e-15,
     problem=lambda: HALVES,
     count=lambda problem, found: 1,
-    error=lambda problem, found: np.array([abs(found - 1)]),
+    error=lambda problem, found: np.array([abs(found - 1), 0.0]),
     methods=METHODS,
 )
 
 
 def point(method, setting, error, seconds, missed=0.0):
-    return gk.tradeoff.Measurement("toy-sum", method, setting, error, error, missed, seconds, 1, 10, 3, 0.05)
+    return gk.tradeoff.Measurement("toy-sum", method, setting, error, error / 2, missed, seconds, 1, 10, 3, 0.05)
 
 
 POINTS = (
@@ -41,5 +41,7 @@ POINTS = (
     point("some", 5.0, 0.03, 5e-6),
     point("some", 10.0, 1e-3, 3e-6),
     point("none", np.nan, np.nan, 1e-9, 1.0),
+    # Fast and right where it finds anything.
+    point("none", np.nan, 1e-7, 5e-7, 0.25),
 )
 CHART = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(FAMILY, POINTS),), True, {"geomkin": "0"}, "a <processor>")

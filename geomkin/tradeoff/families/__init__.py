@@ -11,15 +11,29 @@ from .conjugate_tooth import CONJUGATE_TOOTH
 from .curve_flattening import CAM_FLATTENING, GEAR_FLATTENING
 from .file_writing import CSV_WRITING, DXF_WRITING, STL_WRITING
 from .four_bar_position import POSITION, TOGGLE
+from .four_bar_rates import RATES, TOGGLE_RATES
 from .function_synthesis import FUNCTION_SYNTHESIS
 from .gear_root import GEAR_ROOT
+from .iteration import ITERATION
 from .path_synthesis import PATH_SYNTHESIS
+from .sampled_rates import ACCELERATION, VELOCITY
+from .sampled_ways import INTEGRATION
+from .six_bar import SIX_BAR_POSITION
+from .slider_crank import SLIDER_CRANK
 
 FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
     family.name: family
     for family in (
         POSITION,
         TOGGLE,
+        RATES,
+        TOGGLE_RATES,
+        VELOCITY,
+        ACCELERATION,
+        INTEGRATION,
+        SLIDER_CRANK,
+        SIX_BAR_POSITION,
+        ITERATION,
         CAM_FLATTENING,
         GEAR_FLATTENING,
         CAM_PROFILE,

@@ -8,10 +8,11 @@ from math import cos, sin
 import numpy as np
 
 from ...linkage.solve.continuation import newton_raphson
-from ...plane.vec import Real
+from ...plane.vec import Array, Real
 from ..family import Method
 from .four_bar_closed_forms import by_unit_vectors
 from .four_bar_problem import FRAMES, Directions, FourBarProblem
+from .tables import ENTRIES, cubic, linear
 
 Call = Callable[[], Directions]
 
@@ -86,47 +87,23 @@ def _root_finder(problem: FourBarProblem, tolerance: float) -> Call:
 
 
 def _linear_table(problem: FourBarProblem, entries: float) -> Call:
-    knots, (coupler, rocker) = _table(problem, int(entries))
-
-    def call() -> Directions:
-        one, two = (np.exp(1j * np.interp(problem.drive, knots, row)) for row in (coupler, rocker))
-        return one, two
-
-    return call
+    return _pair(linear(problem.drive, _directions(problem), entries))
 
 
 def _cubic_table(problem: FourBarProblem, entries: float) -> Call:
-    count = int(entries)
-    _, rows = _table(problem, count)
-    # Through four neighbours each (Lagrange), as coefficients of the powers of the way past the knot.
-    around = [np.roll(rows[:, :-1], k, axis=1) for k in (1, 0, -1, -2)]
-    before, here, ahead, after = around
-    powers = (
-        here,
-        ahead - here / 2 - before / 3 - after / 6,
-        (before + ahead) / 2 - here,
-        (here - ahead) / 2 + (after - before) / 6,
-    )
-
-    def call() -> Directions:
-        place = problem.drive * (count / (2 * np.pi))
-        k = place.astype(np.intp)
-        s = place - k
-        k %= count
-        p = [power[:, k] for power in powers]
-        turned = np.exp(1j * (p[0] + s * (p[1] + s * (p[2] + s * p[3]))))
-        return turned[0], turned[1]
-
-    return call
+    return _pair(cubic(problem.drive, _directions(problem), entries))
 
 
-def _table(problem: FourBarProblem, entries: int) -> tuple[Real, Real]:
-    """Angles of the crank, half an entry beside the frames, and of coupler and rocker, (2, entries + 1)."""
-    knots = np.arange(entries + 1) * (2 * np.pi / entries)
-    angles = np.angle(by_unit_vectors(*problem.lengths, knots))
-    angles = np.unwrap(np.where(np.isfinite(angles), angles, 0.0))
-    angles[:, -1] = angles[:, 0]
-    return knots, angles
+def _directions(problem: FourBarProblem) -> Callable[[Real], Array]:
+    return lambda drive: np.nan_to_num(np.array(by_unit_vectors(*problem.lengths, drive)))
+
+
+def _pair(call: Callable[[], Array]) -> Call:
+    def both() -> Directions:
+        coupler, rocker = call()
+        return coupler, rocker
+
+    return both
 
 
 ITERATIONS: tuple[Method[FourBarProblem, Directions], ...] = (
@@ -156,16 +133,16 @@ ITERATIONS: tuple[Method[FourBarProblem, Directions], ...] = (
 TABLES: tuple[Method[FourBarProblem, Directions], ...] = (
     Method(
         "linear table",
-        "Angles at so many even steps of the crank, got ready beforehand, and straight lines between.",
+        "Directions at so many even steps of the crank, got ready beforehand, and straight lines between.",
         _linear_table,
         "entries",
-        (100, 1000, 10000),
+        ENTRIES,
     ),
     Method(
         "cubic table",
         "The same table with a cubic through the four nearest entries.",
         _cubic_table,
         "entries",
-        (100, 1000, 10000),
+        ENTRIES,
     ),
 )

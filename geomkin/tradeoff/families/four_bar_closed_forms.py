@@ -13,7 +13,7 @@ from ...linkage.solve.move import move, planned
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
 from ..family import Method
-from .four_bar_problem import Directions, FourBarProblem
+from .four_bar_problem import FRAMES, Directions, FourBarProblem
 
 Call = Callable[[], Directions]
 
@@ -27,20 +27,22 @@ def _library(problem: FourBarProblem, _: float) -> Call:
 
 
 def _toggle_proof(problem: FourBarProblem, _: float) -> Call:
-    a, b, c, d = problem.lengths
+    lengths = problem.lengths
+    return lambda: by_toggle_proof_form(lengths, problem.drive)
+
+
+def by_toggle_proof_form(lengths: tuple[float, float, float, float], drive: Real) -> Directions:
+    """Factors instead of differences of squares; crank, coupler, rocker, ground."""
+    a, b, c, d = lengths
     one, two = closing_gaps(a, b, c, d)
-
-    def call() -> Directions:
-        half = 0.5 * problem.drive
-        x, y = 2 * np.sqrt(a * d) * np.cos(half), 2 * np.sqrt(a * d) * np.sin(half)
-        s = (d - a) ** 2 + y * y
-        u = (d - a) + (y * y - 1j * (x * y)) / (2 * d)
-        over = 0.5 / s
-        p = 0.5 + (b - c) * (b + c) * over
-        bar = (p + 1j * (np.sqrt((one + x * x) * (two + y * y)) * over)) * u
-        return bar / b, (bar - u) / c
-
-    return call
+    half, k = 0.5 * drive, 2 * np.sqrt(a * d)
+    x, y = k * np.cos(half), k * np.sin(half)
+    s = (d - a) ** 2 + y * y
+    u = (d - a) + (y * y - 1j * (x * y)) / (2 * d)
+    over = 0.5 / s
+    p = 0.5 + (b - c) * (b + c) * over
+    bar = (p + 1j * (np.sqrt((one + x * x) * (two + y * y)) * over)) * u
+    return bar / b, (bar - u) / c
 
 
 def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
@@ -128,15 +130,17 @@ def _single(problem: FourBarProblem, _: float) -> Call:
     return call
 
 
+LIBRARY: Method[FourBarProblem, Directions] = Method(
+    "geomkin.move",
+    "The library's call, for any linkage: it finds in which order members are placed, and works out a four-bar's by "
+    "the toggle-proof form.",
+    _library,
+    because="one call for any linkage, driver and branch, which keeps all its digits up to a toggle and through it.",
+    despite="What it takes longer is what any linkage needs around the formula. That is the same for one pose as for "
+    f"these {FRAMES}: it counts less the more poses there are in a call.",
+)
 CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
-    Method(
-        "geomkin.move",
-        "The library's call: bounds of the crank, branches and all; the toggle-proof form is what it works out.",
-        _library,
-        because="one form for all sizes, which keeps all its digits up to the toggle and through it.",
-        despite="What it takes longer is the finding of the plan and the checks of a call; see the toggle-proof form "
-        "in plain NumPy, the same formula without them.",
-    ),
+    LIBRARY,
     Method(
         "toggle-proof form, plain NumPy",
         "Every quantity that vanishes at a toggle is a product of factors, and the constants among them are exact "
@@ -150,14 +154,13 @@ CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
     ),
     Method(
         "unit vectors",
-        "The textbook's vector form: along the diagonal's unit vector and beside it (Erdman and Sandor, Mechanism "
-        "Design, chapter 3).",
+        "The textbooks' vector form: so far along the diagonal's unit vector, and so far beside it.",
         _unit_vectors,
     ),
     Method(
         "half-angle (Freudenstein)",
         "Freudenstein's equation as a quadratic in the tangent of half the angle (Norton, Design of Machinery, "
-        "section 4.5).",
+        "chapter 4).",
         _half_angles,
     ),
     Method(

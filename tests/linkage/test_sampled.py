@@ -1,0 +1,114 @@
+"""Rates from samples and values from rates, against the exact motion of linkages and of polynomials."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+LINKAGE = gk.FourBar(100, 30, 90, 70, 40 + 25j)
+
+
+def tracked(count, shift=0.0):
+    """Step, and a coupler point's exact motion over one turn at 1 rad/s, at even times."""
+    step = 2 * np.pi / count
+    return step, gk.move(LINKAGE, (np.arange(count) + shift) * step).point("coupler_point")
+
+
+def order_found(miss):
+    """The power of the step by which errors fall when it is halved."""
+    return np.log2(miss[0] / miss[1])
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("derivative", [1, 2])
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+def test_central_differences_err_by_the_order_asked_for_and_say_how_much(order, derivative, periodic):
+    miss, told = [], []
+    for count in (90, 180):
+        step, point = tracked(count)
+        found = gk.linkage.central_difference(point.position, step, derivative, order, periodic)
+        off = np.abs(found.values - (point.velocity if derivative == 1 else point.acceleration))
+        assert found.times == pytest.approx(np.arange(count) * step)
+        assert (off <= 2 * found.error).all()
+        miss.append(off.max()), told.append(found.error.max())
+    assert order_found(miss) == pytest.approx(order, abs=0.6)
+    assert told == pytest.approx(miss, rel=0.2)
+
+
+def test_velocity_differences_err_by_the_square_of_the_step_and_say_how_much():
+    miss, bent = [], []
+    for count in (90, 180):
+        step, point = tracked(count)
+        _, middle = tracked(count, 0.5)
+        found = gk.linkage.velocity_difference(point.position, step)
+        off = np.abs(found.values - middle.velocity[:-1])
+        assert found.times == pytest.approx((np.arange(count - 1) + 0.5) * step) and (off <= 1.5 * found.error).all()
+        miss.append(off.max())
+        assert miss[-1] == pytest.approx(found.error.max(), rel=0.1)
+        # Of those again, at the samples.
+        again = gk.linkage.velocity_difference(found.values, step)
+        bent.append(np.abs(again.values - point.acceleration[1:-1]).max())
+    assert order_found(miss) == pytest.approx(2, abs=0.1) and order_found(bent) == pytest.approx(2, abs=0.1)
+
+
+def test_mid_ordinates_give_back_the_way_and_say_how_far_it_is_off():
+    miss = []
+    for count in (90, 180):
+        step, point = tracked(count)
+        _, middle = tracked(count, 0.5)
+        found = gk.linkage.mid_ordinate_integral(middle.velocity, step, point.position[0])
+        off = np.abs(found.values[:-1] - point.position)
+        # Near the start there is hardly an error to tell.
+        assert found.values[0] == point.position[0] and (off <= 1.5 * found.error[:-1] + 0.1 * off.max()).all()
+        miss.append(off.max())
+        assert miss[-1] == pytest.approx(found.error.max(), rel=0.3)
+    assert order_found(miss) == pytest.approx(2, abs=0.1)
+
+
+def test_integration_undoes_differences_and_real_samples_stay_real():
+    samples = np.random.default_rng(3).normal(size=50)
+    rates = gk.linkage.velocity_difference(samples, 0.01).values
+    back = gk.linkage.mid_ordinate_integral(rates, 0.01, samples[0])
+    assert back.values == pytest.approx(samples, abs=1e-13) and back.values.dtype == float
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+def test_polynomials_that_the_weights_go_through_are_exact_up_to_the_ends(order):
+    t = np.arange(order + 5) * 0.25
+    powers = np.polynomial.Polynomial(np.arange(1.0, order + 2))
+    for derivative in (1, 2):
+        found = gk.linkage.central_difference(powers(t), 0.25, derivative, order)
+        assert found.values == pytest.approx(powers.deriv(derivative)(t), rel=1e-9)
+
+
+def test_what_samples_are_off_is_told_as_what_comes_of_it():
+    """Noise of known size stays within the error, which is worse for the smaller step."""
+    noise = np.random.default_rng(1)
+    told = []
+    for count in (90, 3600):
+        step, point = tracked(count)
+        read = np.round(point.position, 2) + noise.uniform(-1e-3, 1e-3, count)
+        found = gk.linkage.central_difference(read, step, 2, 4, True, inexact=0.005 * 2**0.5 + 1e-3)
+        assert (np.abs(found.values - point.acceleration) <= found.error).all()
+        told.append(found.error.max())
+    assert told[1] > 100 * told[0]
+
+
+def test_an_unknown_sample_spoils_its_neighbours_alone():
+    samples = np.sin(np.arange(40) * 0.1)
+    samples[20] = np.nan
+    found = gk.linkage.central_difference(samples, 0.1, 1, 2)
+    assert np.flatnonzero(np.isnan(found.values)).tolist() == [19, 20, 21]
+    assert np.isfinite(found.error[:17]).all()
+
+
+def test_too_few_samples_are_refused_with_how_many_it_takes():
+    with pytest.raises(gk.DesignError, match="at least 13"):
+        gk.linkage.central_difference(np.zeros(12), 0.1, 1, 8)
+    with pytest.raises(gk.DesignError, match="at least 4"):
+        gk.linkage.velocity_difference([1.0, 2.0], 0.1)
+
+
+def test_what_rates_are_off_adds_up_along_the_way():
+    off = gk.linkage.mid_ordinate_integral(np.full(50, 2.0) + 0.1, 0.5, inexact=0.1)
+    assert off.values - np.arange(51) * 1.0 == pytest.approx(off.error)

@@ -1,0 +1,207 @@
+"""The chart's files read back: its table, its pictures, its page; and the command that makes them."""
+
+import csv
+import hashlib
+import io
+import re
+import xml.etree.ElementTree as ElementTree
+from base64 import b64encode
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.progress import shown
+from geomkin.tradeoff.families import FAMILIES
+from tests.tradeoff.toy import CHART, FAMILY, POINTS
+
+KEPT = Path(__file__).parent.parent.parent / "chart"
+SVG = "{http://www.w3.org/2000/svg}"
+# What a tick's label says, in the axis's unit.
+SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
+POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+FRONT = [True, True, True, False, True, False, False]
+
+
+def rows(content):
+    return list(csv.DictReader(io.StringIO(content.decode())))
+
+
+def test_the_table_has_every_point():
+    told = rows(gk.tradeoff.chart_files(CHART)["chart.csv"])
+    assert [row["method"] for row in told] == [p.method for p in POINTS]
+    assert [row["on_front"] for row in told] == [str(int(on)) for on in FRONT]
+    assert [row["default"] for row in told] == ["1", "0", "0", "0", "0", "0", "0"]
+    for row, p in zip(told, POINTS):
+        numbers = [
+            float(row[name] or "nan") for name in ("setting", "largest_error", "rms_error", "seconds_per_result")
+        ]
+        assert numbers == pytest.approx([p.setting, p.largest, p.rms, p.seconds], nan_ok=True)
+        assert (row["calls_per_batch"], row["batches"], row["missed_share"]) == ("10", "3", f"{p.missed:g}")
+        assert (row["setting_name"], row["per"], row["error_unit"]) == ("terms" * (p.method == "some"), "sum", "mm")
+        assert (row["geomkin_version"], row["processor"]) == ("0", "a <processor>")
+
+
+def place(element):
+    return [float(v) for v in re.findall(r"-?[\d.]+", element.get("transform"))]
+
+
+def axis(root, across):
+    """From a place in the picture to what the axis says there, by its labels."""
+    found = []
+    for label in root.iter(f"{SVG}text"):
+        text = label.text or ""
+        if across and (match := re.fullmatch(r"(\d+) (ps|ns|µs|ms|s)", text)):
+            found.append((float(label.get("x")), float(match[1]) * SECONDS[match[2]]))
+        elif not across and label.get("text-anchor") == "end":
+            power = re.fullmatch(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", text)
+            found.append((float(label.get("y")), 10.0 ** int(power[1].translate(POWERS)) if power else float(text)))
+    (a, first), (b, last) = found[0], found[-1]
+    assert len(found) > 2 and first != last
+    return lambda at: first * (last / first) ** ((at - a) / (b - a))
+
+
+def test_the_picture_shows_every_point_where_its_axes_say_it_is():
+    root = ElementTree.fromstring(gk.tradeoff.chart_files(CHART)["toy-sum.svg"])
+    time, error = axis(root, True), axis(root, False)
+    marks = [m for m in root.iter(f"{SVG}path") if m.get("class") == "point"]
+    seen = [p for p in POINTS if np.isfinite(p.largest)]
+    assert len(marks) == len(seen)
+    (frame,) = [p.get("d") for p in root.iter(f"{SVG}path") if re.fullmatch(r"M\d+ \d+V\d+H\d+", p.get("d"))]
+    left, top, bottom, right = map(int, re.findall(r"\d+", frame))
+    ticks = [float(t.get("x")) for t in root.iter(f"{SVG}text") if re.fullmatch(r"\d+ (ps|ns|µs)", t.text or "")]
+    assert min(ticks) == left and max(ticks) <= right
+    for mark, p, on in zip(marks, seen, (*FRONT[:5], False)):
+        x, y = place(mark)
+        assert left < x < right and top < y < bottom
+        # To the rounding of a place, a twentieth of a unit, and what counts as rounding is shown as that.
+        assert time(x) == pytest.approx(p.seconds, rel=0.01)
+        assert error(y) == pytest.approx(max(p.largest, 1e-15), rel=0.02)
+        assert (mark.get("fill") != "#fff") == on
+        assert p.method in mark.find(f"{SVG}title").text
+    rings = [place(ring) for ring in root.iter(f"{SVG}circle") if ring.get("transform")]
+    assert rings == [place(marks[0])]
+    words = " ".join(root.itertext())
+    assert {"time per sum", "largest error, mm", "Sum of halves & quarters"} <= {t.strip() for t in words.split("\n")}
+
+
+def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_its_points():
+    root = ElementTree.fromstring(gk.tradeoff.chart_files(CHART)["toy-sum.svg"])
+    marks = [m for m in root.iter(f"{SVG}path") if m.get("class") == "point"]
+    assert len({m.get("d") for m in marks}) == 3 == len({m.get("stroke") for m in marks})
+    (front,) = [p.get("d") for p in root.iter(f"{SVG}path") if p.get("class") == "front"]
+    steps = re.findall(r"H([\d.]+)V([\d.]+)", front)
+    on = sorted(place(m) for m, shown in zip(marks, FRONT) if shown)
+    assert [[float(x), float(y)] for x, y in steps] == on
+
+
+class Outline(HTMLParser):
+    """Tags and words of a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.words = [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def test_the_page_tells_all_in_words_and_runs_nothing():
+    content = gk.tradeoff.chart_files(CHART)["chart.html"].decode()
+    page = Outline()
+    page.feed(content)
+    kinds = [tag for tag, _ in page.tags]
+    assert "script" not in kinds and kinds.count("h1") == 1 and "terms" not in kinds and "processor" not in kinds
+    style = re.search("<style>(.*)</style>", content, re.DOTALL)[1]
+    policy = next(a["content"] for tag, a in page.tags if tag == "meta" and "http-equiv" in a)
+    assert b64encode(hashlib.sha256(style.encode()).digest()).decode() in policy and "default-src 'none'" in policy
+    assert not any("style" in a or any(key.startswith("on") for key in a) for _, a in page.tags)
+    words = re.sub(r"\s+", " ", " ".join(page.words))
+    assert "all <terms> : it errs least. It is on the front." in words and "quick run" in words
+    assert "a <processor>" in words and words.count("10 calls") == len(POINTS) and "misses 100.0%" in words
+
+
+def test_a_default_off_the_front_is_told_with_what_beats_it():
+    from tests.tradeoff.toy import METHODS, point
+
+    slow = gk.tradeoff.Method("slow", "Adds twice.", METHODS[0].make, because="it is checked.", despite="It is safe.")
+    family = gk.tradeoff.MethodFamily(**{**vars(FAMILY), "methods": (METHODS[1], slow)})
+    points = (point("some", 1.0, 1e-3, 1e-6), point("some", 2.0, 1e-5, 2e-6), point("slow", np.nan, 1e-5, 8e-6))
+    chart = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(family, points),), False, {}, "")
+    page = gk.tradeoff.chart_files(chart)["chart.html"].decode()
+    assert "It is not on the front: some takes 25% of its time. It is safe." in page
+
+
+def test_what_is_measured_is_what_the_method_does(monkeypatch):
+    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
+    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    told = []
+    with shown(lambda share, what: told.append((share, what))):
+        (one,) = gk.tradeoff.chart(["toy-sum"], quick=True).families
+    assert told[-1] == (1.0, "measuring toy-sum") and sorted(told) == told
+    # In a hurry the first, the middle and the last setting, and nothing slow.
+    assert [(p.method, p.setting) for p in one.points[1:]] == [("some", 1.0), ("some", 5.0), ("some", 10.0)]
+    assert [p.rms for p in one.points] == pytest.approx([p.largest / 2**0.5 for p in one.points])
+    assert [p.largest for p in one.points] == pytest.approx([0.0, 0.5, 0.5**5, 0.5**10], abs=1e-15)
+    assert all(p.seconds > 0 and p.batches >= 3 and p.calls >= 1 and p.results == 1 for p in one.points)
+
+
+def test_a_family_that_is_not_there_is_refused_with_those_that_are(tmp_path):
+    result = CliRunner().invoke(cli, ["chart", "four-bars", "--out", str(tmp_path / "made")])
+    assert result.exit_code == 2 and all(name in result.stderr for name in FAMILIES) and not list(tmp_path.iterdir())
+    with pytest.raises(gk.DesignError, match="four-bar-position"):
+        gk.tradeoff.chart(["four-bars"])
+
+
+def test_the_command_writes_the_files(tmp_path, monkeypatch):
+    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
+    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    result = CliRunner().invoke(cli, ["chart", "toy-sum", "--quick", "--out", str(tmp_path / "made")])
+    assert result.exit_code == 0 and result.stdout.endswith("made/chart: 1 family, 4 points\n")
+    names = {path.name for path in (tmp_path / "made" / "chart").iterdir()}
+    assert names == {"chart.csv", "chart.html", "toy-sum.svg"}
+
+
+@pytest.mark.campaign
+def test_the_quick_chart_of_everything(tmp_path):
+    assert CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)]).exit_code == 0
+    told = rows((tmp_path / "chart" / "chart.csv").read_bytes())
+    assert {row["family"] for row in told} == set(FAMILIES)
+
+
+def test_every_default_in_the_kept_chart_is_on_the_front_or_says_why_not():
+    told = rows((KEPT / "chart.csv").read_bytes())
+    assert {row["family"] for row in told} == set(FAMILIES), "make it anew: geomkin chart --out ."
+    for name, family in FAMILIES.items():
+        points = [row for row in told if row["family"] == name]
+        methods = {method.name: method for method in family.methods}
+        assert {row["method"] for row in points} == set(methods)
+        defaults = [row for row in points if row["default"] == "1"]
+        assert defaults and {row["method"] for row in defaults} == {n for n, m in methods.items() if m.is_default}
+        for row in defaults:
+            assert row["on_front"] == "1" or methods[row["method"]].despite, row
+        # What the file says of the front is what its numbers say.
+        errors = [max(float(row["largest_error"] or "nan"), family.floor) for row in points]
+        errors = [np.nan if float(row["missed_share"]) else error for row, error in zip(points, errors)]
+        front = gk.tradeoff.pareto_front([float(row["seconds_per_result"]) for row in points], errors)
+        assert [row["on_front"] == "1" for row in points] == front.tolist()
+
+
+def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
+    pictures = {path.stem for path in KEPT.glob("*.svg")}
+    assert set(FAMILIES) <= pictures and all(any(one.startswith(name) for name in FAMILIES) for one in pictures)
+    page = (KEPT / "chart.html").read_text("utf-8")
+    for name, family in FAMILIES.items():
+        # The page holds each picture as it is.
+        assert (KEPT / f"{name}.svg").read_text("utf-8").split("\n", 1)[1].strip() in page
+        for method in family.methods:
+            assert not method.is_default or method.because in page.replace("&#x27;", "'")
+    readme = (KEPT.parent / "README.md").read_text("utf-8")
+    assert [name for name in FAMILIES if f"`{name}`" not in readme] == []

@@ -1,0 +1,141 @@
+"""Every method finds what its family asks for: its errors at every setting against bounds known beforehand."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from geomkin.tradeoff.families import FAMILIES
+
+# Largest error of each method at its settings, from the first to the last. A bound is about three times what the
+# method is known to miss: of rounding, of the power of a step, of the terms left out.
+BOUNDS = {
+    "four-bar-position": {
+        "geomkin.move": [2e-15],
+        "toggle-proof form, plain NumPy": [2e-15],
+        "general dyad solver": [2e-15],
+        "unit vectors": [2e-15],
+        "half-angle (Freudenstein)": [4e-15],
+        "diagonal and cosine rule": [4e-15],
+        "single precision": [1e-6],
+        "Newton, cold": [0.1, 5e-3, 3e-6, 1e-11, 2e-15, 2e-15],
+        "Newton, warm": [1e-3, 1e-9, 2e-15],
+        "root finder per frame": [1e-7, 2e-15],
+        "linear table": [1e-3, 1e-5, 1e-7],
+        "cubic table": [1e-5, 1e-9, 1e-13],
+    },
+    "four-bar-rates": {
+        "geomkin.move": [2e-15],
+        "toggle-proof form, plain NumPy": [2e-15],
+        "general dyad solver": [2e-15],
+        "loop equations on unit vectors": [2e-15],
+        "loop equations, exact positions": [2e-15],
+        "single precision": [1e-6],
+        "differences of positions": [1e-4, 2e-7, 4e-10, 1e-8, 3e-7],
+    },
+    "velocity-from-positions": {
+        "exact coefficients (geomkin.move)": [2e-15],
+        "velocity differences": [0.01, 2.5e-3, 4e-4, 1e-4],
+        "central differences, order 2": [0.04, 0.01, 1.6e-3, 4e-4, 1e-4, 4e-6],
+        "central differences, order 4": [2e-3, 1.2e-4, 3.2e-6, 2e-7, 1.2e-8, 2e-11],
+        "central differences, order 6": [2e-4, 4e-6, 2e-8, 3e-10, 5e-12, 3e-12],
+        "cubic spline": [4e-4, 2.5e-5, 6e-7, 4e-8, 2.5e-9, 4e-12],
+        "Fourier series": [5e-9, 1e-12, 1e-12, 1e-12, 2e-12, 6e-12],
+        "tangents drawn": [0.2, 0.05, 0.05, 0.1],
+        "mid-ordinates drawn": [0.1, 0.05, 0.05, 0.15],
+    },
+    "acceleration-from-positions": {
+        "exact coefficients (geomkin.move)": [3e-15],
+        "velocity differences": [0.03, 8e-3, 1.3e-3, 3e-4],
+        "central differences, order 2": [0.03, 8e-3, 1.3e-3, 3e-4, 8e-5, 4e-6],
+        "central differences, order 4": [2e-3, 1.2e-4, 3e-6, 2e-7, 2e-8, 3e-9],
+        "central differences, order 6": [2e-4, 4e-6, 2e-8, 4e-10, 2e-10, 5e-9],
+        "cubic spline": [0.03, 8e-3, 1.3e-3, 3e-4, 8e-5, 4e-6],
+        "Fourier series": [7e-9, 1e-11, 5e-11, 2e-10, 5e-10, 8e-9],
+        "tangents drawn": [0.5, 0.2, 0.2, 1.2],
+        "mid-ordinates drawn": [0.15, 0.2, 0.8, 5],
+    },
+    "positions-from-velocities": {
+        "exact positions (geomkin.move)": [2e-15],
+        "mid-ordinates": [3e-3, 8e-4, 1.3e-4, 3e-5, 8e-6, 3e-7],
+        "trapezoids": [6e-3, 1.5e-3, 2.5e-4, 6e-5, 1.5e-5, 6e-7],
+        "Simpson's rule": [6e-5, 4e-6, 1e-7, 6e-9, 4e-10, 1e-12],
+        "trapezoids with end correction": [2e-4, 1e-5, 3e-7, 2e-8, 1e-9, 2e-12],
+        "Fourier series": [4e-10, 2e-15, 2e-15, 2e-15, 2e-15, 2e-15],
+    },
+    "slider-crank-position": {
+        "geomkin.move": [2e-13],
+        "general dyad solver": [1e-13],
+        "product of factors": [5e-14],
+        "root of a difference of squares": [5e-14],
+        "angle of the rod": [5e-14],
+        "single precision": [5e-5],
+        "series": [1.5, 0.15, 0.02, 3e-4, 3e-7],
+        "Newton, cold": [2, 0.005, 1e-7, 5e-14],
+        "frame by frame": [5e-14],
+        "linear table": [0.06, 6e-4, 6e-6],
+        "cubic table": [7e-5, 7e-9, 1e-12],
+    },
+    "six-bar-position": {
+        "geomkin.move": [5e-15],
+        "general dyad solver": [5e-15],
+        "unit vectors": [5e-15],
+        "single precision": [2e-6],
+        "Newton, cold": [0.5, 3e-4, 5e-15, 5e-15],
+        "root finder per frame": [1e-7, 1e-14, 5e-15],
+        "the library's iteration": [5e-15],
+        "linear table": [3e-3, 3e-5, 3e-7],
+        "cubic table": [4e-5, 4e-9, 5e-13],
+    },
+    "iteration": {
+        "geomkin.move": [2e-14],
+        "Newton, cold": [2, 2, 2, 2, 2],
+        "root finder per frame": [1e-6, 1e-12, 2e-14],
+        "dyads backwards, by halving": [2e-3, 2e-6, 5e-11, 2e-14],
+        "dyads backwards, by secants": [0.05, 1e-3, 1e-11, 2e-14],
+        "table read backwards": [3e-4, 3e-6, 3e-8],
+    },
+}  # fmt: skip
+
+
+@cache
+def problem(name):
+    return FAMILIES[name].problem()
+
+
+@pytest.mark.parametrize(("family", "method"), [(f, m) for f, methods in BOUNDS.items() for m in methods])
+def test_errors_are_as_small_as_the_method_makes_them(family, method):
+    one = FAMILIES[family]
+    (way,) = [m for m in one.methods if m.name == method]
+    bounds = BOUNDS[family][method]
+    for setting, bound in zip(way.settings or (np.nan,), bounds, strict=True):
+        found = way.make(problem(family), setting)()
+        errors = one.error(problem(family), found)
+        assert one.count(problem(family), found) > 40 and len(errors) > 9
+        assert errors.max() <= bound, (setting, errors.max())
+
+
+@pytest.mark.parametrize("family", BOUNDS)
+def test_every_method_has_its_bound(family):
+    assert set(BOUNDS[family]) == {method.name for method in FAMILIES[family].methods}
+
+
+@pytest.mark.parametrize("family", ["four-bar-toggle", "four-bar-toggle-rates"])
+def test_near_the_toggle_only_the_toggle_proof_form_keeps_its_digits(family):
+    one = FAMILIES[family]
+    worst = {}
+    for method in one.methods:
+        if not method.settings and method.name != "single precision":
+            found = method.make(problem(family), np.nan)()
+            worst[method.name] = float(one.error(problem(family), found).max())
+    kept = {name for name, error in worst.items() if error < 2e-15}
+    assert kept == {"geomkin.move", "toggle-proof form, plain NumPy"}
+    textbook = "unit vectors" if family == "four-bar-toggle" else "loop equations on unit vectors"
+    assert worst[textbook] > (1e-13 if family == "four-bar-toggle" else 1e-9)
+
+
+def test_newton_from_one_far_pose_goes_astray_at_some_frames_alone():
+    one = FAMILIES["iteration"]
+    (cold,) = [m for m in one.methods if m.name == "Newton, cold"]
+    errors = one.error(problem("iteration"), cold.make(problem("iteration"), 12.0)())
+    assert 0.5 < np.mean(errors < 2e-14) < 1
