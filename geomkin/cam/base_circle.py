@@ -15,7 +15,7 @@ from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .followers.flat import straight_face_base_radius
 from .followers.follower import AbstractFollower, Follower
-from .maxima import largest, samples
+from .maxima import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
@@ -93,9 +93,10 @@ def least_base_circle(
     last = len(good) - 1 - int(good[::-1].argmax())
     first = last - int(np.append(good[last::-1], False).argmin()) + 1
     # A hill of the pressure angle may stand between two samples: a small cam's is narrow.
-    while first < last and not _fits(program, rules, float(tried[first])):
+    fits = _fitting(program, rules)
+    while first < last and not fits(float(tried[first])):
         first += 1
-    while last > first and not _fits(program, rules, float(tried[last])):
+    while last > first and not fits(float(tried[last])):
         last -= 1
     most = high if last == len(good) - 1 else _border(program, rules, *tried[[last, last + 1]].tolist())[0]
     if first:
@@ -146,20 +147,31 @@ def _tried(low: float, high: float, scale: float, excess: Callable[[Real], Real]
 
 def _border(program: Program, rules: dict[Limit, Rule], good: float, bad: float) -> tuple[float, Limit, float]:
     """The last good base radius on the way to a bad one, the rule that forbids more, and the cam angle."""
-
+    fits = _fitting(program, rules)
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if _fits(program, rules, middle) else (good, middle)
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
     _, angle, name = max((*_largest(program, rule, bad), name) for name, rule in rules.items())
     return good, name, angle
 
 
-def _fits(program: Program, rules: dict[Limit, Rule], radius: float) -> bool:
-    """Whether a base radius breaks no rule anywhere."""
-    motion = program.motion(samples(program.breaks))
-    # Where the samples show a rule broken, no closer look is needed.
-    seen = all(rule(motion, radius).max() <= 0 for rule in rules.values())
-    return seen and all(_largest(program, rule, radius)[0] <= 0 for rule in rules.values())
+def _fitting(program: Program, rules: dict[Limit, Rule]) -> Callable[[float], bool]:
+    """Tells of a base radius whether it breaks no rule anywhere."""
+    places = samples(program.breaks)
+    motion = program.motion(places)
+
+    def fits(radius: float) -> bool:
+        seen = [rule(motion, radius) for rule in rules.values()]
+        # Where the samples show a rule broken, no closer look is needed.
+        if not all(values.max() <= 0 for values in seen):
+            return False
+
+        def is_broken(rule: Rule, values: Real) -> bool:
+            return exceeds(places, values, lambda t: rule(program.motion(t), radius), 0.0)
+
+        return not any(is_broken(rule, values) for rule, values in zip(rules.values(), seen))
+
+    return fits
 
 
 def _largest(program: Program, rule: Rule, radius: float) -> tuple[float, float]:

@@ -68,6 +68,16 @@ def climb(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]
     return np.take_along_axis(values, top, 1)[:, 0], np.take_along_axis(places, top, 1)[:, 0]
 
 
+def exceeds(places: Real, values: Real, f: Callable[[Real], Real], limit: float) -> bool:
+    """Whether f is above a limit anywhere, or unknown; places, values: its samples, as `samples` gives them."""
+    if not values.max() <= limit:
+        return True
+    most, before, after = _hills(places, values)
+    # Only those hills are climbed that may reach over the limit: most often none or one.
+    may = ~(most <= limit)
+    return bool(may.any()) and not climb(before[may], after[may], f)[0].max() <= limit
+
+
 def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     """The largest value of f over all segments, and where."""
     places = samples(breaks)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -81,16 +81,25 @@ class Path(AbstractCurve):
         out = np.empty(t.shape, dtype)
         if not t.size:
             return out
-        which = np.minimum(np.maximum(np.floor(t), 0), len(self.pieces) - 1).astype(int)
-        least, most = int(which.min()), int(which.max())
-        for k in range(least, most + 1):
-            # Most calls ask for one piece only.
-            mask = which == k if most > least else ...
-            s = t[mask] - k
+        last_piece = len(self.pieces) - 1
+        least: int = min(max(int(t.min()), 0), last_piece)
+        most: int = min(max(int(t.max()), 0), last_piece)
+        # Most calls ask for one piece, or for rising parameters, of which each piece has a stretch.
+        flat = out if least == most else out.ravel()
+        places: Real = t if least == most else t.ravel()
+        masks: Iterable[Any] = [...]
+        if least < most and (places[1:] >= places[:-1]).all():
+            ends = [0, *places.searchsorted(range(least + 1, most + 1)).tolist(), t.size]
+            masks = map(slice, ends, ends[1:])
+        elif least < most:
+            which = np.minimum(np.maximum(np.floor(places), 0), last_piece)
+            masks = (which == k for k in range(least, most + 1))
+        for k, mask in enumerate(masks, least):
+            s = places[mask] - k
             if not s.size:
                 continue
             piece, (breaks, first, last) = self.pieces[k], self._domains[k]
-            out[mask] = value(
+            flat[mask] = value(
                 piece,
                 _at_breaks(first * (1 - s) + last * s, breaks, (last - first) * np.spacing(k + 1.0)),
                 last - first,

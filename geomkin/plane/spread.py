@@ -5,8 +5,9 @@ Both ways of simplifying a curve, chords and arcs, are this one task with anothe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Generator, Sequence
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -42,6 +43,8 @@ ROUNDING = 1e-13
 # points along them as far as files tell; larger makes intervals unequal.
 TRACE = 1e-4
 
+T = TypeVar("T")
+
 
 class Intervals(NamedTuple):
     """Intervals of one run or several, one run after the other: ends (n,), and the first of each run."""
@@ -52,6 +55,8 @@ class Intervals(NamedTuple):
 
 
 Judge = Callable[[Intervals], tuple[Real, Real]]
+# Work on one run, which yields edges, is sent the errors and turns of the intervals between them, and ends in a T.
+Work = Generator[Real, tuple[Real, Real], T]
 
 
 def spread(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> list[Real]:
@@ -61,64 +66,62 @@ def spread(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> 
     falls with the `order`-th power of their length. The error is measured, never predicted, so the
     result keeps the tolerance wherever the judge looks.
     """
-    found, settled = _settle(judge, runs, tolerance, order)
+    settled = _together(judge, [_settle(run, tolerance, order) for run in runs])
     # Jumps of curvature keep the chords across them from settling: each smooth piece by itself does.
-    loose = [k for k, run in enumerate(runs) if not settled[k] and len(run) > 2]
-    pieces = [runs[k][j : j + 2] for k in loose for j in range(len(runs[k]) - 1)]
-    apart = iter(_settle(judge, pieces, tolerance, order)[0] if pieces else ())
+    loose = [k for k, (_, sure) in enumerate(settled) if not sure and len(runs[k]) > 2]
+    pieces = [_settle(runs[k][j : j + 2], tolerance, order) for k in loose for j in range(len(runs[k]) - 1)]
+    found, apart = [edges for edges, _ in settled], iter(_together(judge, pieces))
     for k in loose:
-        piecewise = np.concatenate([next(apart)[:-1] for _ in runs[k][1:]] + [runs[k][-1:]])
+        piecewise = np.concatenate([next(apart)[0][:-1] for _ in runs[k][1:]] + [runs[k][-1:]])
         found[k] = piecewise if len(piecewise) < len(found[k]) else found[k]
     return found
 
 
-def _settle(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> tuple[list[Real], Mask]:
-    """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for.
+def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
+    """What each of several works comes to. All that they ask in a round is judged in one go: calls cost, not places."""
+    found: dict[int, T] = {}
+    asked = {k: next(work) for k, work in enumerate(works)}
+    while asked:
+        edges = list(asked.values())
+        if len(edges) == 1:
+            low, high, ends = edges[0][:-1], edges[0][1:], np.array([len(edges[0]) - 1])
+        else:
+            low, high = np.concatenate([e[:-1] for e in edges]), np.concatenate([e[1:] for e in edges])
+            ends = np.array([len(e) - 1 for e in edges]).cumsum()
+        first = np.append(0, ends[:-1])
+        error, turn = judge(Intervals(low, high, first))
+        for k, start, end in zip(list(asked), first.tolist(), ends.tolist()):
+            try:
+                asked[k] = works[k].send((error[start:end], turn[start:end]))
+            except StopIteration as over:
+                found[k] = over.value
+                del asked[k]
+    return [found[k] for k in range(len(works))]
 
-    Of all runs at once: a round costs hardly more for a hundred than for one. Each run has a row of edges, and what a
-    longer one has more of stands at its end there.
-    """
-    starts = [np.append((b[:-1, None] + (b[1:] - b[:-1])[:, None] * _FIRST).ravel(), b[-1]) for b in runs]
-    best, spoilt = list(starts), [np.empty(0, dtype=bool)] * len(runs)
-    settled, going = np.zeros(len(runs), dtype=bool), np.arange(len(runs))
-    count = np.array([len(edges) - 1 for edges in starts])
-    fewest = np.full(len(runs), np.inf)
-    edges = starts[0][None]
-    if len(runs) > 1:
-        edges = np.stack([np.concatenate([one, np.full(count.max() + 1 - len(one), one[-1])]) for one in starts])
+
+def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool]]:
+    """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
+    edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
+    best, fewest, settled = edges, np.inf, False
     for k in range(ROUNDS):
-        inside = np.arange(edges.shape[1] - 1) < count[:, None]
-        error, turn = judge(Intervals(edges[:, :-1][inside], edges[:, 1:][inside], count.cumsum() - count))
-        share = np.zeros(inside.shape)
-        share[inside] = _share(error, turn, tolerance, order)
+        error, turn = yield edges
+        share = _share(error, turn, tolerance, order)
         over = share > 1
-        met = count + over.sum(axis=1)
+        if k == 0:
+            spoilt = _spoilt(error, turn, tolerance)
         # An interval across a jump of curvature may never settle: split in two, it costs one more.
-        fewer = (share.max(axis=1) < 1.9) & (met < fewest[going])
-        if k == 0 or fewer.any():
-            bad = np.split(_spoilt(error, turn, tolerance), count.cumsum()[:-1])
-            for row in np.flatnonzero(fewer | (k == 0)).tolist():
-                best[going[row]], spoilt[going[row]] = edges[row, : count[row] + 1], bad[row]
-            fewest[going[fewer]] = met[fewer]
-        used = np.zeros(edges.shape)
-        np.cumsum(np.where(over & (k > 1), PUSH, 1) * share, axis=1, out=used[:, 1:])
-        wanted_count = np.maximum(1, np.ceil(used[:, -1] - 1e-9)).astype(int)
-        least = fewest[going]
-        settled[going] = enough = least <= np.maximum(ENOUGH * wanted_count, wanted_count + 1)
-        on = ~((least <= wanted_count) | ((k >= ROUNDS // 2) & enough))
-        if not on.any():
+        if share.max() < 1.9 and len(share) + over.sum() < fewest:
+            best, fewest = edges, len(share) + over.sum()
+            spoilt = _spoilt(error, turn, tolerance)
+        used = np.concatenate([[0.0], (np.where(over & (k > 1), PUSH, 1) * share).cumsum()])
+        count = max(1, math.ceil(used[-1] - 1e-9))
+        settled = fewest <= max(ENOUGH * count, count + 1)
+        if fewest <= count or (k >= ROUNDS // 2 and settled):
             break
-        if not on.all():
-            going, edges, used, count, wanted_count = going[on], edges[on], used[on], count[on], wanted_count[on]
-        wanted = _divide(edges, used, count, wanted_count)
+        wanted = _divide(edges, used, count)
         # Where errors do not follow the law, as across jumps of curvature, full steps go to and fro for ever.
-        same, width = np.flatnonzero(wanted_count == count), min(edges.shape[1], wanted.shape[1])
-        before = edges[same, :width]
-        wanted[same, :width] = before + min(1.0, 2 / (k + 1)) * (wanted[same, :width] - before)
-        edges, count = wanted, wanted_count
-    return [
-        _halve(judge, one, bad, run, tolerance) if bad.any() else one for one, bad, run in zip(best, spoilt, runs)
-    ], settled
+        edges = edges + min(1.0, 2 / (k + 1)) * (wanted - edges) if len(wanted) == len(edges) else wanted
+    return (yield from _halve(best, spoilt, breaks, tolerance)), settled
 
 
 def _spoilt(error: Real, turn: Real, tolerance: float) -> Mask:
@@ -132,37 +135,28 @@ def _share(error: Real, turn: Real, tolerance: float, order: int) -> Real:
     return grains * GRAIN
 
 
-def _divide(edges: Real, used: Real, count: Whole, wanted_count: Whole) -> Real:
-    """Edges of `wanted_count` intervals of equal share, from what the present ones use up to each edge; rows as they.
+def _divide(edges: Real, used: Real, count: int) -> Real:
+    """Edges of `count` intervals of equal share, from what the present ones use up to each edge.
 
     Between present edges t follows `used` by the monotone cubic of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5,
     1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, and a straight line
     between edges would leave steps of some percent that never settle.
     """
-    rows, cells = np.arange(len(edges)), edges.shape[1] - 1
-    used = used + (TRACE * used[:, -1:] + 1e-300) * np.arange(cells + 1) / count[:, None]
-    width = used[:, 1:] - used[:, :-1]
-    secant = (edges[:, 1:] - edges[:, :-1]) / width
-    slope = np.empty(edges.shape)
-    slope[:, 0] = secant[:, 0]
-    with np.errstate(divide="ignore"):
-        # Beyond a row's end nothing goes on.
-        slope[:, 1:-1] = 2 / (1 / secant[:, 1:] + 1 / secant[:, :-1])
-    slope[rows, count] = secant[rows, count - 1]
-    at = np.arange(wanted_count.max() + 1)
-    wanted = used[rows, count][:, None] * at / wanted_count[:, None]
-    i = np.stack([u[1:n].searchsorted(w, side="right") for u, w, n in zip(used, wanted, count.tolist())])
-    i = np.minimum(i, count[:, None] - 1)
-    row = rows[:, None]
-    x = (wanted - used[row, i]) / width[row, i]
-    out: Real = edges[row, i] + width[row, i] * (
-        secant[row, i] * x**2 * (3 - 2 * x) + slope[row, i] * x * (1 - x) ** 2 - slope[row, i + 1] * x**2 * (1 - x)
+    used = used + (TRACE * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
+    width = used[1:] - used[:-1]
+    secant = (edges[1:] - edges[:-1]) / width
+    slope = np.concatenate([secant[:1], 2 / (1 / secant[1:] + 1 / secant[:-1]), secant[-1:]])
+    wanted = used[-1] * np.arange(count + 1) / count
+    i = np.minimum(used[1:-1].searchsorted(wanted, side="right"), len(width) - 1)
+    x = (wanted - used[i]) / width[i]
+    out: Real = edges[i] + width[i] * (
+        secant[i] * x**2 * (3 - 2 * x) + slope[i] * x * (1 - x) ** 2 - slope[i + 1] * x**2 * (1 - x)
     )
-    out[:, 0] = edges[:, 0]
-    return np.where(at < wanted_count[:, None], out, edges[rows, count][:, None])
+    out[0], out[-1] = edges[0], edges[-1]
+    return out
 
 
-def _halve(judge: Judge, edges: Real, over: Mask, breaks: Real, tolerance: float) -> Real:
+def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real]:
     """Split what is over the tolerance, at a break inside it or in half, until nothing is or digits end."""
     for _ in range(60):
         if not over.any():
@@ -174,7 +168,8 @@ def _halve(judge: Judge, edges: Real, over: Mask, breaks: Real, tolerance: float
         if len(merged) == len(edges):
             break
         edges = merged
-        over = _spoilt(*judge(Intervals(edges[:-1], edges[1:], np.zeros(1, dtype=int))), tolerance)
+        error, turn = yield edges
+        over = _spoilt(error, turn, tolerance)
     return edges
 
 

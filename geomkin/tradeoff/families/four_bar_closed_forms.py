@@ -9,6 +9,7 @@ import numpy as np
 
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.driver_dyads import CrankDriven
+from ...linkage.solve.formulas import Timing
 from ...linkage.solve.move import move, planned
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
@@ -55,7 +56,7 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
 
     def call() -> Directions:
-        solution = LinkageSolution(general, steps, problem.drive, chosen(1))
+        solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
         return solution.direction("coupler"), solution.direction("rocker")
 
     return call
@@ -130,6 +131,8 @@ def _single(problem: FourBarProblem, _: float) -> Call:
     return call
 
 
+# The driver turns at 1 rad/s: rates are derivatives by its angle.
+STEADY = Timing(np.asarray(1.0), np.asarray(0.0))
 LIBRARY: Method[FourBarProblem, Directions] = Method(
     "geomkin.move",
     "The library's call, for any linkage: it finds in which order members are placed, and works out a four-bar's by "

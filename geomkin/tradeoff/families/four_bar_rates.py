@@ -13,7 +13,7 @@ from ...linkage.solve.move import move, planned
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY, by_toggle_proof_form, by_unit_vectors, closing_gaps
+from .four_bar_closed_forms import LIBRARY, STEADY, by_toggle_proof_form, by_unit_vectors, closing_gaps
 from .four_bar_problem import FRAMES, NEAR_TOGGLE, ORDINARY, Directions, FourBarProblem
 
 # First and second derivatives of the angles of coupler and rocker by the crank's: h3, h4, h3', h4'.
@@ -34,7 +34,7 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
 
     def call() -> Rates:
-        solution = LinkageSolution(general, steps, problem.drive, chosen(1))
+        solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
         first, second = ((solution.turning("coupler", k), solution.turning("rocker", k)) for k in (1, 2))
         return *first, *second
 

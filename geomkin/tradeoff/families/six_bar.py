@@ -19,7 +19,7 @@ from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Complex, Real
 from ..exact import Vector, carried, circling, fixed, pinned
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY
+from .four_bar_closed_forms import LIBRARY, STEADY
 from .tables import ENTRIES, cubic, linear
 from .tracks import FRAMES, Track, count, misses
 
@@ -44,7 +44,7 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, chosen(1)).direction("output")
+    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).direction("output")
 
 
 def _circles(track: Track, _: float) -> Call:
@@ -166,7 +166,7 @@ def _iterated(linkage: Linkage, drive: Real) -> LinkageSolution:
     known = frozenset((linkage.ground, linkage.driver))
     waiting = tuple(body for body in linkage.bodies if body not in known)
     steps = (*crank, Loops(linkage, waiting, known, known, True, False))
-    return LinkageSolution(linkage, steps, drive, chosen(1))
+    return LinkageSolution(linkage, steps, drive, chosen(1), STEADY)
 
 
 SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(

@@ -16,7 +16,7 @@ from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Real
 from ..exact import Vector, circling, sliding
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY
+from .four_bar_closed_forms import LIBRARY, STEADY
 from .tables import ENTRIES, cubic, linear
 from .tracks import FRAMES, Track, count, misses
 
@@ -37,7 +37,7 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyad(track: Track, _: float) -> Call:
     general = LINKAGE.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, chosen(1)).origin("slider", 0).real
+    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).origin("slider", 0).real
 
 
 def _factors(track: Track, _: float) -> Call:
