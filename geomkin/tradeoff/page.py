@@ -64,7 +64,8 @@ def page(chart: Chart) -> bytes:
 <p>There are many ways to each result of geomkin. Each picture below shows the ways to one kind of result: how long a
 way takes, from left to right, and how far its results are from the right ones, from bottom to top. Both go by factors
 of ten. The lower left is best: fast and accurate. The grey line is the Pareto front: a point on it is beaten by no
-other in both; a point off it is, or misses results. A ring marks the way that the library takes when it is not told otherwise.</p>
+other in both; a point off it is, or misses results. A ring marks the way that the library takes when it is not told
+otherwise.</p>
 <p>Measured with {text(versions)} on {text(chart.processor)}.{hurried} A time is the processor's, the least of
 several batches of calls, divided by the number of results; what a method may get ready once is not in it, and the
 method says what that is. The spread tells by how much the median batch took longer than the least: what of a time is
