@@ -4,8 +4,9 @@ import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf,
 
 // What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
 export const OFF = ["dimension", "centre", "velocity", "acceleration"];
-// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on.
-const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5;
+// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on;
+// less for what is not what the recipe is about.
+const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5, LESS = 0.25;
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
@@ -207,9 +208,10 @@ export class Drawing {
     };
     takeCurves((role) => !FAR.includes(role));
     if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
-    const always = [...ends], room = [ends[2] - ends[0], ends[3] - ends[1]].map((size) => ROOM * size);
+    const always = [...ends];
     this.asides = {};
     for (const role of FAR) {
+      const room = [always[2] - always[0], always[3] - always[1]].map((size) => (OFF.includes(role) ? LESS : ROOM) * size);
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);
