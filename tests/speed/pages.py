@@ -72,8 +72,12 @@ def main(names):
         for name in names:
             (files[name],) = gk.write(loaded(name), Path(folder) / f"{name}.html")
             text = files[name].read_text()
-            inside = {k: len(v) for k, v in re.findall(r'<(style|script type="?[a-z/]+"?)[^>]*>(.*?)</', text, re.DOTALL)}
-            style, data, script = (inside[k] for k in ("style", 'script type="application/json"', 'script type="module"'))
+            inside = {
+                k: len(v) for k, v in re.findall(r'<(style|script type="?[a-z/]+"?)[^>]*>(.*?)</', text, re.DOTALL)
+            }
+            style, data, script = (
+                inside[k] for k in ("style", 'script type="application/json"', 'script type="module"')
+            )
             size = files[name].stat().st_size
             told = ("design", "table", "parts", "checks")
             table = least_ms(lambda recipe: recipe.table, lambda name=name: loaded(name, "design"))
