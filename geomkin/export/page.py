@@ -75,13 +75,15 @@ def _script(scripts: tuple[str, ...], start: str) -> str:
     library, *own = (web_file(name) for name in scripts)
     kept = [line for source in own for line in map(str.strip, source.splitlines())]
     kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    told: list[str] = [library]
+    told: list[str] = [""]
     for line in (_tight(line.removeprefix("export ")) for line in kept):
         if line.startswith("const") and _declares(told[-1]):
             told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
         else:
             told.append(line)
-    return "\n".join([*told, start, ""])
+    # Where a line ends in one of these, nothing depends on its end.
+    joined = re.sub(r"(?<=[;,{(\[])\n", "", "\n".join([*told, start]))
+    return f"{library}{joined}\n"
 
 
 def _declares(line: str) -> bool:

@@ -40,8 +40,8 @@ def linkage_scene(
     placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
     names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
     linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations, instant
-    centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays
-    of linkages. Derived here.
+    centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays of
+    linkages. Derived here.
     """
     if motion.linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")

@@ -1,11 +1,12 @@
 // A scene as an SVG drawing: one group a body, of which each frame sets the matrix alone; marks in pixels above them.
 import { Names } from "./names.js";
-import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, spaced, STAND } from "./shapes.js";
+import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
 // What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
 export const OFF = ["dimension", "centre", "velocity", "acceleration"];
-// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on.
-const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5;
+// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on;
+// less for what is not what the recipe is about.
+const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5, LESS = 0.25;
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
@@ -207,9 +208,10 @@ export class Drawing {
     };
     takeCurves((role) => !FAR.includes(role));
     if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
-    const always = [...ends], room = [ends[2] - ends[0], ends[3] - ends[1]].map((size) => ROOM * size);
+    const always = [...ends];
     this.asides = {};
     for (const role of FAR) {
+      const room = [always[2] - always[0], always[3] - always[1]].map((size) => (OFF.includes(role) ? LESS : ROOM) * size);
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);
@@ -358,13 +360,16 @@ export class Drawing {
     this.frame = k;
     const { s, tx, ty } = this;
     for (const body of this.bodies) {
+      if (body.fixed && !anew) continue;
       const x = body.x[k], c = s * body.cos[k], n = s * body.sin[k];
       const there = isFinite(x + c);
-      body.group.setAttribute("visibility", there ? "visible" : "hidden");
+      see(body.group, there);
       if (there) body.group.setAttribute("transform",
         `matrix(${c.toFixed(4)} ${(-n).toFixed(4)} ${(-n).toFixed(4)} ${(-c).toFixed(4)} ${px(tx + s * x)} ${px(ty - s * body.y[k])})`);
     }
-    for (const mark of this.marks) if (!this.hidden.has(mark.role) || mark.always) this.showMark(mark, k);
+    for (const mark of this.marks) {
+      if ((!this.hidden.has(mark.role) || mark.always) && (anew || mark.sort !== "fixed pin")) this.showMark(mark, k);
+    }
     if (!this.hidden.has("names")) this.named.show(k);
     this.notice.textContent = this.open.has(k) ? "It cannot be put together here." : "";
   }
@@ -372,7 +377,7 @@ export class Drawing {
   showMark(mark, k) {
     const { s } = this, x = this.tx + s * mark.x[k], y = this.ty - s * mark.y[k];
     const there = isFinite(x + y + (mark.u ? mark.u[k] + mark.v[k] : 0));
-    mark.group.setAttribute("visibility", there ? "inherit" : "hidden");
+    see(mark.group, there);
     if (!there) return;
     const turn = mark.sort === "slide" ? ` rotate(${px(-mark.turned[k] / DEG)})` : "";
     mark.group.setAttribute("transform", `translate(${px(x)} ${px(y)})${turn}`);

@@ -1,5 +1,5 @@
 // Names in a drawing, each at that of its places at which it covers the least of others, of pins and of the edge.
-import { abs, make, px, round } from "./shapes.js";
+import { abs, make, px, round, see } from "./shapes.js";
 
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
@@ -45,7 +45,7 @@ export class Names {
     for (const { shape, spot, role, half } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
       const [x, y] = spot(k, half), there = isFinite(x + y);
-      shape.setAttribute("visibility", there ? "inherit" : "hidden");
+      see(shape, there);
       if (there) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }
   }

@@ -82,6 +82,13 @@ export function axisOf(points) {
   return { x, y, u: half * c, v: half * s };
 }
 
+// Shown or not, told to the browser only where it changes.
+export function see(element, there) {
+  if (element.seen === there) return;
+  element.seen = there;
+  element.setAttribute("visibility", there ? "inherit" : "hidden");
+}
+
 export const px = (value) => value.toFixed(2);
 export const spaced = (name) => name.replaceAll("_", " ");
 
