@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from ..arguments import Sort
+from ..brief import one_line
 from ..check import Check
 from ..errors import DesignError
 from ..export.writers import USUAL, WRITERS
@@ -103,6 +104,8 @@ class Files:
         at_least=-FARTHEST,
         at_most=FARTHEST,
     )
+
+    __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)

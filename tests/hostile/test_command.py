@@ -69,7 +69,7 @@ def test_one_bad_recipe_does_not_keep_the_others_from_being_made(geomkin, recipe
     (here / "last.toml").write_text(recipe("spur-gear", CSV))
     result = geomkin("run", ".")
     assert result.exit_code == 1 and len(result.stderr.splitlines()) == 1
-    assert sorted(p.name for p in (here / "out").iterdir()) == ["good", "last"]
+    assert sorted(p.name for p in (here / "out").iterdir()) == ["good", "index.html", "last"]
 
 
 @pytest.mark.parametrize("fault", [ValueError, MemoryError, RecursionError])

@@ -60,8 +60,9 @@ def outcome(name, text, beside, folder):
         (folder / file).write_text(content, "utf-8")
     with contextlib.chdir(folder):
         try:
-            # Pages are tried by themselves, and take longer than all else.
-            wanted = [ending for ending in gk.load(f"{name}.toml").files.write if ending != "page"]
+            # Pages and pictures are tried by themselves, and take longer than all else.
+            asked = gk.load(f"{name}.toml").files.write
+            wanted = [ending for ending in asked if gk.export.WRITERS[ending].needs != "scene"]
             made = gk.make(f"{name}.toml", "out", wanted or None)
         except gk.GeomkinError as error:
             lines, problems = str(error).splitlines(), getattr(error, "problems", ())
