@@ -31,5 +31,6 @@ def test_drawings_have_at_most_3_percent_more_chords_than_any_needs(file, tmp_pa
         if not isinstance(curve, Circle)
     ]
     least = sum(count * least_chords(curve, recipe.files.tolerance, known) for curve, count in curves)
-    # One more for each curve: a part of a chord is one.
-    assert drawn <= 1.03 * least + sum(count for _, count in curves), (drawn, least)
+    # One more for each curve, and for each tooth of a ring: a part of a chord is one. Eight teeth take 3.6 % so.
+    more = sum(count * getattr(curve, "count", 1) for curve, count in curves)
+    assert drawn <= min(1.03 * least + more, 1.04 * least + 1), (drawn, least)

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,12 @@ def test_the_file_holds_a_row_for_each_cell():
 def test_distances_that_cannot_be_are_refused(distances):
     with pytest.raises(gk.DesignError, match="falling numbers"):
         stability(np.array(distances))
+
+
+def test_without_mpmath_it_is_told_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mpmath", None)
+    with pytest.raises(gk.DesignError, match="not installed; pip install"):
+        stability(np.array([0.1]))
 
 
 def test_the_kept_table_says_of_every_cell_what_is_held_here():

@@ -99,7 +99,7 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
         along = motion.bodies[rail.along].direction * rail.direction
         backwards = np.where(dot(along, moved.origin.first) < 0, -1, 1)
         return PathCurvature(position, along * backwards, 0 * position.real)
-    return path_in(position, position - moved.origin.position, *second_order(motion, carrier))
+    return path_in(position, position - moved.origin.position, *second_order(motion, carrier, settle=False))
 
 
 def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, complex | Complex]:
@@ -118,10 +118,10 @@ def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, c
     return body, local
 
 
-def second_order(motion: Motion, body: str) -> tuple[Complex, Complex, Real, Real]:
+def second_order(motion: Motion, body: str, settle: bool = True) -> tuple[Complex, Complex, Real, Real]:
     """First and second coefficients of a body's origin, then of its angle; nan where second order is lost.
 
-    A turn that is rounding is 0.
+    settle: a turn that is rounding is 0, as where it would make a far point of an infinite one.
     """
     moved, extent = motion.bodies[body], motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
@@ -129,8 +129,9 @@ def second_order(motion: Motion, body: str) -> tuple[Complex, Complex, Real, Rea
         speed = abs(velocity) + abs(turn) * extent
         gain = abs(acceleration) + abs(turn_rate) * extent
         lost = (speed**2 <= TURNING_BACK * gain * extent) | ~np.isfinite(gain)
-        turn = settled(turn, abs(velocity), extent)
-        turn_rate = settled(turn_rate, abs(acceleration), extent)
+        if settle:
+            turn = settled(turn, abs(velocity), extent)
+            turn_rate = settled(turn_rate, abs(acceleration), extent)
     kept = [np.where(lost, np.nan, part) for part in (velocity, acceleration, turn, turn_rate)]
     return kept[0], kept[1], kept[2], kept[3]
 

@@ -149,7 +149,8 @@ CELLS = (
         "tips nearly pointed",
         "tip thickness",
         "what the profile shift lacks to a pointed tip, of itself",
-        lambda x: (20.0, POINTED * (1 - x)),
+        # Nearer by some last bits, rounding decides whether a tip is pointed.
+        lambda x: (20.0, POINTED * (1 - x - 3e-15)),
         lambda ctx, degrees, shift: _tip(ctx, degrees, shift, 12, 1.0),
         lambda degrees, shift: SpurGear(12, MODULE, shift, RackCutter(degrees)).tip_thickness,
         "sizes",
