@@ -77,7 +77,13 @@ def alive(pid):
 def test_no_copy_outlives_the_one_that_made_it(end, handler):
     # Where nothing can be told any more, a copy ends with the task that it is at.
     long = 0.5 if end == signal.SIGKILL else 60
-    code = f"signal.signal(signal.SIGINT, signal.{handler})\ndef told(task):\n    if task: print(*os.listdir(f'/proc/self/task/{{os.getpid()}}/children') if 0 else open(f'/proc/self/task/{{os.getpid()}}/children').read().split(), flush=True)\nlist(each(work, [0] + [{long}] * 50, told))"
+    code = f"""
+signal.signal(signal.SIGINT, signal.{handler})
+def begun(task):
+    if task:
+        print(open(f"/proc/self/task/{{os.getpid()}}/children").read(), flush=True)
+list(each(work, [0] + [{long}] * 50, begun))
+"""
     process = subprocess.Popen(
         [sys.executable, "-c", PRELUDE + code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
