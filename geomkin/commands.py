@@ -187,11 +187,14 @@ def schema() -> None:
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """Measure speed against accuracy, of all FAMILIES of methods or those named, into OUT/chart/."""
+    from importlib.util import find_spec
+
     from .errors import DesignError, GeomkinError, printable
     from .export.files import write_whole
     from .progress import shown
     from .tradeoff.files import chart_files
     from .tradeoff.results import chart
+    from .tradeoff.study import stability
 
     def tell(share: float, what: str) -> None:
         click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
@@ -199,7 +202,9 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     try:
         with shown(tell if _is_terminal(sys.stderr) else lambda share, what: None):
             measured = chart(families, quick)
-        write_whole(out / "chart", chart_files(measured))
+        # Of all there is: where methods break, too, if what reckons in many digits is installed.
+        study = stability() if not families and find_spec("mpmath") else None
+        write_whole(out / "chart", chart_files(measured, study))
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
     except GeomkinError as error:

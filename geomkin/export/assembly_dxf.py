@@ -45,7 +45,7 @@ def assembly(job: Job) -> bytes:
     low, high = _extents([shape for _, shape in shapes], names)
     used = {layer for layer, _ in shapes} | {text.layer for text in texts}
     tints = {layer: still.tint(body) for body in scene.bodies for layer in [layers[body.name]]}
-    colours = {layer: _colour(tints.get(layer, COLOURS.get(layer, "other"))) for layer in sorted(used)}
+    colours = {layer: _colour(tints.get(layer, COLOURS.get(layer, "soft"))) for layer in sorted(used)}
     return drawn(colours, shapes, texts, (low, high), (low, high))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from .page import page
 from .picture import picture
 from .results import Chart, FamilyChart
+from .study import Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.
 COLUMNS = (
@@ -20,10 +21,11 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def chart_files(chart: Chart) -> Mapping[str, bytes]:
+def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, bytes]:
     """`chart.csv`, `chart.html`, and a picture `<family>.svg` of each family: name to content.
 
-    Where results have a weight, such as bytes, there is `<family>-by-bytes.svg` too.
+    Where results have a weight, such as bytes, there is `<family>-by-bytes.svg` too. study: of where methods break, for
+    a table of the page and `stability.csv`.
     """
     pictures = {f"{one.family.name}.svg": picture(one) for one in chart.families}
     pictures |= {
@@ -31,7 +33,8 @@ def chart_files(chart: Chart) -> Mapping[str, bytes]:
         for one in chart.families
         if one.family.weigh
     }
-    return {"chart.csv": _csv(chart), "chart.html": page(chart), **pictures}
+    broken = {} if study is None else {"stability.csv": study.csv()}
+    return {"chart.csv": _csv(chart), "chart.html": page(chart, study), **broken, **pictures}
 
 
 def _csv(chart: Chart) -> bytes:

@@ -12,6 +12,7 @@ from .family import Method
 from .measurement import Measurement
 from .picture import drawing
 from .results import Chart, FamilyChart
+from .study import Stability
 
 STYLE = """
 :root { color-scheme: light dark; --paper: #fff; --ink: #1b2127; --soft: #55606b; --edge: #c9d0d6; --key: #0064a0; }
@@ -39,7 +40,7 @@ dt { font-weight: 600; margin-top: 8px; } dd { margin: 0 0 0 1.2em; }
 """.strip()
 
 
-def page(chart: Chart) -> bytes:
+def page(chart: Chart, study: Stability | None = None) -> bytes:
     """One HTML file that asks for nothing else and runs no script."""
     policy = (
         f"default-src 'none'; style-src 'sha256-{b64encode(sha256(STYLE.encode()).digest()).decode()}'; "
@@ -48,6 +49,7 @@ def page(chart: Chart) -> bytes:
     hurried = " This is a quick run: fewer settings, and times that are less steady." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
     links = "".join(f'<li><a href="#{_id(one)}">{text(one.family.title)}</a></li>' for one in chart.families)
+    links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
     told = f"""<!doctype html>
 <html lang="en">
 <head>
@@ -71,7 +73,7 @@ several batches of calls, divided by the number of results; what a method may ge
 method says what that is. The spread tells by how much the median batch took longer than the least: what of a time is
 noise. Errors are told down to rounding, and whatever is smaller counts as equal.</p>
 <nav aria-label="Families"><ul>{links}</ul></nav>
-{"".join(_section(one) for one in chart.families)}</main>
+{"".join(_section(one) for one in chart.families)}{study.section() if study else ""}</main>
 </body>
 </html>
 """

@@ -31,12 +31,15 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def picture(one: FamilyChart, weighed: bool = False) -> bytes:
-    """The picture as a file of its own; it brings no style, so that a page may hold it as it is."""
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed) + "\n").encode("utf-8")
+    """The picture as a file of its own."""
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed, alone=True) + "\n").encode("utf-8")
 
 
-def drawing(one: FamilyChart, weighed: bool = False) -> str:
-    """The picture as one `svg` element. weighed: with the results' weight across instead of the time."""
+def drawing(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str:
+    """The picture as one `svg` element. weighed: with the results' weight across instead of the time.
+
+    alone: of a size in mm and with paper behind it, which in a page belong to the page's style.
+    """
     family = one.family
     across = f"{family.weighed if weighed else 'time'} per {family.per}"
     label = f"{family.title}: {len(one.points)} points, {across} against error in {family.unit}"
@@ -44,12 +47,12 @@ def drawing(one: FamilyChart, weighed: bool = False) -> str:
     height = max(LEAST_HEIGHT, TOP + ROW * (len(shown) + 4)) + 54
     view = _View(one, weighed)
     axes = _Axes.around(view, height - TOP - 54)
+    unit, paper = ("mm", ' style="background:#fff"') if alone else ("", "")
     return "\n".join(
         [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" '
-            f'height="{height}" role="img" aria-label="{text(label)}" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}{unit}" '
+            f'height="{height}{unit}"{paper} role="img" aria-label="{text(label)}" '
             'font-family="DejaVu Sans, Verdana, sans-serif" font-size="12" fill="#1b2127">',
-            f'<rect width="{WIDTH}" height="{height}" fill="#fff"/>',
             f'<text x="{LEFT}" y="24" font-size="16" font-weight="bold">{text(family.title)}</text>',
             *_grid(axes, across, family.unit, _whole if weighed else _seconds),
             *_front(view, axes),

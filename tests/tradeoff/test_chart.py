@@ -19,7 +19,7 @@ from geomkin.progress import shown
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
-KEPT = Path(__file__).parent.parent.parent / "chart"
+KEPT = Path(__file__).parent.parent.parent / "out" / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
 # What a tick's label says, in the axis's unit.
 SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
