@@ -29,7 +29,7 @@ a { color: var(--key); }
 :focus-visible { outline: 2px solid var(--key); outline-offset: 2px; }
 .soft { color: var(--soft); }
 .wide { overflow-x: auto; margin: 12px 0; }
-svg { display: block; }
+svg { display: block; background: #fff; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--edge); white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; }
