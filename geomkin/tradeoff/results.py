@@ -44,7 +44,9 @@ class FamilyChart:
         return self._front([p.weight for p in self.points])
 
     def _front(self, costs: list[float]) -> Mask:
-        return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
+        errors = [self.shown_error(p) if not p.missed else np.nan for p in self.points]
+        # By the six digits that the table tells: what differs beyond them is equal.
+        return pareto_front(*([float(f"{value:.6g}") for value in row] for row in (costs, errors)))
 
     def shown_error(self, point: Measurement) -> float:
         """A point's largest error, not below what is rounding."""
