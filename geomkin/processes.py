@@ -18,6 +18,8 @@ T = TypeVar("T")
 R = TypeVar("R")
 # Tasks from which copies are worth their start, some 20 ms: with fewer, hardly any is left when the first is done.
 MANY = 4
+# What ends this process, and its copies with it.
+ENDS = (signal.SIGINT, signal.SIGTERM)
 
 
 def each(
@@ -100,7 +102,12 @@ def _copied(work: Callable[[Any], Any], tasks: Sequence[Any], copies: dict[Conne
     context = get_context("fork")
     ours, its = context.Pipe()
     copy = context.Process(target=_serve, args=(work, tasks, its, [ours, *copies]), daemon=True)
-    copy.start()
+    # A copy that is interrupted before it has let go of this process's handlers would lose that, and outlive us.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
+    try:
+        copy.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
     its.close()
     copies[ours] = copy
     return ours
@@ -108,8 +115,9 @@ def _copied(work: Callable[[Any], Any], tasks: Sequence[Any], copies: dict[Conne
 
 def _serve(work: Callable[[Any], Any], tasks: Sequence[Any], connection: Connection, others: list[Connection]) -> None:
     """In a copy: works on tasks by number until none comes any more, be it that the one that deals them is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for number in ENDS:
+        signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)
     # While a copy holds these ends, no other would see that nobody deals any more.
     for other in others:
         other.close()
@@ -129,7 +137,7 @@ class _ending_with_us:  # noqa: N801  # reads as what it does
         self.before: dict[int, Any] = {}
 
     def __enter__(self) -> None:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ENDS:
             self.before[number] = signal.signal(number, self._end)
 
     def __exit__(self, *_: object) -> None:

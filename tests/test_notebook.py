@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.packed import unpacked
+from tests.export.test_page import unpacked
 
 RECIPES = Path(__file__).parent.parent / "recipes"
 NASTY = '</script></iframe><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'

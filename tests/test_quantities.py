@@ -20,7 +20,9 @@ LIMITS = ("gt", "ge", "lt", "le")
 def classes():
     """Every dataclass of the package by its name."""
     modules = [
-        importlib.import_module(m.name) for m in pkgutil.walk_packages(gk.__path__, "geomkin.") if "main" not in m.name
+        importlib.import_module(m.name)
+        for m in pkgutil.walk_packages(gk.__path__, "geomkin.")
+        if not m.name.endswith(("__main__", ".compiled"))
     ]
     found = [
         c

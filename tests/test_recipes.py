@@ -24,6 +24,7 @@ LOGS = {}
 BY_VELOCITY = {
     "pump-stroke": "swing and stroke end where the slider stands still",
     "wiper": "so does the rocker's swing",
+    "sieve": "how near a linkage that is iterated comes to a lock is told by its rates",
 }
 BY_ACCELERATION = {
     "centrodes": "a run ends where the instant centre's velocity does",
@@ -50,16 +51,16 @@ def test_each_file_works_out_what_it_shows_and_no_more(made):
     assert where["loops"] <= {"dxf", "stl"}
     assert where["table"] <= {"csv", "page"} and where["scene"] == {"page"}
     first, second = (where[order] - {"csv", "page"} for order in ORDERS)
-    assert second == ({"checks"} if name in BY_ACCELERATION else set())
+    assert second - {"assembly-svg"} == ({"checks"} if name in BY_ACCELERATION else set())
     # A curve that the linkage draws is flattened by its tangents.
-    assert first - {"dxf"} == ({"checks"} if name in BY_ACCELERATION or name in BY_VELOCITY else set())
+    assert first - {"dxf", "assembly-svg"} == ({"checks"} if name in BY_ACCELERATION or name in BY_VELOCITY else set())
 
 
 def rings(folder, name):
     """Outlines and holes of the DXF as polygons, arcs flattened finely."""
     document = ezdxf.readfile(folder / f"{name}.dxf")
     out = {"CUT": [], "HOLE": []}
-    for entity in document.modelspace().query('*[layer!="ENGRAVE"]'):
+    for entity in document.modelspace().query('*[layer=="CUT" | layer=="HOLE"]'):
         # A path of a circle is of Bezier curves, which are a 3700th of the radius off.
         round_one = entity.dxftype() == "CIRCLE"
         points = entity.flattening(1e-3) if round_one else dxf_path.make_path(entity).flattening(1e-3)
@@ -88,9 +89,10 @@ def test_every_part_is_in_the_dxf_with_the_area_that_its_solid_stands_on(made):
     for part in summary["parts"]:
         mesh = trimesh.load(folder / f"{part['name']}.stl")
         assert mesh.is_watertight and mesh.is_winding_consistent
-        assert mesh.volume == pytest.approx(part["volume_mm3"], rel=1e-3)
+        # Chords leave out of a small disc more than a thousandth.
+        assert mesh.volume == pytest.approx(part["volume_mm3"], rel=1e-3, abs=0.005 * mesh.area)
         nearest_area = min(net, key=lambda a: abs(a - part["area_mm2"]))
-        assert mesh.volume == pytest.approx(nearest_area * part["thickness_mm"], rel=1e-3)
+        assert mesh.volume == pytest.approx(nearest_area * part["thickness_mm"], rel=1e-3, abs=0.005 * mesh.area)
 
 
 def test_no_two_contours_touch_and_every_hole_has_its_part(made):

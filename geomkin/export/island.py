@@ -71,8 +71,8 @@ def island(scene: Scene, name: str) -> str:
             {
                 "title": harmless(plot.title),
                 "columns": [headers.index(header) for header in plot.columns if header in headers],
-                "limits": [[float(limit.value), harmless(limit.label)] for limit in plot.limits],
             }
+            | ({"limits": [[float(one.value), harmless(one.label)] for one in plot.limits]} if plot.limits else {})
             for plot in scene.plots
         ],
         "paths": told.paths,

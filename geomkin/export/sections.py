@@ -43,7 +43,7 @@ def checks(job: Job) -> str:
     if not held:
         return ""
     rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
-    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "What it means"))
+    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "Meaning"))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
     return section("checks", "Checks", wide("Checks", table))
 
@@ -93,7 +93,7 @@ def parts(job: Job) -> str:
     if not held:
         return ""
     tints = tints_of(job.scene)
-    heads = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm", "Layer")
+    heads = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
     head = "".join(f'<th scope="col">{one}</th>' for one in heads)
     rows = "".join(_part(part, tints.get(part.name, "t0")) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
@@ -111,7 +111,6 @@ def _part(part: Part, tint: str) -> str:
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
-        text(part.layer),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
@@ -150,7 +149,7 @@ def stack(scene: Scene) -> str:
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
         f'aria-label="{text(f"From the lowest up, {told}")}">{"".join(rows)}</svg>'
     )
-    return section("stack", "How the plates lie on each other", f"<p>The lowest at the bottom.</p>{drawing}")
+    return section("stack", "How the plates lie on each other", f"{drawing}")
 
 
 def _short(name: str, wide: float) -> str:
@@ -164,22 +163,19 @@ def joined(job: Job) -> str:
     bought, steps = job.source.bought, job.source.steps
     if not bought:
         return ""
-    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Count", "What", "For the joints"))
     rows = "".join(
-        f'<tr><td>{one.count}</td><th scope="row">{text(one.name)}</th><td>{text(" ".join(one.joints))}</td></tr>'
-        for one in bought
+        f"<li>{one.count} \N{MULTIPLICATION SIGN} {text(one.name)}: {text(' '.join(one.joints))}</li>" for one in bought
     )
-    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
-    order = "".join(f"<li>{text(capital(step))}</li>" for step in steps)
-    told = "<p>Letters are engraved at the holes. From the bottom up, a line for each layer:</p>"
-    return section(
-        "joined", "What joins it, and how it is put together", f"{wide('Bought', table)}{told}<ul>{order}</ul>"
-    )
+    order = "".join(f"<li>{text(step)}</li>" for step in steps)
+    told = "<p>Letters are at the holes. Bottom up:</p>"
+    return section("joined", "How it goes together", f"<ul>{rows}</ul>{told}<ul>{order}</ul>")
 
 
 def notes(held: Mapping[str, object]) -> str:
     """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
     inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
+    # How the plates lie on each other has a section of its own.
+    held = {name: value for name, value in held.items() if name != "stack"}
     inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
     return section("notes", "About it", inside) if inside else ""
 
@@ -259,9 +255,9 @@ def recipe(job: Job) -> str:
     file = f"{job.name}.toml"
     again = f"geomkin run {file if file.replace('-', '').replace('.', '').isalnum() else _quoted(file)}"
     body = (
-        f"<p>Saved as <code>{text(file)}</code>, it makes all of this again:</p><pre><code>{text(again)}</code></pre>"
+        f"<p>Saved as <code>{text(file)}</code>, it makes all this again:</p><pre><code>{text(again)}</code></pre>"
         f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
-        f'<pre tabindex="0" aria-label="Text of the recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
+        f'<pre tabindex="0" aria-label="The recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
     )
     return section("recipe", "Recipe", body)
 

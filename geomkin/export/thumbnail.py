@@ -25,7 +25,8 @@ FILLED, LINE = f'fill="#cfe4f3" fill-rule="evenodd" {STROKE}', f'fill="none" {ST
 def picture(name: str, curves: Sequence[AbstractCurve], marks: Sequence[AbstractCurve]) -> str | None:
     """An SVG that stands alone: curves, filled if closed, the outermost first, and marks; None if none can be drawn."""
     layers = [(curves, FILLED if curves[0].closed else LINE), (marks, LINE)]
-    told = f'xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(name)}" style="background:#fff"'
+    size = f'width="{WIDE}" height="{HIGH}"'
+    told = f'{size} xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(name)}" style="background:#fff"'
     try:
         return thumbnail([layer for layer in layers if layer[0]], WIDE, HIGH, told)
     except GeomkinError:
@@ -36,7 +37,7 @@ def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, 
     """Curves as an SVG element of so many pixels, y up.
 
     layers: rows of curves, each with the attributes of its path, a class or colours; the first curve is the largest.
-    told: attributes of the element, which say what it is.
+    told: attributes of the element, which say what it is, and how large, where no style does.
     """
     outline = layers[0][0][0]
     low, high_end = extent(outline, FINE * reach(outline) / min(wide, high))
@@ -49,7 +50,7 @@ def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, 
         f'<path {look} transform="scale(1 -1)" d="{path(curves, FINE * room, digits)}"/>' for curves, look in layers
     )
     numbers = " ".join(f"{value:.{max(0, digits)}f}" for value in box)
-    return f'<svg viewBox="{numbers}" width="{wide}" height="{high}" {told}>{drawn}</svg>'
+    return f'<svg viewBox="{numbers}" {told}>{drawn}</svg>'
 
 
 def extent(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:

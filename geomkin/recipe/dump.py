@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from typing import Any
 
 from ..arguments import checked
@@ -16,8 +17,13 @@ DEEPEST = 2
 
 @checked
 def to_toml(recipe: AbstractRecipe) -> str:
-    """The TOML text of a recipe, of which `gk.load` makes an equal one. Files that it reads are named in it."""
+    """The TOML text of a recipe, of which `gk.load` makes an equal one. Files that it reads are named in it.
+
+    What is as it is where a recipe leaves it out, such as all of `files`, is left out.
+    """
     told = adapter(type(recipe)).dump_python(recipe, mode="json")
+    usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
+    told = {key: value for key, value in told.items() if key not in usual}
     return "\n".join(_table("", told)).lstrip("\n") + "\n"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ..brief import one_line
 from ..errors import DesignError
 from ..part import Bought
 
@@ -26,6 +27,8 @@ class Size:
     height: float
     pitch: float
     washer: tuple[float, float]
+
+    __repr__ = one_line
 
     @property
     def across(self) -> float:
@@ -63,6 +66,8 @@ class Fastener:
     sort: Literal["screw", "rod"]
     play: float
     head_height: float | None = None
+
+    __repr__ = one_line
 
     @property
     def size(self) -> Size | None:

@@ -18,7 +18,7 @@ const ROLES = {
 const READING = 120;
 // How much closer a key or a button takes one, and how far the arrows move what is seen, px.
 const CLOSER = 1.4, MOVE = 40;
-const HINT = "Drag a link and the rest follows. Look closer with + and − or, once it is clicked, with the wheel; 0 shows all.";
+const HINT = "Drag a link and the rest follows. + and − look closer, or the wheel once it is clicked; 0 shows all.";
 // Pixels between two drawings, as the style has it.
 const GAP = 12;
 

@@ -100,7 +100,7 @@ export class Plots {
 
   range(told, low, high) {
     let [from, to] = [low ?? 0, high ?? 1];
-    for (const [value] of told.limits) [from, to] = [min(from, value), max(to, value)];
+    for (const [value] of told.limits ?? []) [from, to] = [min(from, value), max(to, value)];
     const room = 0.06 * (to - from) || abs(to) || 1;
     return [from - room, to + room];
   }
@@ -173,7 +173,7 @@ function limits(plot, told, stroke, paper, font) {
   ctx.save();
   ctx.font = font.replace("12px", `${12 * dpr}px`);
   ctx.lineWidth = 1.5 * dpr;
-  for (const [value, label] of told.limits) {
+  for (const [value, label] of told.limits ?? []) {
     const y = plot.valToPos(value, "y", true);
     ctx.strokeStyle = stroke;
     ctx.setLineDash([8 * dpr, 4 * dpr]);

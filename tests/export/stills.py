@@ -36,11 +36,29 @@ def loops(d):
     polygons, circles = [], []
     for piece in re.findall(r"M[^M]*", d):
         numbers = [float(n) for n in re.findall(NUMBER, piece)]
-        if "a" in piece:
+        if "a" in piece and "l" in piece:
+            polygons.append(np.cumsum(stepped(piece)))
+        elif "a" in piece:
             circles.append((complex(numbers[0] + numbers[2], numbers[1]), numbers[2]))
         else:
             polygons.append(np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2])))
     return polygons, circles
+
+
+def stepped(piece):
+    """A start, and the steps to the middle and to the end of each arc, and along each straight edge."""
+    steps = []
+    for sort, text in re.findall(r"([Mla])([^Mlaz]*)", piece):
+        numbers = [float(n) for n in re.findall(NUMBER, text)]
+        if sort != "a":
+            steps += [complex(x, y) for x, y in zip(numbers[::2], numbers[1::2])]
+            continue
+        for radius, _, _, _, turns, x, y in zip(*[iter(numbers)] * 7):
+            chord = complex(x, y)
+            high = radius - max(radius**2 - abs(chord) ** 2 / 4, 0) ** 0.5
+            bow = (-1j if turns else 1j) * chord / abs(chord) * high
+            steps += [chord / 2 + bow, chord / 2 - bow]
+    return np.array(steps)
 
 
 def root_of(content):

@@ -13,6 +13,7 @@ import geomkin as gk
 RECIPE = """
 kind = "four-bar"
 linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }
+stock = { fastener = "rod" }
 files = { labels = false, kerf = 0.4, tolerance = 0.1, curves = "%s" }
 """
 

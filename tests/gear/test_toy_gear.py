@@ -103,7 +103,7 @@ def test_a_gear_kind_from_outside_goes_from_a_text_to_a_drawing_and_checks(kind,
     (tmp_path / "ratchet.toml").write_text(TEXT)
     made = gk.make(tmp_path / "ratchet.toml", tmp_path / "out")
     drawing = ezdxf.readfile(tmp_path / "out" / "ratchet" / "ratchet.dxf").modelspace()
-    (outline,) = drawing.query("LWPOLYLINE")
+    (outline,) = drawing.query('LWPOLYLINE[layer=="CUT"]')
     assert len(outline) == 12 * 3 and outline.closed
     (hole,) = drawing.query("CIRCLE")
     assert hole.dxf.radius == 4

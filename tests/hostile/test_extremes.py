@@ -108,7 +108,7 @@ def test_an_extreme_is_made_sound_or_refused_with_a_remedy(run, refused, sound, 
 
 def test_a_coupler_point_on_a_pin_needs_no_third_hole(run, recipe, here):
     for k, (point, holes) in enumerate([("[0, 0]", 2), ("[90, 0]", 2), ("[40, 25]", 3)]):
-        changes = {"linkage.coupler_point": point, "files.write": '["svg"]'}
+        changes = {"linkage.coupler_point": point, "files.write": '["svg"]', "stock.fastener": '"rod"'}
         assert run(recipe("four-bar", changes), "--out", str(k)).exit_code == 0
         # Two holes in each of the other three plates.
         assert (here / str(k) / "r" / "r.svg").read_text().count("<circle") == 6 + holes

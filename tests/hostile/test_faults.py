@@ -12,11 +12,13 @@ NAMES = [
     "crank.stl",
     "ground.stl",
     "r-assembly.svg",
+    "r-bom.csv",
     "r.csv",
     "r.dxf",
     "r.html",
     "r.svg",
     "rocker.stl",
+    "spacer.stl",
     "summary.json",
 ]
 

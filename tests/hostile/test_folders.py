@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-FILES = {"r.csv", "r.dxf", "r.svg", "summary.json"}
+FILES = {"r-bom.csv", "r.csv", "r.dxf", "r.svg", "summary.json"}
 
 
 def names(folder):
@@ -18,7 +18,7 @@ def test_files_of_parts_that_a_recipe_has_no_more_are_removed_and_nothing_else(r
     assert run(recipe("four-bar")).exit_code == 0
     (here / "out/r/notes.txt").write_text("mine")
     (here / "out/r/mine.stl").write_text("mine")
-    assert names(here / "out/r") == FILES | {"crank.stl", "coupler.stl", "rocker.stl", "ground.stl"} | {
+    assert names(here / "out/r") == FILES | {"crank.stl", "coupler.stl", "rocker.stl", "ground.stl", "spacer.stl"} | {
         "notes.txt",
         "mine.stl",
     }

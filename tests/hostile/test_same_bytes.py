@@ -66,7 +66,8 @@ def test_what_was_made_before_does_not_matter(here, recipe):
         (here / f"{k}.toml").write_text(text)
     together = make(here / "a", "0.toml", "1.toml", cwd=here)
     alone = make(here / "b", "0.toml", cwd=here) | make(here / "b", "1.toml", cwd=here)
-    assert together == alone
+    # The page over the folder is that of several.
+    assert together.pop("index.html") and together == alone
 
 
 def test_formats_asked_for_do_not_change_each_other(here, recipe):
@@ -128,7 +129,9 @@ def test_the_processor_does_not_matter(here, whole, environment):
 
 def test_an_old_processor_makes_the_same_cams_gears_and_linkages(here):
     files = [RECIPES / f"{name}.toml" for name in ("table-cam", "roller-cam", "gear-pair", "walking-leg")]
-    assert make(here / "old", *files, cwd=here, **OLDEST) == make(here / "new", *files, cwd=here)
+    old, new = make(here / "old", *files, cwd=here, **OLDEST), make(here / "new", *files, cwd=here)
+    # It tells how large pages are, and those may differ.
+    assert old.pop("index.html") and new.pop("index.html") and old == new
 
 
 def test_what_lies_half_way_rounds_alike_whatever_its_last_bits():

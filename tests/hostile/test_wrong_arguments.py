@@ -237,7 +237,7 @@ MADE = {
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
     "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "SampledRates", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
     "FunctionGenerator", "Peak", "SliderFunctionGenerator",
-    "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files",
+    "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files", "Stability", "stability",
 }  # fmt: skip
 BAD = {
     "None": None,

@@ -123,7 +123,9 @@ def _of_members(label, value, depth, left_out):
     for held in type(value).__mro__:
         names += [k for k, v in vars(held).items() if isinstance(v, property | functools.cached_property)]
     # How a motion is found is the library's own affair, and what it keeps for that depends on the calls before.
-    for name in sorted({name for name in names if not name.startswith("_")} - left_out - {"solution", "plans"}):
+    for name in sorted(
+        {name for name in names if not name.startswith("_")} - left_out - {"solution", "plans", "formulas"}
+    ):
         try:
             member = getattr(value, name)
         except gk.GeomkinError as error:

@@ -138,6 +138,7 @@ def test_a_kind_from_outside_is_read_checked_and_made(tmp_path):
     assert {p.name for p in made.files} == {
         *(f"washer.{ending}" for ending in ("dxf", "stl", "svg", "csv", "html")),
         "washer-assembly.svg",
+        "washer-bom.csv",
         "summary.json",
     }
     assert [c.name for c in made.checks] == ["washer's radius", "thinnest wall of the washer"]

@@ -128,7 +128,7 @@ def test_the_bill_and_the_steps_name_every_joint():
     stack = recipe.stack
     joints = {stack.letters[pin.name] for pin in stack.pins}
     assert joints == set("ABCD")
-    screws = [line for line in stack.bill if "screw" in line.name or "rod" in line.name]
+    screws = [line for line in stack.bought if "screw" in line.name or "rod" in line.name]
     assert {joint for line in screws for joint in line.joints} == joints
     assert sum(line.count for line in screws) == len(joints)
     told = "; ".join(stack.steps)

@@ -203,5 +203,5 @@ def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
         assert (KEPT / f"{name}.svg").read_text("utf-8").split("\n", 1)[1].strip() in page
         for method in family.methods:
             assert not method.is_default or method.because in page.replace("&#x27;", "'")
-    readme = (KEPT.parent / "README.md").read_text("utf-8")
+    readme = (KEPT.parent.parent / "README.md").read_text("utf-8")
     assert [name for name in FAMILIES if f"`{name}`" not in readme] == []
