@@ -57,7 +57,7 @@ def everything() -> list[object]:
     kept += [
         gk.synthesis.Found(linkage=gk.FourBar(3, 1, 3, 2), branch=1, drive=np.zeros(2), transmission_angle_deg=9.0)
     ]
-    kept += [CHART]
+    kept += [CHART, gk.tradeoff.stability([0.1])]
     kept += [gk.load(file) for file in sorted(RECIPES.glob("*.toml"))]
     kept += [gk.load(RECIPES / f"{name}.toml") for name in ("crank-rocker", "roller-cam", "gear-pair")]
     kept += [(recipe.table, recipe.checks, recipe.parts) for recipe in kept[-3:]]

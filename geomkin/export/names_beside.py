@@ -16,6 +16,8 @@ from .still import Still, some_points
 LETTER = 11.0
 # Places along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
 ALONG, ACROSS = 21, 11
+# How little longer than wide a body may be and count as round: as a share of its spread.
+EVEN = 1e-6
 # Width of a letter in its height: of the usual ones, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
 # What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
@@ -60,7 +62,7 @@ def stand(still: Still) -> tuple[Name, ...]:
             off = places[:, None] - points
             near = (np.abs(off.real) < half.real + wide) & (np.abs(off.imag) < half.imag + wide)
             cost = cost + price * (near.any(axis=1) if price == ON_PATH else near.sum(axis=1))
-        named.append(Name(text, complex(places[int(np.argmin(cost))]), half, role))
+        named.append(Name(text, complex(places[int(np.argmin(np.round(cost, 6)))]), half, role))
 
     lines = {mark.label for mark in still.marks if mark.sort == "line"}
     for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
@@ -117,7 +119,9 @@ def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
     points = np.concatenate(still.points_of(body))
     middle = points.mean()
     off = points - middle
-    axis = np.exp(0.5j * np.angle((off**2).sum() + 1e-12))
+    twice = (off**2).sum()
+    # A round part has no direction: the last digit must not give it one.
+    axis = np.exp(0.5j * np.angle(twice)) if abs(twice) > EVEN * (np.abs(off) ** 2).sum() else 1.0
     along, across = (off / axis).real, (off / axis).imag
     grid = np.linspace(along.min(), along.max(), ALONG)[:, None] + 1j * np.linspace(across.min(), across.max(), ACROSS)
     places = body.origin[k] + body.direction[k] * (middle + axis * np.append(0, grid))

@@ -48,6 +48,9 @@ SIZES: dict[float, Size] = {
     6.0: Size(ROUND, (10.5, 3.3), (10, 60), LOCK, 11.05, 8.0, 1.0, (12.0, 1.6)),
     8.0: Size(ROUND, (14.0, 4.4), (12, 80), LOCK, 14.38, 9.5, 1.25, (16.0, 1.6)),
 }
+# Sheets that a nut may be as high as. More are piles of spacers that nobody puts on a pin; fewer would leave thin card
+# without screws.
+MOST_SHEETS = 20
 # Lengths in which screws are made, mm (ISO 888).
 LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
 
@@ -116,9 +119,13 @@ class Fastener:
 
 
 def fastener_of(
-    diameter: float, sort: Literal["screw", "rod"] | None, play: float, head_height: float | None
+    diameter: float, thickness: float, sort: Literal["screw", "rod"] | None, play: float, head_height: float | None
 ) -> Fastener:
-    """The fastener of a pin diameter, mm; a screw wherever that is a thread's. DesignError for a screw that is none."""
+    """The fastener of a pin diameter and sheets of a thickness, mm.
+
+    A screw wherever the diameter is a thread's, and its nut is not as high as a pile of sheets. DesignError for a screw
+    that is none, or that is.
+    """
     if sort == "screw" and diameter not in SIZES:
         sizes = ", ".join(f"{size:g}" for size in SIZES)
         raise DesignError(
@@ -126,7 +133,16 @@ def fastener_of(
             f"found a screw, but no screw is {diameter:g} mm thick",
             f'give pin_diameter as one of {sizes}, or fastener = "rod"',
         )
-    return Fastener(diameter, sort or ("screw" if diameter in SIZES else "rod"), play, head_height)
+    held = Fastener(diameter, "screw", play, head_height)
+    thin = max(held.ends(thickness)) > MOST_SHEETS * thickness
+    if sort == "screw" and thin:
+        raise DesignError(
+            "fastener",
+            f"found a screw, whose nut is as high as {max(held.ends(thickness)) / thickness:.0f} sheets of the stock",
+            f'give a thicker sheet, a thinner pin, or fastener = "rod": at most {MOST_SHEETS} sheets are left empty',
+        )
+    fits = diameter in SIZES and not thin
+    return Fastener(diameter, sort or ("screw" if fits else "rod"), play, head_height)
 
 
 def gathered(lines: list[tuple[str, tuple[tuple[str, int], ...]]]) -> tuple[Bought, ...]:

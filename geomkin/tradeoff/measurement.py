@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -50,18 +50,15 @@ class Measurement:
     __repr__ = one_line
 
 
-@dataclass(eq=False)
 class _Trial:
-    """A point that is being measured."""
+    """A point that is being measured. calls: in a batch; times: of one call, s, by batches."""
 
-    method: Method[Any, Any]
-    setting: float
-    call: Callable[[], Any]
-    results: int
-    errors: Any
-    weight: float
-    calls: int = 1
-    times: list[float] = field(default_factory=list)
+    def __init__(self, method: Method[Any, Any], setting: float, call: Callable[[], Any], results: int) -> None:
+        self.method, self.setting, self.call, self.results = method, setting, call, results
+        self.errors: Any = None
+        self.weight = float("nan")
+        self.calls = 1
+        self.times: list[float] = []
 
     def batch(self) -> None:
         call, start = self.call, time.process_time()
@@ -96,9 +93,10 @@ def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], ob
         start = time.process_time()
         found = call()
         spent = time.process_time() - start
-        errors = np.asarray(family.error(problem, found), dtype=float)
-        weight = family.weigh(problem, found) if family.weigh else np.nan
-        trial = _Trial(method, setting, call, family.count(problem, found), errors, weight)
+        trial = _Trial(method, setting, call, family.count(problem, found))
+        trial.errors = np.asarray(family.error(problem, found), dtype=float)
+        if family.weigh:
+            trial.weight = family.weigh(problem, found)
         trial.times = [spent] if quick and spent > LONG else []
         trials.append(trial)
         tell(0.3 * (k + 1) / len(chosen))

@@ -115,12 +115,20 @@ def test_a_grip_longer_than_any_screw_takes_a_threaded_rod():
 
 
 def test_what_is_no_screw_is_a_rod_or_refused():
-    assert fastener_of(4.1, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
-    assert fastener_of(4.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
+    assert fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
+    assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
     with pytest.raises(
         DesignError, match="fastener: found a screw, but no screw is 4.1 mm thick; give pin_diameter as"
     ):
         LinkStock(pin_diameter=4.1, fastener="screw")
+
+
+def test_sheets_so_thin_that_a_nut_is_a_pile_of_them_have_rods():
+    assert (
+        LinkStock(thickness=0.4).fastener_used.sort == "rod" and LinkStock(thickness=0.8).fastener_used.sort == "screw"
+    )
+    with pytest.raises(DesignError, match="fastener: found a screw, whose nut is as high as .* sheets"):
+        LinkStock(thickness=0.1, fastener="screw")
 
 
 def test_the_bill_and_the_steps_name_every_joint():

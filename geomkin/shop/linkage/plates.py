@@ -37,7 +37,8 @@ class LinkStock:
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
     clearance: float = wider(0.2)
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with lock nuts, or rods cut flush; left out, screws where pin_diameter is that of one", default=None
+        "screws with nuts, or rods cut flush; left out, screws where there are any of pin_diameter, and sheets are no foil",
+        default=None,
     )
     play: float = quantity("along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
     head_height: float | None = quantity(
@@ -58,7 +59,7 @@ class LinkStock:
     @property
     def fastener_used(self) -> Fastener:
         """What holds the pins."""
-        return fastener_of(self.pin_diameter, self.fastener, self.play, self.head_height)
+        return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
 
     @property
     def hole_diameter(self) -> float:
