@@ -37,7 +37,7 @@ class LinkStock:
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
     clearance: float = wider(0.2)
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; left out, screws where there are any of pin_diameter, and sheets are no foil",
+        "screws with nuts, or rods cut flush; left out, screws where pin_diameter is that of one and sheets bear it",
         default=None,
     )
     play: float = quantity("along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
