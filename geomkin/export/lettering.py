@@ -27,6 +27,8 @@ CHORDS = 0.05
 CAPITAL, BASELINE = 21.0, 9.0
 # How little longer than wide a part may be and count as round, with no direction of its own: as a share of its spread.
 EVEN = 0.02
+# Share by which a box may be larger than its room: far less than is seen, far more than rounding.
+HAIR = 1e-5
 # Decimals of mm of the strokes.
 DIGITS = 3
 # Name of the font: plain single strokes.
@@ -109,7 +111,8 @@ class _Room:
         low, high = _box(np.concatenate(strokes))
         half = (high - low) * height / 2 + MARGIN * (1 + 1j)
         boxes = places[:, None] + np.array([-half, np.conj(half), half, -np.conj(half)])
-        free = region.holds(self.loops, boxes, self.taken)
+        # Room that is just enough is enough: no last digit may decide.
+        free = region.holds(self.loops, places[:, None] + (boxes - places[:, None]) * (1 - HAIR), self.taken)
         if not free.any():
             return []
         first = int(np.argmax(free))
