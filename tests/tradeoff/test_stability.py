@@ -85,7 +85,7 @@ def test_without_mpmath_it_is_told_how_to_get_it(monkeypatch):
 
 
 def test_the_kept_table_says_of_every_cell_what_is_held_here():
-    file = Path(__file__).parents[2] / "out" / "chart" / "stability.csv"
+    file = Path(__file__).parents[2] / "tests" / "speed" / "chart" / "stability.csv"
     kept = list(csv.DictReader(io.StringIO(file.read_text("utf-8"))))
     does = {(row["family"], row["place"], row["result"]): row["library_does"] for row in kept}
     assert does == {(cell.family, cell.place, cell.result): ANSWERS[cell.answer] for cell in CELLS}
