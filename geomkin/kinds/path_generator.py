@@ -51,7 +51,14 @@ class WantedPath:
     points: tuple[Annotated[complex, PointXY()], ...] | None = entry(
         "the points, [x, y] in mm each",
         default=None,
-        example=(0j, 20 + 1j, 40 + 0j, 60 + 10j, 30 + 22j),
+        # Ten: fewer are met exactly by many linkages, and which is found hangs on the last bit.
+        example=tuple(
+            complex(*point)
+            for point in [
+                *((0, 0), (5.2, 8.3), (7.3, 14.5), (5.9, 18.1), (1.8, 19.2)),
+                *((-3.6, 17.7), (-9.4, 14), (-14.6, 8.6), (-18.8, 2.3), (-21.7, -4.3)),
+            ]
+        ),
     )
     file: FileName | None = entry(
         "a CSV file of x and y in mm, or an SVG drawing, whose first path is taken: beside the recipe or below",

@@ -32,8 +32,9 @@ import geomkin as gk
 
 HERE = Path(__file__).parent
 ROOMS = ["linkages", "drawings", "cams", "gears", "goals", "refused"]
-# Of the scale of what a number was made from: the last digit kept, and some of the rounding of another processor.
-NEAR = 1e-8
+# Of the scale of what a number was made from: the last digit kept, where another processor's rounding may turn a half
+# the other way, and some of that rounding.
+NEAR = 2e-8
 # What a check finds where it should find nothing is rounding, which another order of the same sums makes anew.
 NOTHING = 1e-11
 
