@@ -94,4 +94,4 @@ def test_another_one_is_chosen_and_one_too_many_refused():
 
 def test_its_template_is_one_that_can_be_read():
     recipe = parse(template_of("path-generator"))
-    assert len(recipe.wanted.places) == 5
+    assert len(recipe.wanted.places) == 10
