@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -88,10 +89,16 @@ ALONE = {
 }
 
 
+@cache
+def nodes(file):
+    """All that a file's text is made of."""
+    return tuple(ast.walk(ast.parse(file.read_text())))
+
+
 def imports(file):
     """(top-level library) or (room of geomkin) for every import of a file, wherever it stands."""
     here = file.relative_to(PACKAGE).parts
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (("library", name.name.split(".")[0]) for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -110,10 +117,11 @@ def imports(file):
 def test_imports_point_one_way(file):
     room = file.relative_to(PACKAGE).parts[0].removesuffix(".py")
     allowed = MAY[room] | {room} | WORDS
-    used = {name for what, name in imports(file) if what == "room"}
+    found = set(imports(file))
+    used = {name for what, name in found if what == "room"}
     assert used <= allowed, f"{room} must not import {used - allowed}"
     for library, homes in ALONE.items():
-        if ("library", library) in set(imports(file)):
+        if ("library", library) in found:
             assert str(file.relative_to(PACKAGE)) in homes
 
 
@@ -133,7 +141,7 @@ LISTS = {
 def modules_in(file):
     """Modules of geomkin that a file imports, wherever it does: in functions and for type checkers, too."""
     here = file.relative_to(PACKAGE).parts
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in nodes(file):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = [*here[: len(here) - node.level], *(node.module or "").split(".")]
             for name in node.names:
@@ -149,9 +157,9 @@ def test_no_circle_of_imports():
     assert not ahead, ahead
 
 
-def calls(tree, attribute):
-    """Calls of a method, as `thing.attribute(...)`, and what they are called on."""
-    for node in ast.walk(tree):
+def calls(within, attribute):
+    """Calls of a method among nodes, as `thing.attribute(...)`, and what they are called on."""
+    for node in within:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == attribute:
             yield node.func.value
 
@@ -159,26 +167,23 @@ def calls(tree, attribute):
 @pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))
 def test_what_is_frozen_stays_so(file):
     """No writing into `__dict__`, no thing made past its own class; fields are settled while a thing is made."""
-    tree = ast.parse(file.read_text())
-    held = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and node.attr == "__dict__"]
-    read = {id(node) for node in ast.walk(tree) if isinstance(node, ast.Tuple) for node in node.elts}
-    read |= {id(value) for what in ("get", "items") for value in calls(tree, what)}
+    held = [node for node in nodes(file) if isinstance(node, ast.Attribute) and node.attr == "__dict__"]
+    read = {id(node) for node in nodes(file) if isinstance(node, ast.Tuple) for node in node.elts}
+    read |= {id(value) for what in ("get", "items") for value in calls(nodes(file), what)}
     written = [node.lineno for node in held if id(node) not in read]
-    made = [value.id for value in calls(tree, "__new__") if isinstance(value, ast.Name)]
-    settled = [
-        node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) for _ in calls(node, "__setattr__")
-    ]
+    made = [value.id for value in calls(nodes(file), "__new__") if isinstance(value, ast.Name)]
+    functions = [node for node in nodes(file) if isinstance(node, ast.FunctionDef)]
+    settled = [function.name for function in functions for _ in calls(ast.walk(function), "__setattr__")]
     assert not written and not made
     assert all(name in ("__post_init__", "called") or name.startswith("_settle") for name in settled), settled
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))
 def test_a_recipe_is_never_of_any_type(file):
-    tree = ast.parse(file.read_text())
-    arguments = [node for node in ast.walk(tree) if isinstance(node, ast.arg) and node.arg == "recipe"]
+    arguments = [node for node in nodes(file) if isinstance(node, ast.arg) and node.arg == "recipe"]
     assert all(node.annotation and ast.unparse(node.annotation) != "Any" for node in arguments)
     if file.parent.name == "kinds":
-        fields = [field for node in ast.walk(tree) if isinstance(node, ast.ClassDef) for field in node.body]
+        fields = [field for node in nodes(file) if isinstance(node, ast.ClassDef) for field in node.body]
         hints = [ast.unparse(field.annotation) for field in fields if isinstance(field, ast.AnnAssign)]
         assert "Any" not in hints
 
@@ -189,7 +194,7 @@ def test_formats_and_kinds_are_listed_once():
 
     for names, home in ((WRITERS, "export/writers.py"), (KINDS, "kinds/__init__.py")):
         for file in FILES:
-            for node in ast.walk(ast.parse(file.read_text())):
+            for node in nodes(file):
                 rows = node.keys if isinstance(node, ast.Dict) else getattr(node, "elts", [])
                 listed = {row.value for row in rows if isinstance(row, ast.Constant)} & set(names)
                 assert len(listed) < 2 or file == PACKAGE / home, (file, listed)

@@ -1,5 +1,7 @@
 """Recipes as texts, of the kinds that geomkin has."""
 
+from functools import cache
+
 from geomkin.kinds import KINDS
 from geomkin.recipe import load, schema, template
 
@@ -12,6 +14,12 @@ def parse(text, file="recipe", folder="."):
 def template_of(name, wishes=()):
     """A text to start from, of a kind by its name."""
     return template.template(KINDS[name], wishes)
+
+
+@cache
+def recipe_of(name):
+    """The recipe of a kind's template, whose search, parts and table are worked out once for all tests."""
+    return parse(template_of(name))
 
 
 def schema_of_all():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -60,15 +61,21 @@ def _plain(name: str) -> str:
 @cache
 def strokes_of(words: str) -> tuple[Complex, ...]:
     """The strokes of a text, capitals 1 high, on y = 0 from x = 0."""
+    lines = [
+        np.array([x + 1j * (BASELINE - y) for x, y in stroke]) / CAPITAL for stroke in _font().strokes_for_text(words)
+    ]
+    left = min((line.real.min() for line in lines), default=0.0)
+    return tuple(line - left for line in lines)
+
+
+@cache
+def _font() -> Any:
+    """The font, unpacked once: that takes longer than all the strokes of a part."""
     from HersheyFonts import HersheyFonts  # type: ignore[import-untyped]
 
     font = HersheyFonts()
     font.load_default_font(FONT)
-    lines = [
-        np.array([x + 1j * (BASELINE - y) for x, y in stroke]) / CAPITAL for stroke in font.strokes_for_text(words)
-    ]
-    left = min((line.real.min() for line in lines), default=0.0)
-    return tuple(line - left for line in lines)
+    return font
 
 
 class _Room:

@@ -118,12 +118,18 @@ def measured(cell: Cell, distance: float) -> Digits:
         try:
             with np.errstate(all="ignore"), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                found = complex(np.ravel(cell.library(*sizes))[-1])
-                condition = np.nan if cell.condition is None else float(np.ravel(cell.condition(*sizes))[-1])
+                found = _last(cell.library(*sizes))
+                condition = np.nan if cell.condition is None else _last(cell.condition(*sizes)).real
         except DesignError:
             return Digits(cell, distance, np.nan, textbook, allowed, True)
         kept = _digits(mp, mp.mpmathify(found) - right, right) if np.isfinite(found) else np.nan
     return Digits(cell, distance, kept, textbook, allowed, False, condition)
+
+
+def _last(answer: Any) -> complex:
+    """The last of a method's answers; nan where a search came back with none, as on some processors near its end."""
+    row = np.ravel(answer)
+    return complex(row[-1]) if row.size else complex(np.nan)
 
 
 def answered(found: Sequence[Digits]) -> str:

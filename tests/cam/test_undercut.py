@@ -47,7 +47,8 @@ def test_the_outline_is_what_another_library_leaves(cam):
     # The other library drops detail of a share of the roller's radius before it shrinks; half-planes are exact.
     share, far = (1e-4, 2e-3) if rolls(cam) else (1e-6, 3e-5)
     assert mine.symmetric_difference(other).area < share * mine.area
-    assert mine.exterior.hausdorff_distance(other.exterior) < far
+    # Each boundary lies in a band about the other, whose rounded corners reach a little less far.
+    assert mine.exterior.buffer(far).covers(other.exterior) and other.exterior.buffer(far).covers(mine.exterior)
 
 
 @each_undercut
@@ -65,7 +66,7 @@ def test_no_follower_enters_the_outline_and_each_corner_touches_two(cam):
 
 @each_undercut
 def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
-    cut, angles = undercut(cam), np.radians(np.arange(360))
+    cut, angles = undercut(cam), np.radians(np.arange(0, 360, 2))
     lost = cam.program.motion(angles).lift - resting(cam, gk.flatten(cut.outline, 1e-4), angles)
     # On an arm the lift is an angle, and no contact is nearer to its pivot than 20 mm.
     assert cut.lost_lift(angles) == pytest.approx(lost, abs=3e-4 / (20 if cam.follower.oscillates else 1))

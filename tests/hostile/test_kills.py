@@ -73,7 +73,12 @@ def replaced(made, here):
 
 @pytest.mark.parametrize(
     ("name", "when", "count", "most"),
-    [("fsync", "before", 1, 0), ("fsync", "after", 2, 1), ("replace", "before", 1, 0), ("replace", "after", 4, 4)],
+    [
+        pytest.param("fsync", "before", 1, 0, marks=pytest.mark.campaign),
+        ("fsync", "after", 2, 1),
+        ("replace", "before", 1, 0),
+        pytest.param("replace", "after", 4, 4, marks=pytest.mark.campaign),
+    ],
 )
 def test_killed_at_a_seam_every_file_is_old_or_new(command, replaced, name, when, count, most):
     before = AT_CALL.format(name=name, when=when, count=count, signal="SIGKILL")
@@ -82,7 +87,7 @@ def test_killed_at_a_seam_every_file_is_old_or_new(command, replaced, name, when
     assert replaced() <= most
 
 
-@pytest.mark.parametrize("share", [0.01, 0.5, 0.9])
+@pytest.mark.parametrize("share", [0.5, *(pytest.param(share, marks=pytest.mark.campaign) for share in (0.01, 0.9))])
 def test_killed_in_the_middle_of_a_file_every_file_is_old_or_new(command, made, replaced, share):
     # A process that is not told of the limit on a file's size is killed at the byte that passes it.
     limit = int(share * max(map(len, contents(made / "new/r").values())))
@@ -101,6 +106,7 @@ import os, random, signal, sys, time
 from geomkin import make
 import geomkin.export.csv, geomkin.export.dxf, geomkin.export.svg
 chance = random.Random(20)
+make("r.toml", "loaded")
 start = time.perf_counter()
 make("r.toml", "timed")
 whole = time.perf_counter() - start
@@ -108,7 +114,7 @@ for k in range(int(sys.argv[1])):
     if (copy := os.fork()) == 0:
         make("r.toml", f"out{k}")
         os._exit(0)
-    time.sleep(whole * 1.2 * chance.random())
+    time.sleep(whole * 2 * chance.random())
     os.kill(copy, signal.SIGKILL)
     os.waitpid(copy, 0)
 """
@@ -123,7 +129,9 @@ def test_killed_at_random_every_file_is_old_or_new(replaced, here, count):
     assert min(fresh) < 4 <= max(fresh), "no kill came in between"
 
 
-@pytest.mark.parametrize(("name", "count"), [("fsync", 1), ("fsync", 3), ("replace", 2)])
+@pytest.mark.parametrize(
+    ("name", "count"), [("fsync", 3), ("replace", 2), pytest.param("fsync", 1, marks=pytest.mark.campaign)]
+)
 def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(command, replaced, here, name, count):
     before = AT_CALL.format(name=name, when="before", count=count, signal="SIGINT")
     done = command("run", "r.toml", before=before)
@@ -132,12 +140,15 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
     assert list((here / "out/r").glob(".*")) == []
 
 
-LOADED = ["click", "geomkin.commands", "geomkin.build", "numpy", "pydantic", "shapely", "ezdxf", "geomkin.export.stl"]
+LOADED = ["click", "geomkin.build", "numpy", "pydantic", "geomkin.export.stl"]
 # Their loaders go on after whatever goes wrong inside them, an interrupt included.
-SWALLOWED = ["fontTools.ttLib", "ezdxf.acc.vector", "ezdxf.acc.mapbox_earcut", "pydantic_core", "shapely.lib"]
+SWALLOWED = ["ezdxf.acc.vector", "pydantic_core", "shapely.lib"]
+MORE = ["geomkin.commands", "shapely", "ezdxf", "fontTools.ttLib", "ezdxf.acc.mapbox_earcut"]
 
 
-@pytest.mark.parametrize("name", LOADED + SWALLOWED)
+@pytest.mark.parametrize(
+    "name", [*LOADED, *SWALLOWED, *(pytest.param(name, marks=pytest.mark.campaign) for name in MORE)]
+)
 def test_interrupted_while_loading_it_ends_at_once(command, recipe, here, name):
     (here / "r.toml").write_text(recipe("four-bar"))
     done = command("run", "r.toml", before=AT_IMPORT.format(name=name))

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import sys
 
 import numpy as np
@@ -136,34 +137,31 @@ def test_of_a_file_that_is_no_table_only_the_wrong_cell_is_shown(cam, here):
     assert "hunter2" not in cam("cell.csv").stderr
 
 
-OLD = """
-import os, sys
-os.makedirs("out/r")
-{}
-"""
+# What may lie where a run looks for the summary of the run before, and what makes it.
+OLD = {
+    "pipe": "os.mkfifo(old)",
+    "endless": 'os.symlink("/dev/zero", old)',
+    "terminal": 'os.symlink("/dev/tty", old)',
+    "huge": 'open(old, "wb").truncate(3 << 30)',
+    "deep": 'open(old, "w").write("[" * 1_000_000)',
+    "long": 'open(old, "w").write(\'{"files": ["\' + "x" * 9_000_000 + \'.dxf"]}\')',
+    "folder": "os.mkdir(old)",
+}
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="devices and pipes by these names are its own")
-@pytest.mark.parametrize(
-    "old",
-    [
-        'os.mkfifo("out/r/summary.json")',
-        'os.symlink("/dev/zero", "out/r/summary.json")',
-        'os.symlink("/dev/tty", "out/r/summary.json")',
-        'open("out/r/summary.json", "wb").truncate(3 << 30)',
-        'open("out/r/summary.json", "w").write("[" * 1_000_000)',
-        'open("out/r/summary.json", "w").write(\'{"files": ["\' + "x" * 9_000_000 + \'.dxf"]}\')',
-        'os.mkdir("out/r/summary.json")',
-    ],
-    ids=["pipe", "endless", "terminal", "3 GB", "deep", "long", "folder"],
-)
-def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here, old):
-    (here / "r.toml").write_text(recipe("spur-gear", {"files.write": '["csv"]'}))
-    done = command("run", "r.toml", before=OLD.format(old))
-    whole = here / "out/r/summary.json"
-    assert (done.returncode == 0 and json.loads(whole.read_text())["name"] == "r") or (
-        done.returncode == 1 and "something that is not a file" in done.stderr
+def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here):
+    before = "import os"
+    for name, made in OLD.items():
+        (here / f"{name}.toml").write_text(recipe("spur-gear", {"files.write": '["csv"]'}))
+        before += f'\nold = "out/{name}/summary.json"\nos.makedirs(os.path.dirname(old))\n{made}'
+    done = command("run", ".", before=before)
+    told = re.findall(
+        r"^out/(\w+)/summary.json: cannot be written \(something that is not a file", done.stderr, re.MULTILINE
     )
+    assert len(told) == len(done.stderr.splitlines()) and done.returncode == bool(told)
+    for name in OLD.keys() - told:
+        assert json.loads((here / "out" / name / "summary.json").read_text())["name"] == name
 
 
 def test_a_script_may_name_a_table_anywhere(tmp_path):

@@ -60,8 +60,11 @@ def deviation(curve, z):
     return off_chord(z[:-1, None], z[1:, None], curve.point(probes)).max()
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
-@pytest.mark.parametrize("name", CURVES)
+# Each as it is, and the smaller or the larger by turns.
+SCALED = [(name, scale) for k, name in enumerate(CURVES) for scale in (1.0, (1e-3, 1e4)[k % 2])]
+
+
+@pytest.mark.parametrize(("name", "scale"), SCALED)
 def test_chords_keep_the_tolerance(name, scale):
     curve = named(name, scale)
     for tolerance in scale * np.array([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]):

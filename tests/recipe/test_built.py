@@ -11,7 +11,7 @@ import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.kinds import KINDS
 from geomkin.recipe.load import adapter
-from tests.texts import template_of
+from tests.texts import recipe_of, template_of
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = ["csv"] }\n'
 TABLE = tomllib.loads(GEAR)
@@ -207,7 +207,7 @@ def test_a_place_that_takes_no_files_is_told(tmp_path, place):
 
 @pytest.mark.parametrize("name", KINDS)
 def test_a_shell_shows_a_recipe_and_what_became_of_it_on_a_line_each(tmp_path, name):
-    recipe = gk.load(template_of(name))
+    recipe = recipe_of(name)
     shown = [recipe, recipe.files, gk.make(recipe, tmp_path, ["csv"])]
     long = [repr(thing) for thing in shown if len(repr(thing)) > 120 or "\n" in repr(thing)]
     assert not long, long[0]

@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.kinds import KINDS
 from geomkin.recipe.load import LARGEST
-from tests.texts import parse, schema_of_all, template_of
+from tests.texts import parse, recipe_of, schema_of_all, template_of
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
 
@@ -97,8 +97,7 @@ def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_v
     ]
     opened = "\n".join(line.removeprefix("# ") if " = " in line else line for line in lines)
     assert parse(opened) == parse(text)
-    (tmp_path / "new.toml").write_text(text)
-    made = gk.make(tmp_path / "new.toml", tmp_path / "out")
+    made = gk.make(recipe_of(name), tmp_path / "out")
     assert {p.suffix for p in made.files} - {".toml"} == {".dxf", ".stl", ".svg", ".csv", ".json", ".html"}
     comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
     said = re.findall(r"One check fails on purpose \(([^)]*)\)", comment)

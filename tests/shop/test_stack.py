@@ -219,7 +219,9 @@ def test_nothing_slips_through_between_frames(step_deg):
 @pytest.mark.parametrize("step_deg", [1.0, 4.0, 10.0])
 def test_the_gap_between_frames_is_never_told_larger_than_it_is(step_deg):
     linkage, branch, _, _ = BUILDABLE["jansen leg"]
-    coarse = gk.move(linkage, np.radians(np.arange(0, 360 + step_deg, step_deg)), branch)
+    # Of small steps a quarter of a turn.
+    turn = 360 if step_deg > 1 else 90
+    coarse = gk.move(linkage, np.radians(np.arange(0, turn + step_deg, step_deg)), branch)
     share = np.linspace(0, 1, 11)
     found = assemble(coarse, STOCK)
     fine = gk.move(linkage, (coarse.drive[:-1, None] + share * np.diff(coarse.drive)[:, None]).ravel(), branch)

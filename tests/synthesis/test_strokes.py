@@ -29,9 +29,9 @@ def obeys(stroke, turn, found, frames=3600):
     assert ends[1] - ends[0] == pytest.approx(stroke, rel=1e-9)
 
 
-def test_hundreds_of_random_wishes_are_met():
+def test_random_wishes_are_met():
     rng = np.random.default_rng(1)
-    for _ in range(120):
+    for _ in range(60):
         stroke, turn = float(10 ** rng.uniform(-6, 6)), float(rng.uniform(91, 269))
         obeys(stroke, turn, slider_crank_stroke(stroke, turn))
 

@@ -60,6 +60,8 @@ def test_a_loss_without_a_word_is_found():
     far = {"sizes": lambda x: (*cell.sizes(x)[:4], 1.0)}
     assert outcome() == outcome(**far) == outcome(library=textbook, **far) == "all"
     assert outcome(library=textbook) == "sizes" and outcome(library=lambda *sizes: 0.0) == "lost"
+    # A search that comes back with nothing.
+    assert outcome(library=lambda *sizes: ()) == "nan"
 
 
 def test_the_file_holds_a_row_for_each_cell():
