@@ -26,7 +26,7 @@ class PointMotion:
 
     @cached_property
     def _worked(self) -> Worked | None:
-        return self.body.solution.worked_at(self.local)
+        return self.body.solution.worked_at(self.body.name, self.local)
 
     def _told(self, what: str) -> Complex:
         assert self._worked is not None

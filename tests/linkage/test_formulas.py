@@ -1,6 +1,7 @@
 """Motions by formulas that were written down against the placements themselves, and against 60 digits, on each engine."""
 
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -31,15 +32,16 @@ def same(one, other):
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(b), initial=1.0))
 
 
-@pytest.fixture(params=["whole", "blocks", "compiled", "compiled blocks"])
+@pytest.fixture(params=["benches", "whole", "blocks", "compiled", "compiled blocks"])
 def formulas(request, monkeypatch):
-    """Formulas from the first motion on: NumPy over all frames at once or in blocks of a few, which keep less; numba."""
+    """Formulas from the first motion on: NumPy on arrays kept for it, over all frames at once, or in blocks; numba."""
     if "compiled" in request.param:
         pytest.importorskip("numba")
     for name in ("WORTH_LOADED", "WORTH_LOADING"):
         monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
     for module in (program, worked):
         monkeypatch.setattr(module, "BLOCK", 7 if "blocks" in request.param else 4096)
+        monkeypatch.setattr(module, "SMALL", 1024 if request.param == "benches" else 0)
     return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
 
 
@@ -129,7 +131,21 @@ def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
     motion = gk.move(fresh(FOUR_BAR), np.linspace(0, 6, 50))
     _ = motion.point("coupler_point").position
     programs = motion.solution.worked._formulas.programs
-    assert {group for key in programs for group in key[1:]} == {"directions", ("position", "coupler")}
+    assert {group for key in programs for batch in key[1:] for group in batch} == {
+        "directions",
+        ("position", "coupler"),
+    }
+
+
+def test_what_was_asked_for_comes_together_the_next_time_and_is_forgotten_after_that():
+    linkage, runs = gk.FourBar(100, 30, 90, 70), []
+    for asked in (["direction", "omega"],) * 14 + (["direction"],) * 2:
+        motion = gk.move(linkage, np.linspace(0, 6, 50))
+        for what in asked:
+            _ = getattr(motion.rocker, what)
+        runs.append(motion.solution.worked and [sorted(batch) for batch in motion.solution.worked._done])
+    assert runs[0] is None
+    assert runs[-4:] == [[["directions", "omega"]]] * 3 + [[["directions"]]]
 
 
 def test_the_compiled_loop_has_every_operation_of_the_examples(monkeypatch):
@@ -155,3 +171,37 @@ def test_the_compiled_loop_takes_rows_longer_than_a_block_and_what_may_not_be_wr
             monkeypatch.setattr(worked, "WORTH_LOADED", least)
             found.append(told(fresh(linkage), drive, speed=2.0)[1])
         same(*found)
+
+
+def test_what_is_asked_together_or_anew_is_what_each_is_alone():
+    """Groups in any order, motions of other drives and points between, threads at once: each result is its own."""
+    linkage, rng = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.random.default_rng(4)
+    drives = [np.linspace(0, 6, frames) + shift for frames in (5, 90, 1500) for shift in (0, 0.3)]
+    asks = {
+        f"{body} {what}": lambda m, b=body, w=what: getattr(m.bodies[b], w)
+        for body in ("crank", "coupler", "rocker")
+        for what in ("direction", "first", "second", "omega", "alpha")
+    }
+    for what in ("position", "first", "second", "velocity", "acceleration"):
+        asks[f"pen {what}"] = lambda m, w=what: getattr(m.point("coupler_point"), w)
+        asks[f"hand {what}"] = lambda m, w=what: getattr(m.rocker.point(3 - 4j), w)
+    asks |= {"angle": lambda m: m.transmission_angle, "closed": lambda m: m.closed}
+    # Moved by the placements alone.
+    alone = [{name: ask(gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), q, speed=3.0)).copy()
+              for name, ask in asks.items()} for q in drives]  # fmt: skip
+    for _ in range(12):
+        _ = gk.move(linkage, drives[1], speed=3.0).closed
+
+    def some(seed):
+        own, found = np.random.default_rng(seed), []
+        for _ in range(30):
+            k = int(own.integers(len(drives)))
+            motion = gk.move(linkage, drives[k], speed=3.0)
+            names = own.permutation(list(asks))[: int(own.integers(1, 8))]
+            found += [(k, name, asks[name](motion)) for name in names]
+        return found
+
+    with ThreadPoolExecutor(3) as threads:
+        for found in threads.map(some, rng.integers(1000, size=6)):
+            for k, name, value in found:
+                np.testing.assert_allclose(value, alone[k][name], rtol=1e-12, atol=1e-12 * np.abs(value).max())

@@ -28,6 +28,12 @@ LONGEST, MOST_TURN = 0.1, 0.15
 CROSSED, STRAIGHT = 3e-5, 1e-3
 # Steps this short end the path: rounding of the points is as large. Only at the limit of a dyad before the loops.
 SHORTEST = 1e-13
+# The last of Newton's steps beside a path, as a share of the step along it, and how slow the drive may be there, of the
+# path's own length: what is missed after it is its square. Longer, and the path's direction is told worse than a cubic
+# between two points is; where the drive turns back the direction tells the limit, and steps go on to rounding.
+NEAR_ENOUGH, SLOW = 1e-5, 1e-3
+# Halvings that a place between two points is found by: it is a guess, and they go on to a millionth of its own error.
+HALVINGS = 30
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
@@ -90,6 +96,11 @@ def newton_raphson(
 def solved(matrices: Real, right: Real) -> Real:
     """x with matrix x = right for every one of (k, n, n) and (k, n); nan where a matrix is singular or not finite."""
     found = np.full(right.shape, np.nan)
+    if np.isfinite(matrices).all() and np.isfinite(right).all():
+        try:
+            return np.linalg.solve(matrices, right[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            pass
     known: Mask = np.logical_and(np.isfinite(matrices).all(axis=(1, 2)), np.isfinite(right).all(axis=1))
     # A sign of zero is a pivot of zero, which `solve` would refuse all of them for.
     known[known] = np.linalg.slogdet(matrices[known])[0] != 0
@@ -100,21 +111,20 @@ def solved(matrices: Real, right: Real) -> Real:
 def polished(equations: Equations, points: Real) -> Real:
     """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found."""
     points = points.copy()
-    moving, last = np.arange(len(points)), np.full(len(points), np.inf)
+    moving, last, missed = np.arange(len(points)), np.full(len(points), np.inf), np.full(len(points), np.inf)
     for _ in range(STEPS):
         value, slopes = equations(points[moving])
         step = solved(slopes[..., :-1], value)
-        size = np.abs(step).max(axis=1)
+        size, missed[moving] = np.abs(step).max(axis=1), np.abs(value).max(axis=1)
         # Steps that no longer shrink are rounding and would go on to the last. Close to a limit they only halve.
-        on = np.isfinite(size) & ((size < 0.9 * last) | (np.abs(value).max(axis=1) > 1e-12))
+        on = np.isfinite(size) & ((size < 0.9 * last) | (missed[moving] > 1e-12))
         moving, size = moving[on], size[on]
         points[moving, :-1] -= step[on]
         rough = size > 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
         moving, last = moving[rough], size[rough]
         if not moving.size:
             break
-    closes = np.abs(equations(points)[0]).max(axis=1, initial=0.0) <= 1e-10
-    return np.where(closes[:, None], points[:, :-1], np.nan)
+    return np.where(missed[:, None] <= 1e-10, points[:, :-1], np.nan)
 
 
 def approached(equations: Equations, point: Real) -> Real:
@@ -176,6 +186,8 @@ class _Arm:
         self._equations = equations
         self._side = _side(slopes, along)
         self._step = LONGEST
+        # How fast the path turned in the last step, square to it.
+        self._bend = np.zeros(len(start))
         self._ended = along[-1] == 0
 
     def follow(self, farthest: float) -> None:
@@ -186,14 +198,17 @@ class _Arm:
     def _advance(self) -> None:
         """One step, of the largest length that keeps to the path; the last one ends at the limit."""
         here, along = self.points[-1], self.ways[-1]
-        found = self._corrected(here + self._step * along, along)
-        if found is not None and self._is_next(*found):
-            self._side = _side(found[1], found[2])
+        found = self._corrected(here + self._step * (along + 0.5 * self._step * self._bend), along)
+        side = 0.0 if found is None else _side(found[1], found[2])
+        if found is not None and self._is_next(found[0], found[2], side):
+            self._side = side
             grew = np.abs(found[2] - along).max() < 0.3 * MOST_TURN
             if self.way * found[2][-1] <= 0:
                 found, self._ended = self._limit(found), True
             # A start at the limit itself may be a last bit beyond it.
             if self.way * found[0][-1] > self.way * here[-1]:
+                turned = (found[2] - along) / _length(found[0] - here)
+                self._bend = turned - (turned @ found[2]) * found[2]
                 self.points.append(found[0])
                 self.ways.append(found[2])
             self._step = min(LONGEST, self._step * (2.0 if grew else 1.0))
@@ -201,15 +216,15 @@ class _Arm:
             self._step *= 0.5
             self._ended = self._step < SHORTEST or len(self.points) > MOST
 
-    def _is_next(self, point: Real, slopes: Real, along: Real) -> bool:
-        """Whether a point, with its slopes and the path's direction there, is the next one of this path."""
+    def _is_next(self, point: Real, along: Real, side: float) -> bool:
+        """Whether a point, with the path's direction and its side there, is the next one of this path."""
         step = point - self.points[-1]
-        length, before = np.linalg.norm(step), self.ways[-1]
-        turn = np.linalg.norm(along - before)
-        if turn > MOST_TURN or np.linalg.norm(step - self._step * before) > MOST_TURN * self._step:
+        length, before = _length(step), self.ways[-1]
+        turn = _length(along - before)
+        if turn > MOST_TURN or _length(step - self._step * before) > MOST_TURN * self._step:
             return False
         # Paths side by side run to different sides; the side changes only where two cross.
-        if _side(slopes, along) != self._side and (self._step > CROSSED or turn > STRAIGHT):
+        if side != self._side and (self._step > CROSSED or turn > STRAIGHT):
             return False
         # A drive that turned back and forth again within the step: the least slope of the cubic through both ends.
         ends = self.way * before[-1], self.way * along[-1]
@@ -218,20 +233,24 @@ class _Arm:
 
     def _corrected(self, guess: Real, along: Real) -> tuple[Real, Real, Real] | None:
         """The point of the path straight beside a guess, its slopes and the path's direction; None if none is found."""
-        point, unit, last = guess, np.append(np.zeros(len(guess) - 1), 1.0), np.inf
+        point, last, right = guess, np.inf, np.zeros((len(guess), 2))
+        right[-1, 1] = 1
         for _ in range(10):
             value, slopes = (v[0] for v in self._equations(point[None]))
-            square = np.vstack([slopes, along])[None]
-            step = solved(square, np.append(-value, along @ (guess - point))[None])[0]
+            right[:-1, 0], right[-1, 0] = -value, along @ (guess - point)
+            try:
+                step, ahead = np.linalg.solve(np.vstack([slopes, along]), right).T
+            except np.linalg.LinAlgError:
+                return None
             size = float(np.abs(step).max())
             if not size <= 1:
                 return None
             # Beside a crossing steps end in rounding that is as many times larger as the crossing is near.
             ended = size > 0.5 * last and size < 1e-3 * self._step
             point, last = point + step * (not ended), size
-            if ended or size <= 1e-10:
-                ahead = solved(square, unit[None])[0]
-                return (point, slopes, ahead / np.linalg.norm(ahead)) if np.isfinite(ahead).all() else None
+            ahead = ahead / _length(ahead)
+            if ended or size <= (1e-10 if abs(ahead[-1]) < SLOW else max(1e-10, NEAR_ENOUGH * self._step)):
+                return (point, slopes, ahead) if np.isfinite(ahead).all() else None
         return None
 
     def _limit(self, beyond: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
@@ -259,6 +278,10 @@ class _Arm:
         return found
 
 
+def _length(vector: Real) -> float:
+    return float(np.sqrt(vector @ vector))
+
+
 def _side(slopes: Real, along: Real) -> float:
     """+1 or -1, the sign of the determinant of slopes over the path's direction."""
     return float(np.linalg.slogdet(np.vstack([slopes, along]))[0])
@@ -271,18 +294,17 @@ def _between(points: Real, ways: Real, drive: Real) -> Real:
     k = np.clip(np.searchsorted(points[:, -1], drive, side="right") - 1, 0, len(points) - 2)
     one, two = points[k], points[k + 1]
     length = np.linalg.norm(two - one, axis=1)[:, None]
-
-    def cubic(s: Real) -> Real:
-        s = s[:, None]
-        ends: Real = one * (1 + 2 * s) * (1 - s) ** 2 + two * (3 - 2 * s) * s**2
-        bulge: Real = length * s * (1 - s) * ((1 - s) * ways[k] - s * ways[k + 1])
-        return ends + bulge
-
-    low, high = np.zeros(len(drive)), np.ones(len(drive))
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        short = cubic(middle)[:, -1] < drive
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    found = cubic(0.5 * (low + high))
+    # By powers of the share s of the way: one + s (first + s (second + s third)).
+    first = length * ways[k]
+    second = 3 * (two - one) - 2 * first - length * ways[k + 1]
+    third = (two - one) - first - second
+    a, b, c = (power[:, -1] for power in (first, second, third))
+    low, high, way = np.zeros(len(drive)), np.ones(len(drive)), drive - one[:, -1]
+    for _ in range(HALVINGS):
+        s = 0.5 * (low + high)
+        short = s * (a + s * (b + s * c)) < way
+        low, high = np.where(short, s, low), np.where(short, high, s)
+    s = (0.5 * (low + high))[:, None]
+    found: Real = one + s * (first + s * (second + s * third))
     found[:, -1] = drive
     return found

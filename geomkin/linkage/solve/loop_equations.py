@@ -95,27 +95,47 @@ class LoopEquations:
             np.array([not {s.body, s.along} & self.oriented for s in here], dtype=bool),
         )
 
+    @cached_property
+    def _ends(self) -> tuple[Whole, Complex]:
+        """All points that joints keep in place, bodies and places: both of every pin, then of every slider."""
+        one, z1, two, z2 = self._pins
+        body, z, guide, through = self._rails[:4]
+        return np.concatenate([one, two, body, guide]), np.concatenate([z1, z2, z, through])
+
+    @cached_property
+    def _parts(self) -> tuple[slice, slice, slice, slice]:
+        """Where those of the pins and those of the sliders stand among the ends."""
+        pins, rails = len(self._pins[0]), len(self._rails[0])
+        ends = np.cumsum([0, pins, pins, rails, rails]).tolist()
+        return slice(*ends[0:2]), slice(*ends[1:3]), slice(*ends[2:4]), slice(*ends[3:5])
+
     def conditions(self, order: int, states: list[State]) -> Real:
         """How far every joint is from closing, (..., rows), or the derivative of that of an order.
 
         states: the pose and its derivatives up to that order.
         """
+        bodies, places = self._ends
+        arms = states[0][1][..., bodies] * places
 
-        def at(body: Whole, z: Complex, k: int) -> Complex:
-            arm: Complex = states[0][1][..., body] * z
+        def ends(k: int) -> Complex:
             if k == 0:
-                return states[0][0][..., body] + arm
-            h = states[1][1][..., body]
+                at: Complex = states[0][0][..., bodies] + arms
+                return at
+            h = states[1][1][..., bodies]
             if k == 1:
-                return states[1][0][..., body] + 1j * h * arm
-            gain: Complex = (1j * states[2][1][..., body] - h**2) * arm
-            return states[2][0][..., body] + gain
+                return states[1][0][..., bodies] + 1j * h * arms
+            gain: Complex = (1j * states[2][1][..., bodies] - h**2) * arms
+            return states[2][0][..., bodies] + gain
 
-        one, z1, two, z2 = self._pins
-        pins = at(one, z1, order) - at(two, z2, order)
-        body, z, guide, through, direction, turn, both = self._rails
+        one, two, own, other = self._parts
+        moved = ends(order)
+        pins = moved[..., one] - moved[..., two]
+        rows: list[Array] = [pins.real / self.size, pins.imag / self.size]
+        body, _, guide, _, direction, turn, both = self._rails
+        if not len(body):
+            return np.concatenate(rows, axis=-1)
         line = np.conj(states[0][1][..., guide] * direction)
-        apart = [at(body, z, k) - at(guide, through, k) for k in range(order + 1)]
+        apart = [here[..., own] - here[..., other] for here in (*map(ends, range(order)), moved)]
         if order == 0:
             off = line * apart[0]
         elif order == 1:
@@ -126,50 +146,91 @@ class LoopEquations:
         turns = states[order][1][..., body[both]], states[order][1][..., guide[both]]
         # The angle and not its sine, which would take a body that stands the wrong way round for a right one.
         askew = np.angle(turns[0] * np.conj(turns[1] * turn[both])) if order == 0 else turns[0] - turns[1]
-        lengths = [pins.real / self.size, pins.imag / self.size, off.imag / self.size]
-        rows = [*lengths, np.broadcast_to(askew, (*off.shape[:-1], both.sum()))]
+        rows += [off.imag / self.size, askew]
         if self.driven:
             ahead = off.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
             rows.append(ahead[..., None] / self.size)
         return np.concatenate(rows, axis=-1)
 
     def jacobian(self, state: State) -> Real:
-        """d(conditions)/d(unknowns), (..., rows, columns): the first derivative where one unknown alone moves."""
-        known = state[0][..., None, :], state[1][..., None, :]
-        return np.swapaxes(self.conditions(1, [known, self._alone]), -1, -2)
+        """d(conditions)/d(unknowns), (..., rows, columns): how every joint's ends move where one unknown alone does."""
+        bodies, places = self._ends
+        _, _, own, other = self._parts
+        origin, turned = state[0][..., bodies], state[1][..., bodies] * places
+        arms: Complex = 1j * turned
+        ways: list[Array] = [arms]
+        if len(self._rails[0]):
+            line = np.conj(state[1][..., self._rails[2]] * self._rails[4])
+            apart = (origin[..., own] + turned[..., own]) - (origin[..., other] + turned[..., other])
+            ways += [line * self.size, line * (self.size * 1j), line * arms[..., own]]
+            ways.append(line * (arms[..., other] + 1j * apart))
+        fixed, row, column, of, sign = self._slopes
+        slopes: Real = np.empty((*state[0].shape[:-1], *fixed.shape))
+        slopes[...] = fixed
+        parts = np.ascontiguousarray(np.concatenate(ways, axis=-1)).view(float)
+        slopes[..., row, column] = parts[..., of] * sign / self.size
+        return slopes
 
     @cached_property
-    def _alone(self) -> State:
-        """Every unknown moving alone by 1, (columns, bodies)."""
-        origin = np.zeros((len(self.columns), len(self.names)), dtype=complex)
-        turn = np.zeros(origin.shape)
-        for k, (body, axis) in enumerate(self.columns):
-            if axis == "angle":
-                turn[k, body] = 1
-            else:
-                origin[k, body] = self.size * (1 if axis == "x" else 1j)
-        return origin, turn
+    def _slopes(self) -> tuple[Real, Whole, Whole, Whole, Real]:
+        """The Jacobian's constants, and of the rest row, column, which part of the `ways` it is, and its sign."""
+        fixed, rest, pins, first = np.zeros((self.rows, len(self.columns))), [], len(self._pins[0]), len(self._ends[0])
+        column = {unknown: k for k, unknown in enumerate(self.columns)}
+        for k, pair in enumerate(zip(self._pins[0].tolist(), self._pins[2].tolist())):
+            for end, (body, sign) in enumerate(zip(pair, (1, -1))):
+                for part, axis in enumerate("xy"):
+                    row = k + part * pins
+                    if (body, axis) in column:
+                        fixed[row, column[body, axis]] = sign
+                    if (body, "angle") in column:
+                        rest.append((row, column[body, "angle"], 2 * (k + end * pins) + part, sign))
+        rails, guides, both = self._rails[0].tolist(), self._rails[2].tolist(), self._rails[-1]
+        for k, pair in enumerate(zip(rails, guides)):
+            # Off the line, and along it where that is what the driver tells.
+            told = [(2 * pins + k, 1)] + [(self.rows - 1, 0)] * (self._sliders[k] is self.driven)
+            for end, (body, sign) in enumerate(zip(pair, (1, -1))):
+                for way, axis in enumerate(("x", "y", "angle")):
+                    if (body, axis) in column:
+                        of = first + (way + (end if axis == "angle" else 0)) * len(rails) + k
+                        rest += [(row, column[body, axis], 2 * of + part, sign) for row, part in told]
+                if both[k]:
+                    fixed[2 * pins + len(rails) + int(both[:k].sum()), column[body, "angle"]] = sign
+        rows, columns, parts, signs = (np.array([one[k] for one in rest], dtype=int) for k in range(4))
+        return fixed, rows, columns, parts, signs.astype(float)
+
+    @cached_property
+    def _unknowns(self) -> tuple[tuple[Whole, Whole], ...]:
+        """Of x, y and the angle: which columns tell it, and of which bodies."""
+        told = [[(k, body) for k, (body, a) in enumerate(self.columns) if a == axis] for axis in ("x", "y", "angle")]
+        pairs = [np.array(one, dtype=int).reshape(-1, 2).T for one in told]
+        return tuple((columns, bodies) for columns, bodies in pairs)
 
     def moving(self, rates: Real) -> State:
         """What bodies do, (..., bodies), where the unknowns move at `rates`, (..., columns), and nothing else does."""
-        return rates @ self._alone[0], rates @ self._alone[1]
+        shape = (*rates.shape[:-1], len(self.names))
+        origin, turn, (x, y, angle) = np.zeros(shape, dtype=complex), np.zeros(shape), self._unknowns
+        lengths = self.size * rates
+        origin.real[..., x[1]], origin.imag[..., y[1]] = lengths[..., x[0]], lengths[..., y[0]]
+        turn[..., angle[1]] = rates[..., angle[0]]
+        return origin, turn
 
     def posed(self, state: State, unknowns: Real) -> State:
         """A state with the unknowns, (..., columns), written into it."""
-        moved, angles = self.moving(unknowns)
-        free = self._alone[1].any(axis=0)
-        waiting = self._alone[0].any(axis=0)
-        return np.where(waiting, moved, state[0]), np.where(free, np.exp(1j * angles), state[1])
+        origin, turn, (x, y, angle) = state[0].copy(), state[1].copy(), self._unknowns
+        lengths = self.size * unknowns
+        origin.real[..., x[1]], origin.imag[..., y[1]] = lengths[..., x[0]], lengths[..., y[0]]
+        turn[..., angle[1]] = np.exp(1j * unknowns[..., angle[0]])
+        return origin, turn
 
     def gathered(self, p: Poses | Coefficients, frames: int) -> State:
         """Origins and turns of all bodies; zero where a body is not known yet."""
         origin = np.zeros((frames, len(self.names)), dtype=complex)
         turn = np.zeros((frames, len(self.names)), dtype=complex if isinstance(p, Poses) else float)
         for k, name in enumerate(self.names):
-            if name in p.origin:
-                origin[:, k] = p.origin[name]
             if name in p.turn:
                 turn[:, k] = p.turn[name]
+            if name in p.origin:
+                origin[:, k] = p.origin[name]
         return origin, turn
 
     def transmission_angle(self, state: State) -> Real:

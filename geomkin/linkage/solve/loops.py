@@ -110,9 +110,9 @@ class Loops(Placement):
             # A hollow on the way to no pose, which whole steps may leap.
             start = polished(equations, told)
         # Angles may have gone round and round on the way.
-        turning = [axis == "angle" for _, axis in self.equations.columns]
-        start[:, turning] = np.angle(np.exp(1j * start[:, turning]))
-        start = polished(equations, np.append(start, drive)[None])
+        turns = np.array([axis == "angle" for _, axis in self.equations.columns]) * np.round(start / (2 * np.pi))
+        if np.any(turns):
+            start = polished(equations, np.append(start - 2 * np.pi * turns, drive)[None])
         trace = Trace(equations, np.append(start, drive)) if np.isfinite(start).all() else None
         self._last_trace.clear()
         self._last_trace[key] = trace

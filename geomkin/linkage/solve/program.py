@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from math import prod
@@ -18,9 +19,15 @@ from .tape import VIEWS, Operation, Step, Tape
 # to the processor; fewer, and calling the steps takes longer than they do.
 BLOCK = 4096
 
+# Frames of one linkage up to which a program keeps a bench, and how many benches there are. More frames, and finding
+# the arrays anew is nothing beside their arithmetic; fewer benches, and a motion's programs drive each other out.
+SMALL, BENCHES = 1024, 16
+
 # Operations that take longer than to write their result to memory and to read it back.
 DEAR = {np.cos, np.sin}
 
+# What is worked out together.
+Batch = frozenset[Hashable]
 # A result: its number on the tape, or the constant that it is.
 Result = int | Array
 # The kind of a value by its letter, and its extent.
@@ -30,16 +37,20 @@ LETTERS = {float: "d", complex: "D", bool: "?"}
 
 @dataclass(frozen=True, eq=False)
 class Formulas:
-    """A tape with names for its results, in groups that are worked out together, and programs for these."""
+    """A tape with names for its results, in groups, and programs for batches of these.
+
+    asked: which groups were asked for last, of the linkage and of a point of each body.
+    """
 
     tape: Tape
     groups: Mapping[Hashable, Mapping[str, Result]]
     programs: dict[tuple[Hashable, ...], Program] = field(default_factory=dict)
+    asked: dict[str, set[Hashable]] = field(default_factory=dict)
 
     __repr__ = one_line
 
-    def program(self, done: tuple[Hashable, ...], keeping: bool) -> Program:
-        """That of the last of these groups, after all others.
+    def program(self, done: tuple[Batch, ...], keeping: bool) -> Program:
+        """That of the last of these batches, after all others.
 
         keeping: what other groups go on from as well; otherwise they work it out again, but for what is dear.
         """
@@ -51,23 +62,23 @@ class Formulas:
                 before.update(earlier.steps if keeping else earlier.kept)
             own = self._leading(done[-1], before)
             if keeping:
-                after = set().union(*(self._leading(group, before | own) for group in self.groups))
+                after = set().union(*(self._leading(frozenset([group]), before | own) for group in self.groups))
                 wanted = {base(self.tape, one) for number in after for one in self.tape.steps[number].of}
             else:
                 wanted = {one for one in own if self.tape.steps[one].operation in DEAR}
             # Of what was worked out on the way, what points go on from is kept as well, and no points.
             named = [
-                group for name, group in self.groups.items() if keeping or isinstance(name, str) or name == done[-1]
+                group for name, group in self.groups.items() if keeping or isinstance(name, str) or name in done[-1]
             ]
             wanted = wanted.union(one for group in named for one in group.values() if isinstance(one, int))
             self.programs[key] = Program.of(self.tape, sorted(own), own & wanted)
         return self.programs[key]
 
-    def _leading(self, group: Hashable, before: set[int]) -> set[int]:
-        """The steps that lead to a group from what was made before."""
+    def _leading(self, batch: Batch, before: set[int]) -> set[int]:
+        """The steps that lead to some groups from what was made before."""
         known = before.union(self.tape.constants, self.tape.given.values())
         found: set[int] = set()
-        waiting = [one for one in self.groups[group].values() if isinstance(one, int)]
+        waiting = [one for group in batch for one in self.groups[group].values() if isinstance(one, int)]
         while waiting:
             number = waiting.pop()
             if number not in found and number not in known:
@@ -137,6 +148,14 @@ class Program:
 
     def run(self, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
         """Add what is kept to the values, (frames,) or (frames, linkages), (frames, 1) where it is alike for all."""
+        if frames <= min(SMALL, BLOCK) and not linkages:
+            # Taken away while it is run, and put back as the youngest.
+            bench = _own.benches.pop((self, frames), None) or Bench(self, frames)
+            bench.run(values)
+            _own.benches[self, frames] = bench
+            if len(_own.benches) > BENCHES:
+                del _own.benches[next(iter(_own.benches))]
+            return
         constants = [self.tape.constants[number] for number in self.fixed]
         full = _arrays(self.kept_sorts, frames, linkages)
         values.update(zip(self.kept, full))
@@ -155,6 +174,44 @@ class Program:
                 places.append(part(places[place]))
             for operation, arguments in self.calls:
                 operation(*arguments(places))
+
+
+class Bench:
+    """A program with arrays for all that it works with, which its operations are told once and not at every run."""
+
+    def __init__(self, program: Program, frames: int):
+        on = program.tape.steps
+        given = [_arrays([(_sort(on[number]), 1)], frames, ())[0] for number in program.given]
+        self._given = list(zip(program.given, given))
+        self._kept, own, first = [], list[Array](), 0
+        for (letter, extent), count in program.kept_sorts:
+            block = np.empty((count, frames if extent else 1), letter)
+            self._kept.append((program.kept[first : first + count], block))
+            own, first = [*own, *block], first + count
+        constants = [program.tape.constants[number] for number in program.fixed]
+        places = [*constants, *given, *own, *_arrays(program.made_sorts, frames, ())]
+        for place, part in program.views:
+            places.append(part(places[place]))
+        self._calls = [(operation, arguments(places)) for operation, arguments in program.calls]
+
+    def run(self, values: dict[int, Array]) -> None:
+        """Add what is kept to the values, as arrays of their own."""
+        for number, array in self._given:
+            array[...] = values[number]
+        for operation, arguments in self._calls:
+            operation(*arguments)
+        for numbers, block in self._kept:
+            values.update(zip(numbers, block.copy()))
+
+
+class _Own(threading.local):
+    """The benches of a thread, the oldest first."""
+
+    def __init__(self) -> None:
+        self.benches: dict[tuple[Program, int], Bench] = {}
+
+
+_own = _Own()
 
 
 def shared(tape: Tape, steps: list[int], place: Mapping[int, int]) -> tuple[list[Sort], dict[int, int]]:

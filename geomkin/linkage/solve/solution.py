@@ -219,12 +219,12 @@ class LinkageSolution:
         drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape))
         return Worked(formulas, len(drive), self.shape[1:], {"drive": drive, **timing.given})
 
-    def worked_at(self, local: complex | Complex) -> Worked | None:
+    def worked_at(self, body: str, local: complex | Complex) -> Worked | None:
         """The same for a point at this place of a body, mm, that goes on from the directions."""
         if self.worked is None:
             return None
         self.worked.value("directions")
-        return self.worked.at("local", np.asarray(local, dtype=complex))
+        return self.worked.at(body, "local", np.asarray(local, dtype=complex))
 
     @cached_property
     def signs(self) -> Mapping[str, Whole]:

@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 
 from ...plane.vec import Array
-from .program import BLOCK, Formulas, Program
+from .program import BLOCK, SMALL, Batch, Formulas, Program
 
 # Steps of a program times frames times linkages from which the compiled loop is done before NumPy: where it is loaded,
 # and where it is to be loaded, which takes a second. Fewer, and its start takes longer than it saves; more, and what it
@@ -19,27 +19,43 @@ WORTH_LOADED, WORTH_LOADING = 200_000, 1_000_000_000
 
 
 class Worked:
-    """What formulas make of given values over frames: each group when it is first asked for."""
+    """What formulas make of given values over frames: each group when it is first asked for.
 
-    __slots__ = ("_done", "_formulas", "_frames", "_linkages", "_values")
+    Of few frames what was asked for the last time comes with it, since each run of a program takes its time.
+    """
 
-    def __init__(self, formulas: Formulas, frames: int, linkages: tuple[int, ...], given: Mapping[str, Array]):
-        """Given are (frames, linkages), (frames, 1) where alike for all, or a number where alike at every frame."""
+    __slots__ = ("_asked", "_done", "_formulas", "_frames", "_known", "_linkages", "_usual", "_values")
+
+    def __init__(
+        self, formulas: Formulas, frames: int, linkages: tuple[int, ...], given: Mapping[str, Array], of: str = ""
+    ):
+        """Given are (frames, linkages), (frames, 1) where alike for all, or a number where alike at every frame.
+
+        of: the body of a point, or none.
+        """
         self._formulas, self._frames, self._linkages = formulas, frames, linkages
         self._values = {formulas.tape.given[name]: value for name, value in given.items()}
-        self._done: tuple[Hashable, ...] = ()
+        self._known: set[Hashable] = set()
+        self._done: tuple[Batch, ...] = ()
+        small = frames <= min(SMALL, BLOCK) and not linkages
+        self._usual = frozenset(formulas.asked.get(of, ()) if small else ())
+        self._asked: set[Hashable] = set()
+        formulas.asked[of] = self._asked
 
-    def at(self, name: str, value: Array) -> Worked:
-        """The same with one more value given, and what is worked out so far."""
-        other = Worked(self._formulas, self._frames, self._linkages, {name: value})
+    def at(self, body: str, name: str, value: Array) -> Worked:
+        """The same of a point of a body, with one more value given, and what is worked out so far."""
+        other = Worked(self._formulas, self._frames, self._linkages, {name: value}, body)
         other._values |= self._values
-        other._done = self._done
+        other._done, other._known = self._done, set(self._known)
         return other
 
     def value(self, group: Hashable, name: str = "") -> Array:
         """A result of a group."""
-        if group not in self._done:
-            self._done = (*self._done, group)
+        self._asked.add(group)
+        if group not in self._known:
+            batch = self._usual.union((group,)) - self._known
+            self._known |= batch
+            self._done = (*self._done, batch)
             program = self._formulas.program(self._done, self._frames * prod(self._linkages) <= BLOCK)
             with np.errstate(all="ignore"):
                 run(program, self._values, self._frames, self._linkages)
