@@ -21,6 +21,8 @@ Role = Literal[
     "wanted",  # what was asked for: the second accent
     "dimension",  # straight curves from one end of a length to the other, their label its size
     "construction",  # thin lines that explain: pitch circles, centre lines, image poles
+    "driven",  # where the driven pin of a guided body may not be
+    "driving",  # where its driving pin may not be
     "pitch",  # pitch curve of a cam, pitch circles of gears
     "contact",  # where bodies touch, and the path on which they do
     "centrode",
@@ -61,6 +63,20 @@ class SceneCurve:
     role: Role
     label: str = ""
     body: str = ""
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRegion:
+    """An area of the ground that is shaded: what lies within an odd number of closed curves, mm."""
+
+    curves: tuple[AbstractCurve, ...]
+    role: Role
+    label: str = ""
 
     __repr__ = one_line
 
@@ -120,7 +136,7 @@ class Scene:
     table: what the plots show; a row for each frame, its first column what the slider drives. time: (frames,) s, at
     the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
     last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
-    as its other assembly mode; shown beside it, on the same drive.
+    as its other assembly mode; shown beside it, on the same drive. regions: areas that are shaded.
     """
 
     table: Table
@@ -132,6 +148,7 @@ class Scene:
     plots: tuple[Plot, ...] = ()
     cyclic: bool = True
     others: dict[str, Scene] = field(default_factory=dict)
+    regions: tuple[SceneRegion, ...] = ()
 
     __repr__ = one_line
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import harmless
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole
-from ..scene import Scene, SceneBody, SceneCurve, SceneMark
+from ..scene import Scene, SceneBody, SceneCurve, SceneMark, SceneRegion
 from ..table import Column
 from .packed import packed
 from .path import path
@@ -102,7 +102,7 @@ class _Island:
             "label": harmless(label),
             "open": np.flatnonzero(~np.asarray(scene.closed)[self.frames]).tolist(),
             "bodies": [self._body(body) for body in scene.bodies],
-            "curves": [self._curve(curve) for curve in scene.curves],
+            "curves": [*map(self._region, scene.regions), *map(self._curve, scene.curves)],
             "marks": [self._mark(mark) for mark in scene.marks],
         }
 
@@ -117,6 +117,9 @@ class _Island:
         drawn = self._path((curve.curve,))
         told: dict[str, object] = {"path": drawn, "role": curve.role, "label": harmless(curve.label)}
         return told | ({"body": harmless(curve.body)} if curve.body else {})
+
+    def _region(self, region: SceneRegion) -> dict[str, object]:
+        return {"path": self._path(region.curves), "role": region.role, "label": harmless(region.label)}
 
     def _mark(self, mark: SceneMark) -> dict[str, object]:
         digits = self.digits - ROUGH * (mark.role in ROUGHLY)

@@ -80,9 +80,11 @@ def _script(scripts: tuple[str, ...], start: str) -> str:
         if line.startswith("const") and _declares(told[-1]):
             told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
         else:
+            # The last statement of a block needs no end of its own.
+            told[-1] = told[-1].removesuffix(";") if line.startswith("}") else told[-1]
             told.append(line)
-    # Where a line ends in one of these, nothing depends on its end.
-    joined = re.sub(r"(?<=[;,{(\[])\n", "", "\n".join([*told, start]))
+    # Where a line ends in one of these, nothing depends on its end: what a brace ends is a block.
+    joined = re.sub(r"(?<=[;,{(\[}])\n|\n(?=})", "", "\n".join([*told, start]))
     return f"{library}{joined}\n"
 
 
@@ -100,7 +102,12 @@ def _tight(line: str) -> str:
     if line.count("`") > 2:
         return line
     pieces = re.split(r'("[^"]*"|`[^`]*`|/(?! )(?:\\.|\[[^]]*]|[^/\\[])+/)', line)
-    for sign in (r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?", r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?"):
+    signs = (
+        r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?",
+        r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?",
+        r"(?<!\w)\((\w+)\)(?==>)",
+    )
+    for sign in signs:
         pieces[::2] = (re.sub(sign, r"\1", piece) for piece in pieces[::2])
     return "".join(pieces)
 

@@ -44,6 +44,19 @@ def test_pins_lie_where_the_regions_allow_them():
     assert min(np.abs(turns)) < 1e-6 * abs(along)
 
 
+@pytest.mark.parametrize(
+    ("name", "driven", "driving"),
+    [("three-poses", "rocker_pin", "crank_pin"), ("poses-by-slider", "crank_pin", "slider_pin")],
+)
+def test_what_is_shaded_holds_no_pin_that_was_found(name, driven, driving):
+    pins, regions = first_places(name), {region.role: region for region in recipe(name).scene.regions}
+    assert set(regions) == {"driven", "driving"}
+    for role, pin in (("driven", driven), ("driving", driving)):
+        loops = [np.append(curve.vertices, curve.vertices[:1]) - pins[pin] for curve in regions[role].curves]
+        turns = [np.angle(loop[1:] / loop[:-1]).sum() / (2 * np.pi) for loop in loops]
+        assert loops and sum(abs(round(turn)) for turn in turns) % 2 == 0
+
+
 def test_the_pin_that_slides_sits_on_the_circle_of_sliders():
     (circle,) = curves("poses-by-slider", "circle of sliders")
     pin = first_places("poses-by-slider")["slider_pin"]
