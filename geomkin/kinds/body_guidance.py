@@ -201,7 +201,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
             shown += [SceneCurve(curve, "construction", label) for curve in circles]
             label = "line of the driven link: the driving pin lies on one side of all three"
             shown += [SceneCurve(curve, "construction", label) for curve in lines]
-            if "slider" in self.found.linkage.linkage.bodies:
+            if self.found.linkage.linkage.sliders:
                 sliding = circle_of_sliders(pairs).curve(self.room)
                 shown.append(SceneCurve(sliding, "construction", "circle of sliders: where a pin that slides may sit"))
         return shown
