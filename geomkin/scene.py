@@ -27,6 +27,7 @@ Role = Literal[
     "contact",  # where bodies touch, and the path on which they do
     "centrode",
     "inflection",
+    "bobillier",  # Bobillier's construction
     "centre",  # instant centres
     "velocity",
     "acceleration",

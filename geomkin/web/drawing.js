@@ -3,7 +3,7 @@ import { Names } from "./names.js";
 import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
 // What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
-export const OFF = ["dimension", "centre", "velocity", "acceleration"];
+export const OFF = ["dimension", "bobillier", "centre", "velocity", "acceleration"];
 // What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on;
 // less for what is not what the recipe is about.
 const WIDE = ["centrode", "inflection"], FAR = [...OFF, ...WIDE, "driven", "driving"], ROOM = 0.5, LESS = 0.25;

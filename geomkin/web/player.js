@@ -11,7 +11,7 @@ const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 1
 const DASH_DEG = 5, STROKE_DASHES = 72;
 const ROLES = {
   names: "names", dimension: "dimensions", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
-  driven: "no driven pin here", driving: "no driving pin here", contact: "contact", centrode: "centrodes", inflection: "inflection circle", centre: "instant centres",
+  driven: "no driven pin here", driving: "no driving pin here", contact: "contact", centrode: "centrodes", inflection: "inflection circle", bobillier: "Bobillier construction", centre: "instant centres",
   velocity: "velocities", acceleration: "accelerations",
 };
 // Milliseconds between two times that values are written while it plays: eyes read no faster.
