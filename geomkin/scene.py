@@ -131,6 +131,30 @@ class Plot:
 
 
 @dataclass(frozen=True, eq=False)
+class Choice:
+    """What there was to choose from, and which row of it was made: a table of its own, whose first column rises."""
+
+    table: Table
+    chosen: int
+    plots: tuple[Plot, ...]
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_plots(self.plots, self.table)
+        if not 0 <= self.chosen < (rows := len(self.table.columns[0].values)):
+            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
+
+
+def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
+    known = table.to_columns()
+    for plot in plots:
+        if lacking := [name for name in plot.columns if name not in known]:
+            raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """A mechanism moving.
 
@@ -138,6 +162,7 @@ class Scene:
     the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
     last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
     as its other assembly mode; shown beside it, on the same drive. regions: areas that are shaded.
+    choice: what the mechanism was chosen from, where it was found among others.
     """
 
     table: Table
@@ -150,6 +175,7 @@ class Scene:
     cyclic: bool = True
     others: dict[str, Scene] = field(default_factory=dict)
     regions: tuple[SceneRegion, ...] = ()
+    choice: Choice | None = None
 
     __repr__ = one_line
 
@@ -170,10 +196,7 @@ class Scene:
                 raise DesignError(
                     "table", f"found {frames} rows, but {length} frames of {what}", "give as many of each"
                 )
-        known = self.table.to_columns()
-        for plot in self.plots:
-            if lacking := [name for name in plot.columns if name not in known]:
-                raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+        _check_plots(self.plots, self.table)
 
     @property
     def drive(self) -> Column:

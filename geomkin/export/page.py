@@ -14,7 +14,12 @@ from .sections import all_of, text, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
 SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
-START = 'mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+START = (
+    'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+)
+
+# The same where the mechanism was chosen among others, which are plotted too.
+CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
 def write(job: Job) -> dict[str, bytes]:
@@ -33,7 +38,11 @@ def page(job: Job) -> bytes:
         "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
         f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
     )
-    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), SCRIPTS, START)
+    scripts: tuple[str, ...] = SCRIPTS
+    start = START
+    if job.scene.choice is not None:
+        scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
+    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), scripts, start)
 
 
 def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:

@@ -1,8 +1,8 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
 import { Drawing, FOOT, MARGIN, OFF } from "./drawing.js";
 import { handle } from "./hands.js";
-import { measured, Plots, shown, unitOf } from "./plots.js";
-import { abs, floor, make, max, min, spaced, unpack } from "./shapes.js";
+import { measured, Plots, read, shown, unitOf } from "./plots.js";
+import { abs, floor, make, max, min, spaced } from "./shapes.js";
 
 // Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
 const FIRST_PASS = 5;
@@ -23,12 +23,7 @@ const HINT = "Drag a link and the rest follows. + and − look closer, or the wh
 const GAP = 12;
 
 export function mount(root, data) {
-  data.rows = data.series.map((row) => unpack(row, data.frames));
-  for (const column of data.columns) {
-    column.row = data.rows[column.row];
-    column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
-    column.name = spaced(column.name);
-  }
+  read(data);
   const player = new Player(root, data);
   root.dataset.ready = "";
   return player;
