@@ -18,7 +18,8 @@ const ROLES = {
 const READING = 120;
 // How much closer a key or a button takes one, and how far the arrows move what is seen, px.
 const CLOSER = 1.4, MOVE = 40;
-const HINT = "Drag a link and the rest follows. + and − look closer, or the wheel once it is clicked; 0 shows all.";
+const DRAG = "Drag a link and the rest follows. ";
+const HINT = "+ and − look closer, or the wheel once it is clicked; 0 shows all.";
 // Pixels between two drawings, as the style has it.
 const GAP = 12;
 
@@ -56,7 +57,7 @@ class Player {
     });
     this.controls();
     this.switches();
-    make(this.left, "p", { class: "hint" }, HINT);
+    make(this.left, "p", { class: "hint" }, data.frames > 1 ? DRAG + HINT : HINT);
     this.live = make(root, "p", { class: "unseen", "aria-live": "polite" });
     this.right = make(root, "div", { class: "right" });
     this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
@@ -82,6 +83,8 @@ class Player {
       this.drawings[0].lookAtContact();
       this.closer(this.drawings[0]);
     });
+    // What stands still has nothing to be played.
+    this.root.classList.toggle("still", data.frames < 2);
     const pass = this.time[data.frames - 1] - this.time[0] || 1;
     const first = SPEEDS.reduce((a, b) => (abs(Math.log(pass / b / FIRST_PASS)) < abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
     const pace = make(bar, "label", { class: "speed" });
@@ -207,7 +210,7 @@ class Player {
   closer({ by }) { this.live.textContent = by > 1 ? `Shown ${by.toPrecision(2)} times as large` : "All of it is shown"; }
 
   play(on) {
-    if (on === this.playing) return;
+    if (on === this.playing || this.data.frames < 2) return;
     this.playing = on;
     this.button.textContent = on ? "❚❚" : "▶";
     this.button.setAttribute("aria-label", on ? "Pause" : "Play");

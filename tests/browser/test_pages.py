@@ -187,6 +187,16 @@ def test_a_sweeps_page_opens_and_is_read_by_keys(folder, opened):
         assert number(line.inner_text()) == pytest.approx(row.checks[0].value, rel=1e-4)
 
 
+def test_what_stands_still_has_nothing_to_be_played(folder, opened):
+    (folder / "parts.html").write_bytes(gk.show(gk.load(RECIPES / "crank-rocker.toml").parts).page)
+    page = opened(folder / "parts.html").page
+    for control in ('button[aria-label="Play"]', 'button[aria-label="One step on"]', ".speed", ".drive"):
+        assert page.locator(control).count() == 1 and not page.is_visible(control)
+    page.keyboard.press(" ")
+    assert page.locator('button[aria-label="Play"]').count() == 1
+    assert page.is_visible('button[aria-label="Zoom in"]') and page.is_visible("svg.drawing")
+
+
 def test_what_it_was_chosen_from_is_plotted_with_a_line_at_the_one_that_is_made(folder, opened):
     recipe, file = page_of("wiper", folder)
     choice = recipe.scene.choice

@@ -111,3 +111,15 @@ def test_shaking_forces_are_drawn_at_one_scale():
     assert len(scales) == 3
     np.testing.assert_allclose(scales, scales[0])
     assert scene.plots[0].columns == ("force_none_N", "force_given_N", "force_best_N")
+
+
+def test_polygons_stand_one_above_the_other_beside_the_linkage():
+    scene = recipe("polygons").scene
+    spans = {}
+    for rate in ("v", "a"):
+        sides = [mark for mark in marks(scene, "vector", "1 mm is") if mark.label.startswith(f"{rate} ")]
+        ends = np.concatenate([z[np.isfinite(z)] for m in sides for z in (m.place, m.place + m.vector)])
+        spans[rate] = ends
+    linkage = np.concatenate([mark.place for mark in scene.marks if mark.sort.endswith("pin") or mark.sort == "slide"])
+    assert spans["v"].imag.min() > spans["a"].imag.max()
+    assert min(row.real.min() for row in spans.values()) > linkage.real.max()
