@@ -21,10 +21,13 @@ Role = Literal[
     "wanted",  # what was asked for: the second accent
     "dimension",  # straight curves from one end of a length to the other, their label its size
     "construction",  # thin lines that explain: pitch circles, centre lines, image poles
+    "driven",  # where the driven pin of a guided body may not be
+    "driving",  # where its driving pin may not be
     "pitch",  # pitch curve of a cam, pitch circles of gears
     "contact",  # where bodies touch, and the path on which they do
     "centrode",
     "inflection",
+    "bobillier",  # Bobillier's construction
     "centre",  # instant centres
     "velocity",
     "acceleration",
@@ -61,6 +64,20 @@ class SceneCurve:
     role: Role
     label: str = ""
     body: str = ""
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRegion:
+    """An area of the ground that is shaded: what lies within an odd number of closed curves, mm."""
+
+    curves: tuple[AbstractCurve, ...]
+    role: Role
+    label: str = ""
 
     __repr__ = one_line
 
@@ -114,13 +131,38 @@ class Plot:
 
 
 @dataclass(frozen=True, eq=False)
+class Choice:
+    """What there was to choose from, and which row of it was made: a table of its own, whose first column rises."""
+
+    table: Table
+    chosen: int
+    plots: tuple[Plot, ...]
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_plots(self.plots, self.table)
+        if not 0 <= self.chosen < (rows := len(self.table.columns[0].values)):
+            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
+
+
+def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
+    known = table.to_columns()
+    for plot in plots:
+        if lacking := [name for name in plot.columns if name not in known]:
+            raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """A mechanism moving.
 
     table: what the plots show; a row for each frame, its first column what the slider drives. time: (frames,) s, at
     the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
     last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
-    as its other assembly mode; shown beside it, on the same drive.
+    as its other assembly mode; shown beside it, on the same drive. regions: areas that are shaded.
+    choice: what the mechanism was chosen from, where it was found among others.
     """
 
     table: Table
@@ -132,6 +174,8 @@ class Scene:
     plots: tuple[Plot, ...] = ()
     cyclic: bool = True
     others: dict[str, Scene] = field(default_factory=dict)
+    regions: tuple[SceneRegion, ...] = ()
+    choice: Choice | None = None
 
     __repr__ = one_line
 
@@ -152,10 +196,7 @@ class Scene:
                 raise DesignError(
                     "table", f"found {frames} rows, but {length} frames of {what}", "give as many of each"
                 )
-        known = self.table.to_columns()
-        for plot in self.plots:
-            if lacking := [name for name in plot.columns if name not in known]:
-                raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+        _check_plots(self.plots, self.table)
 
     @property
     def drive(self) -> Column:

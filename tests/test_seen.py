@@ -53,10 +53,12 @@ def told(name):
     """What stands on a recipe's page, as it is called there: plots, curves, marks, switches, checks, what is known."""
     recipe = gk.load(ROOT / "recipes" / f"{name}.toml")
     scene = recipe.scene
-    labels = {thing.label for thing in (*scene.curves, *scene.marks)}
+    things = (*scene.curves, *scene.marks, *scene.regions)
+    labels = {thing.label for thing in things}
     # A label's own words stand before the colon that explains it.
     labels |= {label.split(":")[0] for label in labels} | {plot.title for plot in scene.plots}
-    labels |= {SWITCHES[thing.role] for thing in (*scene.curves, *scene.marks)}
+    labels |= {SWITCHES[thing.role] for thing in things}
+    labels |= {plot.title for plot in scene.choice.plots} if scene.choice else set()
     page = checks(Job(name, recipe, 0.01)) + notes(recipe.notes)
     labels |= set(re.findall(r"<(?:h3|dt|th[^>]*)>(.*?)</(?:h3|dt|th)>", page))
     return labels | ({"others beside"} if scene.others else set())

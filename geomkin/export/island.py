@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..errors import harmless
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole
-from ..scene import Scene, SceneBody, SceneCurve, SceneMark
+from ..scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, SceneRegion
 from ..table import Column
 from .packed import packed
 from .path import path
@@ -50,34 +51,26 @@ def island(scene: Scene, name: str) -> str:
     low, high = scene.box
     told = _Island(kept_frames(len(scene.time)), abs(high - low) or 1.0)
     scenes = [told.scene("", scene), *(told.scene(label, other) for label, other in scene.others.items())]
-    columns = shown_columns(scene)
-    headers = [column.header for column in columns]
-    data = {
+    data: dict[str, object] = {
         "name": harmless(name),
         "cyclic": bool(scene.cyclic),
         "frames": len(told.frames),
         "time": told.values(scene.time),
         "scenes": scenes,
-        "columns": [
-            {
-                "name": harmless(column.name),
-                "unit": harmless(column.unit),
-                "meaning": harmless(column.meaning),
-                "row": told.values(np.asarray(column.values, dtype=float), column.scale, column.unit),
-            }
-            for column in columns
-        ],
-        "plots": [
-            {
-                "title": harmless(plot.title),
-                "columns": [headers.index(header) for header in plot.columns if header in headers],
-            }
-            | ({"limits": [[float(one.value), harmless(one.label)] for one in plot.limits]} if plot.limits else {})
-            for plot in scene.plots
-        ],
+        **told.plotted(shown_columns(scene), scene.plots),
         "paths": told.paths,
         "series": told.series,
     }
+    if scene.choice is not None:
+        # A row for each that there was to choose from, all of which are told.
+        rows = scene.choice.table
+        own = _Island(np.arange(len(rows.columns[0].values)), 1.0)
+        data["choice"] = {
+            **own.plotted(rows.columns, scene.choice.plots),
+            "frames": len(own.frames),
+            "chosen": scene.choice.chosen,
+            "series": own.series,
+        }
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c")
 
@@ -97,12 +90,35 @@ class _Island:
     def series(self) -> list[str]:
         return list(self._rows)
 
+    def plotted(self, columns: Sequence[Column], plots: Sequence[Plot]) -> dict[str, object]:
+        """Columns of numbers, and the plots that show them."""
+        headers = [column.header for column in columns]
+        return {
+            "columns": [
+                {
+                    "name": harmless(column.name),
+                    "unit": harmless(column.unit),
+                    "meaning": harmless(column.meaning),
+                    "row": self.values(np.asarray(column.values, dtype=float), column.scale, column.unit),
+                }
+                for column in columns
+            ],
+            "plots": [
+                {
+                    "title": harmless(plot.title),
+                    "columns": [headers.index(header) for header in plot.columns if header in headers],
+                }
+                | ({"limits": [[float(one.value), harmless(one.label)] for one in plot.limits]} if plot.limits else {})
+                for plot in plots
+            ],
+        }
+
     def scene(self, label: str, scene: Scene) -> dict[str, object]:
         return {
             "label": harmless(label),
             "open": np.flatnonzero(~np.asarray(scene.closed)[self.frames]).tolist(),
             "bodies": [self._body(body) for body in scene.bodies],
-            "curves": [self._curve(curve) for curve in scene.curves],
+            "curves": [*map(self._region, scene.regions), *map(self._curve, scene.curves)],
             "marks": [self._mark(mark) for mark in scene.marks],
         }
 
@@ -117,6 +133,9 @@ class _Island:
         drawn = self._path((curve.curve,))
         told: dict[str, object] = {"path": drawn, "role": curve.role, "label": harmless(curve.label)}
         return told | ({"body": harmless(curve.body)} if curve.body else {})
+
+    def _region(self, region: SceneRegion) -> dict[str, object]:
+        return {"path": self._path(region.curves), "role": region.role, "label": harmless(region.label)}
 
     def _mark(self, mark: SceneMark) -> dict[str, object]:
         digits = self.digits - ROUGH * (mark.role in ROUGHLY)

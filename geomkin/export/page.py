@@ -14,7 +14,12 @@ from .sections import all_of, text, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
 SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
-START = 'mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+START = (
+    'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+)
+
+# The same where the mechanism was chosen among others, which are plotted too.
+CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
 def write(job: Job) -> dict[str, bytes]:
@@ -33,7 +38,11 @@ def page(job: Job) -> bytes:
         "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
         f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
     )
-    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), SCRIPTS, START)
+    scripts: tuple[str, ...] = SCRIPTS
+    start = START
+    if job.scene.choice is not None:
+        scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
+    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), scripts, start)
 
 
 def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
@@ -80,9 +89,11 @@ def _script(scripts: tuple[str, ...], start: str) -> str:
         if line.startswith("const") and _declares(told[-1]):
             told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
         else:
+            # The last statement of a block needs no end of its own.
+            told[-1] = told[-1].removesuffix(";") if line.startswith("}") else told[-1]
             told.append(line)
-    # Where a line ends in one of these, nothing depends on its end.
-    joined = re.sub(r"(?<=[;,{(\[])\n", "", "\n".join([*told, start]))
+    # Where a line ends in one of these, nothing depends on its end: what a brace ends is a block.
+    joined = re.sub(r"(?<=[;,{(\[}])\n|\n(?=})", "", "\n".join([*told, start]))
     return f"{library}{joined}\n"
 
 
@@ -100,7 +111,12 @@ def _tight(line: str) -> str:
     if line.count("`") > 2:
         return line
     pieces = re.split(r'("[^"]*"|`[^`]*`|/(?! )(?:\\.|\[[^]]*]|[^/\\[])+/)', line)
-    for sign in (r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?", r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?"):
+    signs = (
+        r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?",
+        r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?",
+        r"(?<!\w)\((\w+)\)(?==>)",
+    )
+    for sign in signs:
         pieces[::2] = (re.sub(sign, r"\1", piece) for piece in pieces[::2])
     return "".join(pieces)
 

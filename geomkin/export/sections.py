@@ -87,6 +87,14 @@ def worst_frame(check: Check, scene: Scene) -> int | None:
     return None
 
 
+def choice(scene: Scene) -> str:
+    """Where the player plots what the mechanism was chosen from."""
+    if scene.choice is None:
+        return ""
+    told = f"<p>All that do what is wanted, by the {text(scene.choice.table.columns[0].meaning)}: "
+    return section("choice", "What it was chosen from", f"{told}the spot and the line are the one that is made.</p>")
+
+
 def parts(job: Job) -> str:
     """What is cut, each with its form in small, sizes, and the files that it comes in."""
     held = job.source.parts
@@ -314,6 +322,7 @@ def wide(name: str, table: str) -> str:
 def all_of(job: Job) -> Iterator[str]:
     """Every section below the drawing, in the order in which they are asked for."""
     scene = job.scene
+    yield choice(scene)
     yield checks(job)
     yield parts(job)
     yield stack(scene)

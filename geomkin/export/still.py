@@ -20,7 +20,7 @@ from .island import SCREEN, kept_frames
 from .page import colours
 
 # What the page shows only when it is asked to: in a picture that stands still it hides the mechanism.
-ASIDE = ("centre", "velocity", "acceleration")
+ASIDE = ("bobillier", "centre", "velocity", "acceleration")
 # What may run far from the mechanism, and by how much of its size on each side it is followed. More, and the mechanism
 # is a dot between two long curves.
 FAR, ROOM = ("centrode", "inflection"), 0.3

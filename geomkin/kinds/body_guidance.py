@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -18,12 +18,12 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, direction_deg, rounded
 from ..recipe.settings import Drive, Files
-from ..scene import SceneCurve
+from ..scene import Scene, SceneCurve, SceneRegion
 from ..shop.drawing import PlateStock, engraved, pose_axes, skeleton
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
-from ..synthesis.guidance.filemon_waldron import rectification
+from ..synthesis.guidance.filemon_waldron import Rectification, rectification
 from ..synthesis.guidance.guidance import BodyGuide, body_guides
 from ..synthesis.guidance.guide_groups import KINDS, Kind
 from ..table import Column, Table
@@ -196,15 +196,33 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
             if abs(place - self.middle) <= self.room:
                 shown.append(SceneCurve(Circle(place, near), "centre", f"pole of poses {j + 1} and {k + 1}"))
         if len(pairs) == 3:
-            circles, lines = self.regions
+            circles, lines = self.near(self.rectified.circles), self.rectified.lines
             label = "image-pole circle: no driven pin lies within an odd number of them"
             shown += [SceneCurve(curve, "construction", label) for curve in circles]
             label = "line of the driven link: the driving pin lies on one side of all three"
             shown += [SceneCurve(curve, "construction", label) for curve in lines]
-            if "slider" in self.found.linkage.linkage.bodies:
+            if self.found.linkage.linkage.sliders:
                 sliding = circle_of_sliders(pairs).curve(self.room)
                 shown.append(SceneCurve(sliding, "construction", "circle of sliders: where a pin that slides may sit"))
         return shown
+
+    @cached_property
+    def scene(self) -> Scene:
+        """With the regions that the pins of a linkage through three poses are chosen by."""
+        return replace(super().scene, regions=self.shaded)
+
+    @property
+    def shaded(self) -> tuple[SceneRegion, ...]:
+        """Where the driven pin may not be, and where the driving one does not drive it, in the region of all pins."""
+        found = self.rectified if len(self.wanted.poses) == 3 else None
+        if found is None or found.driven is None:
+            return ()
+        half = self.room * (1 + 1j)
+        box = self.wanted.region or (self.middle - half, self.middle + half)
+        return (
+            SceneRegion(found.no_driven(*box), "driven", "no driven pin here: nothing would drive it"),
+            SceneRegion(found.no_driver(*box), "driving", "no driving pin here: the branch would change on the way"),
+        )
 
     @property
     def middle(self) -> complex:
@@ -221,20 +239,19 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         """Those that are circles near by: what is larger or a line hides all else."""
         return [c for c in curves if isinstance(c, Circle) and abs(c.centre - self.middle) + c.radius <= self.room]
 
-    @property
-    def regions(self) -> tuple[list[AbstractCurve], tuple[AbstractCurve, ...]]:
-        """Of three poses: image-pole circles near by, and the lines of the driven link through its pin."""
+    @cached_property
+    def rectified(self) -> Rectification:
+        """Of three poses: what the driven link, as it was found, lets the driving one be."""
         linkage = self.found.linkage.linkage
         driven = [pin for pin, on in linkage.pins.items() if "coupler" in on and linkage.driver not in on]
         motion = move(linkage, self.found.drive[:1], self.found.branch)
         place = complex(motion.point(driven[0]).position[0]) if driven else None
-        found = rectification(self.wanted.pairs, place, self.extent / 2)
-        return self.near(found.circles), found.lines
+        return rectification(self.wanted.pairs, place, self.extent / 2)
 
     def marks(self, plate: PlateStock) -> list[AbstractCurve]:
         """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
-        circles = self.regions[0] if len(self.wanted.pairs) == 3 else []
+        circles = self.near(self.rectified.circles) if len(self.wanted.pairs) == 3 else []
         return [*skeleton(motion, 0, plate), *self.axes, *circles]
 
     @property

@@ -18,7 +18,7 @@ from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank
 from ..recipe.recipe import AbstractGoal
 from ..recipe.settings import Drive, Files, Stroke, Turn
-from ..scene import Plot, Scene, SceneCurve
+from ..scene import Choice, Plot, Scene, SceneCurve
 from ..shop.linkage.plates import LinkStock
 from ..sizes import check_sizes, quantity
 from ..synthesis.found import Found
@@ -108,13 +108,18 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         """Plots of the goal's own columns, which come first."""
         return ()
 
+    @property
+    def choice(self) -> Choice | None:
+        """What there was to choose from, where it lies along one quantity."""
+        return None
+
     @cached_property
     def scene(self) -> Scene:
         """The linkage that was found, moving, with what was wanted of it."""
         found = self.design.scene
         assert found is not None
         curves, plots = (*found.curves, *self.shown), (*self.plotted, *found.plots)
-        return replace(found, table=self.table, curves=curves, plots=plots)
+        return replace(found, table=self.table, curves=curves, plots=plots, choice=self.choice)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -46,13 +46,16 @@ class AbstractLinkageRecipe(AbstractRecipe):
     branches: Branches
     drive: Turn
     stock: LinkStock
+    # Where a kind has no such key, its table is another.
+    coefficients: bool = False
 
     def __post_init__(self) -> None:
         # At most so many columns come of the bodies, the slides and the points that are no pins.
         linkage = self.linkage.linkage
         points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         joints = len(linkage.pins)
-        self.way.check_rows(3 + 4 * len(linkage.bodies) + 5 * len(linkage.sliders) + 6 * points + joints)
+        told = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
+        self.way.check_rows(3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints)
 
     @property
     def design(self) -> AbstractLinkage:
@@ -93,7 +96,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return motion_table(self.motion)
+        return motion_table(self.motion, self.coefficients)
 
     @cached_property
     def scene(self) -> Scene:
@@ -163,6 +166,15 @@ def branch_entry() -> Any:
     )
 
 
+def coefficients_entry() -> Any:
+    """Whether what no speed changes is told."""
+    return entry(
+        "whether the table and the plots tell first and second kinematic coefficients, too: derivatives by the "
+        "driver's angle in rad, or by its place in mm where a slide drives",
+        default=False,
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
@@ -171,6 +183,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
     linkage: AbstractLinkage
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
+    coefficients: bool = coefficients_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -185,6 +198,7 @@ class SlidRecipe(AbstractLinkageRecipe):
     linkage: AbstractLinkage
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
+    coefficients: bool = coefficients_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())

@@ -11,11 +11,13 @@ from ..check import Check
 from ..errors import DesignError
 from ..plane.vec import rounded
 from ..recipe.settings import Drive, Files
+from ..scene import Choice
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
 from ..synthesis.rockers.double_rockers import DoubleRocker, double_rocker
 from ..synthesis.rockers.families import RATIO, Family
+from .families import family_choice
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 # deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
@@ -152,6 +154,10 @@ class CrankRockerRecipe(AbstractLinkageGoal[CrankRocker]):
         )
 
     @property
+    def choice(self) -> Choice:
+        return family_choice(self.found, self.wanted.largest_ratio)
+
+    @property
     def notes(self) -> Mapping[str, object]:
         return {"family": told_family(self.ranked[0].family), **super().notes}
 
@@ -242,6 +248,10 @@ class DoubleRockerRecipe(AbstractLinkageGoal[DoubleRocker]):
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
             Check("rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
         )
+
+    @property
+    def choice(self) -> Choice:
+        return family_choice(self.found, self.wanted.largest_ratio)
 
     @property
     def notes(self) -> Mapping[str, object]:

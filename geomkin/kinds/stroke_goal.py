@@ -9,9 +9,11 @@ from typing import Literal
 
 from ..check import Check
 from ..recipe.settings import Drive, Files
+from ..scene import Choice
 from ..shop.linkage.plates import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers.strokes import StrokeCrank, check_turn, slider_crank_stroke
+from .families import family_choice
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 from .rocker_goals import (
     MISSED_DEG,
@@ -116,6 +118,10 @@ class SliderCrankStrokeRecipe(AbstractLinkageGoal[StrokeCrank]):
             Check("missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
             Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
         )
+
+    @property
+    def choice(self) -> Choice:
+        return family_choice(self.found, self.wanted.largest_ratio)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -126,12 +126,15 @@ class SlideMotion:
     """How a sliding joint slides; all (frames,), positive along the line's direction.
 
     displacement mm from the line's own point `through`; velocity mm/s and acceleration mm/s2 of the
-    sliding alone; coriolis mm/s2, complex: 2 omega v at right angles to the line, omega that of the guide.
+    sliding alone; coriolis mm/s2, complex: 2 omega v at right angles to the line, omega that of the guide. first and
+    second: kinematic coefficients, mm per unit of drive and per its square.
     """
 
     displacement: Real
     velocity: Real
     acceleration: Real
     coriolis: Complex
+    first: Real
+    second: Real
 
     __repr__ = one_line

@@ -138,8 +138,8 @@ def _slide(motion: Motion, slider: Slider) -> SlideMotion:
     # Seen from the turning line the point only slides along it: the rest is the line's own turning.
     first = dot(line, point.first - start.first) + guide.first * apart.imag
     second = dot(line, point.second - start.second) + guide.first**2 * apart.real + guide.second * apart.imag
-    velocity = motion.timing.rate(first)
-    return SlideMotion(apart.real, velocity, motion.timing.gain(first, second), 2j * guide.omega * velocity * line)
+    velocity, acceleration = motion.timing.rate(first), motion.timing.gain(first, second)
+    return SlideMotion(apart.real, velocity, acceleration, 2j * guide.omega * velocity * line, first, second)
 
 
 @checked
@@ -183,11 +183,13 @@ def goes_without_turning(motion: Motion, body: str) -> Mask:
 
 
 @checked
-def motion_table(motion: Motion) -> Table:
+def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     """Driver, time, every body that turns, every slide, transmission angle, and the points that are no pins.
 
     Angles in deg, without jumps by a turn; times from the first frame, nan where the speed is none or not constant.
-    What is nothing but rounding has no column. DesignError for arrays of linkages: take one.
+    coefficients: whether first and second kinematic coefficients of all these are told too, which no speed changes:
+    derivatives by the driver's angle in rad, or by its place in mm where a slide drives. What is nothing but rounding
+    has no column. DesignError for arrays of linkages: take one.
     """
     linkage, speed = motion.linkage, motion.timing.speed
     if linkage.many:
@@ -214,18 +216,23 @@ def motion_table(motion: Motion) -> Table:
         for point in points:
             if body != ground and point not in linkage.pins:
                 columns += _point(motion, point)
-    return Table(tuple(columns))
+    return Table((*columns, *_coefficients(motion))) if coefficients else Table(tuple(columns))
 
 
-def _bodies(motion: Motion) -> Iterator[Column]:
+def _turning(motion: Motion) -> Iterator[tuple[str, Body]]:
+    """Bodies that turn, but for the driver: what less than rounding turns does not."""
     places = [abs(complex(z)) for points in motion.linkage.bodies.values() for z in points.values()]
     reach = max(places, default=0.0) or 1.0
     sizes = {name: (_largest(body.first) * reach, _largest(body.origin.first)) for name, body in motion.bodies.items()}
     least = ROUNDING * max(max(turn, way) for turn, way in sizes.values())
-    omega = max(_largest(body.omega) for body in motion.bodies.values())
     for name, body in motion.bodies.items():
-        if name in (motion.linkage.ground, motion.linkage.driver) or sizes[name][0] <= least:
-            continue
+        if name not in (motion.linkage.ground, motion.linkage.driver) and sizes[name][0] > least:
+            yield name, body
+
+
+def _bodies(motion: Motion) -> Iterator[Column]:
+    omega = max(_largest(body.omega) for body in motion.bodies.values())
+    for name, body in _turning(motion):
         yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction), 1.0)
         yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", finite(body.omega), omega)
         alpha = finite(body.alpha)
@@ -271,6 +278,34 @@ def _point(motion: Motion, point: str) -> Iterator[Column]:
     yield from xy_columns(point, "mm", words, track.position)
     yield from xy_columns(f"{point}_velocity", "mm/s", f"velocity of the {words}", finite(track.velocity))
     yield from xy_columns(f"{point}_acceleration", "mm/s2", f"acceleration of the {words}", finite(track.acceleration))
+
+
+def _coefficients(motion: Motion) -> Iterator[Column]:
+    """Of every angle, slide and free point, by the driver's angle in rad or its place in mm."""
+    linkage, by = motion.linkage, "mm" if motion.linkage.driven_slider else "rad"
+    orders = (("first", by), ("second", f"{by}2"))
+    turning = dict(_turning(motion))
+    # Of a body that turns evenly, or of a slide that is driven, the second coefficient is rounding beside the first.
+    largest = max((_largest(body.first) for body in turning.values()), default=0.0)
+    scales = {"first": largest, "second": largest**2}
+    for order, per in orders:
+        unit = {"rad": "", "rad2": "1/rad"}.get(per, f"rad/{per}")
+        for name, body in turning.items():
+            words = f"{order} kinematic coefficient of the {name}'s angle"
+            values = finite(getattr(body, order))
+            yield Column(f"{name}_angle_{order}_coefficient", unit, words, values, scales[order])
+    free = [(body, point) for body, points in linkage.bodies.items() for point in points]
+    for order, per in orders:
+        unit = {"mm": "", "mm2": "1/mm"}.get(per, f"mm/{per}")
+        for slider in linkage.sliders:
+            words = f"{order} kinematic coefficient of {slider.name}"
+            scale = _largest(getattr(motion.bodies[slider.body].origin, order))
+            values = finite(getattr(motion.slide(slider.name), order))
+            yield Column(f"{slider.name}_displacement_{order}_coefficient", unit, words, values, scale)
+        for point in (point for body, point in free if body != linkage.ground and point not in linkage.pins):
+            words = f"{order} kinematic coefficient of the {point.replace('_', ' ')}"
+            values = finite(getattr(motion.point(point), order))
+            yield from xy_columns(f"{point}_{order}_coefficient", unit, words, values)
 
 
 def unwrapped_deg(direction: Complex) -> Real:

@@ -6,7 +6,7 @@ counterclockwise and holes clockwise.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
@@ -32,6 +32,20 @@ def union(loops: Sequence[Complex]) -> list[Loops]:
 def without(loops: Loops, others: Sequence[Complex]) -> list[Loops]:
     """What is left of a region where the simple polygons among `others` have been cut away, each outline first."""
     return _regions(_polygon(loops).difference(shapely.union_all([shapely.Polygon(xy(loop)) for loop in others])))
+
+
+def where(outline: Complex, lines: Sequence[Complex], holds: Callable[[Complex], Mask]) -> list[Loops]:
+    """Of a simple polygon that lines cut into pieces those for whose places `holds` is true, joined where they meet.
+
+    lines: of points each, open or ending where they start. holds: of places (n,), one well inside each piece.
+    """
+    area = shapely.Polygon(xy(outline))
+    edges = [shapely.LinearRing(xy(outline)), *(shapely.LineString(xy(line)) for line in lines)]
+    pieces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(edges))))
+    inside = shapely.point_on_surface(pieces)
+    kept = shapely.contains(area, inside)
+    pieces, places = pieces[kept], shapely.get_coordinates(inside[kept]).view(complex)[:, 0]
+    return _regions(shapely.union_all(pieces[np.asarray(holds(places), dtype=bool)]))
 
 
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:

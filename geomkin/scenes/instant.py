@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from ..arguments import checked
+from ..linkage.instant.bobillier import bobillier
 from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle
 from ..linkage.motion import Motion
@@ -62,7 +63,39 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
     }
     plots = tuple(Plot(title, tuple(told[name] for name in names)) for title, names in shown.items())
     scene = linkage_scene(motion, _lengths_where(table, lambda length: np.abs(length) < reach))
-    return replace(scene, marks=(*scene.marks, *marks), plots=plots)
+    return replace(scene, marks=(*scene.marks, *marks, *_bobillier(motion, body, near)), plots=plots)
+
+
+def _bobillier(motion: Motion, body: str, near: Callable[[Complex], Complex]) -> Iterator[SceneMark]:
+    """Bobillier's construction from the body's first two pins: rays, their crossings, collineation axis and tangent.
+
+    near: a place, or nan where it is too far away to be seen.
+    """
+    held = [z for name, z in motion.linkage.bodies[body].items() if name in motion.linkage.pins][:2]
+    if len(held) < 2:
+        return
+    one, two = (path_curvature(motion, body, z) for z in held)
+    found = bobillier(one, two)
+    centre, crossing = near(found.instant_centre.position), near(found.crossing)
+
+    def line(start: Complex, end: Complex, label: str) -> SceneMark:
+        return SceneMark("line", start, "bobillier", label, vector=end - start)
+
+    # Whole rays: from the instant centre to whichever of pin and pivot is farther away; and so the lines.
+    for path in (one, two):
+        yield line(centre, _farther(centre, path.position, near(path.centre)), "ray from the instant centre")
+    for ends in ((one.position, two.position), (near(one.centre), near(two.centre))):
+        yield line(crossing, _farther(crossing, *ends), "line to the crossing")
+    yield SceneMark("point", crossing, "bobillier", "crossing of coupler and frame")
+    yield line(centre, crossing, "collineation axis")
+    # As far to both sides as the axis is long, so that the equal angles are seen beside each other.
+    half = found.tangent * np.abs(crossing - centre)
+    yield line(centre - half, centre + half, "centrode tangent")
+
+
+def _farther(place: Complex, one: Complex, other: Complex) -> Complex:
+    """Of two points the one farther from a place; the first where there is no other."""
+    return np.where(np.abs(other - place) > np.abs(one - place), other, one)
 
 
 @checked

@@ -182,10 +182,16 @@ def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
         yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
         yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
     yield from of("mechanical advantage", "_mechanical_advantage")
+    for order in ("first", "second"):
+        yield from of(f"{order} kinematic coefficients of angles", f"_angle_{order}_coefficient")
+        yield from of(f"{order} kinematic coefficient of sliding", f"_displacement_{order}_coefficient")
+        for point in points:
+            names = (f"{point}_{order}_coefficient_x", f"{point}_{order}_coefficient_y")
+            yield from of(f"{point.replace('_', ' ')}, {order} kinematic coefficient", *names)
 
 
 def _is_rate(column: Column) -> bool:
-    return column.name.endswith(("_velocity_x", "_acceleration_x", "_coriolis_x"))
+    return column.name.endswith(("_velocity_x", "_acceleration_x", "_coriolis_x", "_coefficient_x"))
 
 
 def _finite(values: Complex) -> Complex:

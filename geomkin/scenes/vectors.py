@@ -17,7 +17,7 @@ from ..table import Table
 from .linkage import LONGEST_ARROW, drawn_at, linkage_scene
 
 # Room between the linkage and its polygons, as a share of its size.
-GAP = 0.3
+GAP = 0.2
 # Times the usual length from which sides of a polygon are left out, as they run off at a dead centre.
 LONGEST_SIDE = 2.0
 
@@ -35,17 +35,20 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
     scene = linkage_scene(motion, table)
     low, high = scene.box
     size = max(abs(high - low), float(np.max(motion.linkage.size)))
-    marks, right, middle = list(scene.marks), high.real + GAP * size, (low.imag + high.imag) / 2
+    drawn = []
     rates: tuple[tuple[str, Literal[1, 2], str], ...] = ("velocity", 1, "mm/s"), ("acceleration", 2, "mm/s2")
     for rate, order, unit in rates:
         sides = list(_sides(motion, order))
         ends = np.array([0j, *(z for _, _, tail, tip in sides for row in (tail, tip) for z in row[np.isfinite(row)])])
-        if not (extent := float(max(np.ptp(ends.real), np.ptp(ends.imag)))):
-            continue
-        scale = round_scale(extent, size)
-        pole = complex(right - scale * ends.real.min(), middle)
-        right += scale * np.ptp(ends.real) + GAP * size
-        marks += _polygon(sides, pole, scale, rate, drawn_at(scale, unit))
+        if extent := float(max(np.ptp(ends.real), np.ptp(ends.imag))):
+            scale = round_scale(extent, size)
+            drawn.append((sides, scale * ends, scale, rate, drawn_at(scale, unit)))
+    # One above the other: side by side they would be small where a screen is narrow.
+    tall = sum(float(np.ptp(ends.imag)) for _, ends, *_ in drawn) + GAP * size * (len(drawn) - 1)
+    marks, left, top = list(scene.marks), high.real + GAP * size, (low.imag + high.imag + tall) / 2
+    for sides, ends, scale, rate, words in drawn:
+        marks += _polygon(sides, complex(left - ends.real.min(), top - ends.imag.max()), scale, rate, words)
+        top -= float(np.ptp(ends.imag)) + GAP * size
     return replace(scene, marks=tuple(marks))
 
 

@@ -16,8 +16,8 @@ from ..export.sections import MOST_ROWS, capital, number, section, text, wide
 from ..table import Column
 from .columns import Row, as_text, of_checks, of_told
 
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "sweep.js")
-START = 'mountSweep(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "rows.js")
+START = 'mountRows(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
 # Lines of a plot at most, as many as colours and dashes tell apart.
 MOST_LINES = 6
 # Plots to choose from, and values of a line at most; more make pages of megabytes, and the CSV has them all.
@@ -41,7 +41,7 @@ def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) 
 
 def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Sequence[Column]) -> tuple[Any, str]:
     """The plots as the player takes them, over the first key of numbers, and what is to be said of their lines."""
-    data: dict[str, Any] = {"frames": 0, "columns": [], "plots": []}
+    data: dict[str, Any] = {"frames": 0, "spots": True, "columns": [], "plots": []}
     along = next((key for key, row in values.items() if len(row) > 1 and all(map(_is_number, row))), None)
     if along is None:
         return data, ""

@@ -3,10 +3,10 @@ import { Names } from "./names.js";
 import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
 // What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
-export const OFF = ["dimension", "centre", "velocity", "acceleration"];
+export const OFF = ["dimension", "bobillier", "centre", "velocity", "acceleration"];
 // What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on;
 // less for what is not what the recipe is about.
-const FAR = [...OFF, "centrode", "inflection"], ROOM = 0.5, LESS = 0.25;
+const WIDE = ["centrode", "inflection"], FAR = [...OFF, ...WIDE, "driven", "driving"], ROOM = 0.5, LESS = 0.25;
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
@@ -211,7 +211,7 @@ export class Drawing {
     const always = [...ends];
     this.asides = {};
     for (const role of FAR) {
-      const room = [always[2] - always[0], always[3] - always[1]].map((size) => (OFF.includes(role) ? LESS : ROOM) * size);
+      const room = [always[2] - always[0], always[3] - always[1]].map((size) => (WIDE.includes(role) ? ROOM : LESS) * size);
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);

@@ -1,8 +1,8 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
 import { Drawing, FOOT, MARGIN, OFF } from "./drawing.js";
 import { handle } from "./hands.js";
-import { measured, Plots, shown, unitOf } from "./plots.js";
-import { abs, floor, make, max, min, spaced, unpack } from "./shapes.js";
+import { measured, Plots, read, shown, unitOf } from "./plots.js";
+import { abs, floor, make, max, min, spaced } from "./shapes.js";
 
 // Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
 const FIRST_PASS = 5;
@@ -11,24 +11,20 @@ const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 1
 const DASH_DEG = 5, STROKE_DASHES = 72;
 const ROLES = {
   names: "names", dimension: "dimensions", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
-  contact: "contact", centrode: "centrodes", inflection: "inflection circle", centre: "instant centres",
+  driven: "no driven pin here", driving: "no driving pin here", contact: "contact", centrode: "centrodes", inflection: "inflection circle", bobillier: "Bobillier construction", centre: "instant centres",
   velocity: "velocities", acceleration: "accelerations",
 };
 // Milliseconds between two times that values are written while it plays: eyes read no faster.
 const READING = 120;
 // How much closer a key or a button takes one, and how far the arrows move what is seen, px.
 const CLOSER = 1.4, MOVE = 40;
-const HINT = "Drag a link and the rest follows. + and − look closer, or the wheel once it is clicked; 0 shows all.";
+const DRAG = "Drag a link and the rest follows. ";
+const HINT = "+ and − look closer, or the wheel once it is clicked; 0 shows all.";
 // Pixels between two drawings, as the style has it.
 const GAP = 12;
 
 export function mount(root, data) {
-  data.rows = data.series.map((row) => unpack(row, data.frames));
-  for (const column of data.columns) {
-    column.row = data.rows[column.row];
-    column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
-    column.name = spaced(column.name);
-  }
+  read(data);
   const player = new Player(root, data);
   root.dataset.ready = "";
   return player;
@@ -61,7 +57,7 @@ class Player {
     });
     this.controls();
     this.switches();
-    make(this.left, "p", { class: "hint" }, HINT);
+    make(this.left, "p", { class: "hint" }, data.frames > 1 ? DRAG + HINT : HINT);
     this.live = make(root, "p", { class: "unseen", "aria-live": "polite" });
     this.right = make(root, "div", { class: "right" });
     this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
@@ -87,6 +83,8 @@ class Player {
       this.drawings[0].lookAtContact();
       this.closer(this.drawings[0]);
     });
+    // What stands still has nothing to be played.
+    this.root.classList.toggle("still", data.frames < 2);
     const pass = this.time[data.frames - 1] - this.time[0] || 1;
     const first = SPEEDS.reduce((a, b) => (abs(Math.log(pass / b / FIRST_PASS)) < abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
     const pace = make(bar, "label", { class: "speed" });
@@ -212,7 +210,7 @@ class Player {
   closer({ by }) { this.live.textContent = by > 1 ? `Shown ${by.toPrecision(2)} times as large` : "All of it is shown"; }
 
   play(on) {
-    if (on === this.playing) return;
+    if (on === this.playing || this.data.frames < 2) return;
     this.playing = on;
     this.button.textContent = on ? "❚❚" : "▶";
     this.button.setAttribute("aria-label", on ? "Pause" : "Play");

@@ -1,12 +1,23 @@
 // Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
 /* global uPlot */
-import { abs, make, max, min, round } from "./shapes.js";
+import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
 // Dashes of the curves of one plot: colour is never all that tells them apart.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
 const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
 const DEGREES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720];
+
+// A table's rows of numbers, and the headers that a file has.
+export function read(data) {
+  data.rows = data.series.map((row) => unpack(row, data.frames));
+  for (const column of data.columns) {
+    column.row = data.rows[column.row];
+    column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
+    column.name = spaced(column.name);
+  }
+  return data;
+}
 
 // To as many digits as a reader compares, with the sign that minus has in print.
 export function shown(value) {
@@ -22,7 +33,7 @@ export const measured = (value, unit) =>
   isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
 
 export class Plots {
-  // root: what holds them; data.spots: whether values stand alone, and are marked; seek(frame): called where a reader points at another place of the drive.
+  // root: what holds them; data.spots: whether values stand alone; seek(frame): called where a reader points at another place of the drive.
   constructor(root, data, seek) {
     Object.assign(this, { data, seek, frame: 0, cards: [] });
     this.grid = make(root, "div", { class: "plots" });
@@ -90,8 +101,8 @@ export class Plots {
         { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: (_, ticks) => ticks.map(shown) },
         { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
       ],
-      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!data.spots, size: 6 } }))],
-      hooks: { draw: [(plot) => limits(plot, told, colour("--wanted"), colour("--paper"), font)], setCursor: [(plot) => this.hover(card, plot)] },
+      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
+      hooks: { draw: [(plot) => { limits(plot, told, colour("--wanted"), colour("--paper"), font); this.show(this.frame); }], setCursor: [(plot) => this.hover(card, plot)] },
     }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (isFinite(y) ? y : null)))], card.chart);
     this.label(card, strokes);
     this.point(card);

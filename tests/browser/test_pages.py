@@ -187,6 +187,38 @@ def test_a_sweeps_page_opens_and_is_read_by_keys(folder, opened):
         assert number(line.inner_text()) == pytest.approx(row.checks[0].value, rel=1e-4)
 
 
+def test_what_stands_still_has_nothing_to_be_played(folder, opened):
+    (folder / "parts.html").write_bytes(gk.show(gk.load(RECIPES / "crank-rocker.toml").parts).page)
+    page = opened(folder / "parts.html").page
+    for control in ('button[aria-label="Play"]', 'button[aria-label="One step on"]', ".speed", ".drive"):
+        assert page.locator(control).count() == 1 and not page.is_visible(control)
+    page.keyboard.press(" ")
+    assert page.locator('button[aria-label="Play"]').count() == 1
+    assert page.is_visible('button[aria-label="Zoom in"]') and page.is_visible("svg.drawing")
+
+
+def test_what_it_was_chosen_from_is_plotted_with_a_line_at_the_one_that_is_made(folder, opened):
+    recipe, file = page_of("wiper", folder)
+    choice = recipe.scene.choice
+    for width, plots in ((320, 1), (1400, 2)):
+        page = opened(file, viewport={"width": width, "height": 800}).page
+        assert page.locator("#choice .plot").count() == plots
+        over = page.locator("#choice .u-over").first
+        told = page.locator("#choice .legend").first.locator("b").all_inner_texts()
+        assert [number(one) for one in told] == pytest.approx([recipe.found.transmission_angle_deg] * 2, rel=1e-4)
+        # The line stands between the ends of the axis as its angle does.
+        angles, line, box = (
+            choice.table["free_angle"],
+            page.locator("#choice .now").first.bounding_box(),
+            over.bounding_box(),
+        )
+        share = (angles[choice.chosen] - angles[0]) / (angles[-1] - angles[0])
+        assert abs(line["x"] - box["x"] - share * box["width"]) < 3
+    over.focus()
+    page.keyboard.press("ArrowRight")
+    assert over.get_attribute("aria-valuenow") == str(choice.chosen + 1) and frame_of(page) == 0
+
+
 def test_plots_follow_and_lead(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file, viewport={"width": 1400, "height": 900}).page

@@ -46,3 +46,46 @@ def test_the_columns_are_the_same_at_any_size(size):
     for linkage, angles in ((four_bar, ["coupler", "rocker"]), (slow, ["disc", "driven"])):
         columns = motion_table(gk.move(linkage, np.linspace(0, 6, 50))).columns
         assert [name for name in angles if f"{name}_omega" in {c.name for c in columns}] == angles
+
+
+BY_CRANK = "{ crank = 30, coupler = 100, offset = 15, coupler_point = [40, 25] }"
+DRIVEN = {
+    "crank": f'kind = "slider-crank"\ncoefficients = true\nlinkage = {BY_CRANK}\ndrive = {{ step_deg = 0.05, end_deg = 40 }}',
+    "slider": 'kind = "slider-crank"\ncoefficients = true\nlinkage = { crank = 30, coupler = 100, driver = "slider", '
+    "coupler_point = [40, 25] }\nstroke = { start = 85, end = 100, step = 0.02 }",
+    "lever": 'kind = "inverted-slider-crank"\ncoefficients = true\nlinkage = { ground = 100, crank = 40 }\n'
+    "drive = { step_deg = 0.05, end_deg = 40 }",
+}
+
+
+@pytest.mark.parametrize("driver", DRIVEN)
+def test_kinematic_coefficients_are_derivatives_by_the_driver(driver):
+    """Beside differences of the columns that they are derived from, over the drive as the table tells it."""
+    table = gk.load(DRIVEN[driver]).table
+    drive = table.columns[0]
+    q = np.radians(drive.values) if drive.unit == "deg" else drive.values
+    per = {"deg": "rad", "mm": "mm"}[drive.unit]
+    told = [column for column in table.columns if "_coefficient" in column.name]
+    assert len(told) >= 4
+    for column in told:
+        order = 1 + ("_second_" in column.name)
+        of = column.name.replace("_first_coefficient", "").replace("_second_coefficient", "")
+        row = next(c for c in table.columns if c.name == of)
+        values = np.radians(row.values) if row.unit == "deg" else row.values
+        for _ in range(order):
+            values = np.gradient(values, q)
+        inner = slice(3, -3)
+        np.testing.assert_allclose(
+            column.values[inner], values[inner], rtol=1e-4, atol=1e-5 * np.abs(values).max() + 1e-7
+        )
+        size = "rad" if row.unit == "deg" else "mm"
+        ratio = size == per
+        assert column.unit == {1: "" if ratio else f"{size}/{per}", 2: f"1/{per}" if ratio else f"{size}/{per}2"}[order]
+
+
+def test_kinematic_coefficients_are_the_same_at_any_speed_and_left_out_where_nobody_asks():
+    tables = [gk.load(DRIVEN["crank"].replace("drive = {", f"drive = {{ speed_rpm = {rpm},")).table for rpm in (1, 600)]
+    told = [c.header for c in tables[0].columns if "_coefficient" in c.name]
+    assert all(np.array_equal(tables[0][header], tables[1][header]) for header in told)
+    plain = gk.load(DRIVEN["crank"].replace("coefficients = true\n", "")).table
+    assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in told]

@@ -5,17 +5,21 @@ import pytest
 
 from .gallery import recipe
 
+POINTS = {"poses-by-trammel": "rod_point"}
+
 
 def curves(name, label):
     return [curve.curve for curve in recipe(name).scene.curves if label in curve.label]
 
 
 def first_places(name):
-    motion = recipe(name).design.motion
-    return {pin: complex(motion.point(pin).position[0]) for pin in motion.linkage.pins}
+    """Of the pins, where the body is as it was asked for first, wherever the driver starts."""
+    motion, (first, _) = recipe(name).design.motion, recipe(name).wanted.pairs[0]
+    at = int(np.argmin(np.abs(motion.point(POINTS.get(name, "coupler_point")).position - first)))
+    return {pin: complex(motion.point(pin).position[at]) for pin in motion.linkage.pins}
 
 
-@pytest.mark.parametrize(("name", "count"), [("three-poses", 3), ("poses-by-slider", 3)])
+@pytest.mark.parametrize(("name", "count"), [("three-poses", 3), ("poses-by-slider", 3), ("poses-by-trammel", 3)])
 def test_a_body_that_turns_about_a_pole_goes_from_pose_to_pose(name, count):
     poses = recipe(name).wanted.pairs
     poles = {curve.label: curve.curve.centre for curve in recipe(name).scene.curves if curve.label.startswith("pole")}
@@ -44,7 +48,29 @@ def test_pins_lie_where_the_regions_allow_them():
     assert min(np.abs(turns)) < 1e-6 * abs(along)
 
 
-def test_the_pin_that_slides_sits_on_the_circle_of_sliders():
-    (circle,) = curves("poses-by-slider", "circle of sliders")
-    pin = first_places("poses-by-slider")["slider_pin"]
-    assert abs(pin - circle.centre) == pytest.approx(circle.radius, rel=1e-6)
+@pytest.mark.parametrize(
+    ("name", "driven", "driving"),
+    [
+        ("three-poses", "rocker_pin", "crank_pin"),
+        ("poses-by-slider", "crank_pin", "slider_pin"),
+        ("poses-by-crank", "slider_pin", "crank_pin"),
+    ],
+)
+def test_what_is_shaded_holds_no_pin_that_was_found(name, driven, driving):
+    pins, regions = first_places(name), {region.role: region for region in recipe(name).scene.regions}
+    assert set(regions) == {"driven", "driving"}
+    for role, pin in (("driven", driven), ("driving", driving)):
+        loops = [np.append(curve.vertices, curve.vertices[:1]) - pins[pin] for curve in regions[role].curves]
+        turns = [np.angle(loop[1:] / loop[:-1]).sum() / (2 * np.pi) for loop in loops]
+        assert loops and sum(abs(round(turn)) for turn in turns) % 2 == 0
+
+
+@pytest.mark.parametrize("name", ["poses-by-slider", "poses-by-crank", "poses-by-trammel"])
+def test_the_pins_that_slide_sit_on_the_circle_of_sliders(name):
+    (circle,) = curves(name, "circle of sliders")
+    linkage, pins = recipe(name).design.motion.linkage, first_places(name)
+    body = "rod" if "rod" in linkage.bodies else "coupler"
+    slid = [pin for pin, on in linkage.pins.items() if body in on and {s.body for s in linkage.sliders} & set(on)]
+    assert len(slid) == len(linkage.sliders)
+    for pin in slid:
+        assert abs(pins[pin] - circle.centre) == pytest.approx(circle.radius, rel=1e-6)

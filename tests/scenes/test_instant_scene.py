@@ -46,6 +46,35 @@ def test_pins_of_the_inflection_circle_go_straight():
     np.testing.assert_allclose(np.abs(bend.vector[known]) * np.abs(told[known]), 1, rtol=1e-9)
 
 
+def test_the_construction_of_bobillier_is_drawn_from_lines_that_meet_and_angles_that_are_equal():
+    scene, motion = recipe("inflection-circle").scene, recipe("inflection-circle").motion
+    drawn = [mark for mark in scene.marks if mark.role == "bobillier"]
+    *rays, coupler, frame, crossing, axis, tangent = drawn
+    assert [m.label for m in (coupler, axis)] == ["line to the crossing", "collineation axis"] and len(rays) == 2
+    centre = marks(scene, "point", "instant centre of the coupler")[0].place
+    known = np.flatnonzero(np.isfinite(axis.vector))
+    assert len(known) > 50
+    at = {pin: motion.point(pin).position[known] for pin in motion.linkage.pins}
+    meet, pole = crossing.place[known], centre[known]
+
+    def off(line, *points):
+        # How far points are from a line that is drawn.
+        start, way = line.place[known], line.vector[known]
+        return max(np.abs(np.imag((z - start) / way) * np.abs(way)).max() for z in points)
+
+    for link, ray in zip(("crank", "rocker"), rays):
+        assert off(ray, at[f"{link}_pivot"], at[f"{link}_pin"], pole) < 1e-6
+    for part, line in (("pin", coupler), ("pivot", frame)):
+        assert off(line, at[f"crank_{part}"], at[f"rocker_{part}"], meet) < 1e-6
+    assert off(axis, pole, meet) < 1e-6
+    # From the tangent to one ray it is as far as from the other ray to the axis; and the tangent is the circle's.
+    cranks = (at["crank_pin"] - at["crank_pivot"]) * (at["rocker_pin"] - at["rocker_pivot"])
+    turn = tangent.vector[known] * axis.vector[known] / cranks
+    np.testing.assert_allclose(np.imag(turn / np.abs(turn)), 0, atol=1e-6)
+    (other,) = (mark for mark in marks(scene, "line", "centrode tangent") if mark.role == "inflection")
+    np.testing.assert_allclose(np.imag(tangent.vector[known] / other.vector[known]), 0, atol=1e-6)
+
+
 def test_polygons_start_at_the_position_asked_for_and_are_those_that_are_cut():
     scene, own = recipe("polygons").scene, recipe("polygons")
     assert scene.drive.values[0] == pytest.approx(own.position) and scene.cyclic
@@ -82,3 +111,15 @@ def test_shaking_forces_are_drawn_at_one_scale():
     assert len(scales) == 3
     np.testing.assert_allclose(scales, scales[0])
     assert scene.plots[0].columns == ("force_none_N", "force_given_N", "force_best_N")
+
+
+def test_polygons_stand_one_above_the_other_beside_the_linkage():
+    scene = recipe("polygons").scene
+    spans = {}
+    for rate in ("v", "a"):
+        sides = [mark for mark in marks(scene, "vector", "1 mm is") if mark.label.startswith(f"{rate} ")]
+        ends = np.concatenate([z[np.isfinite(z)] for m in sides for z in (m.place, m.place + m.vector)])
+        spans[rate] = ends
+    linkage = np.concatenate([mark.place for mark in scene.marks if mark.sort.endswith("pin") or mark.sort == "slide"])
+    assert spans["v"].imag.min() > spans["a"].imag.max()
+    assert min(row.real.min() for row in spans.values()) > linkage.real.max()

@@ -91,10 +91,44 @@ def test_parallel_poses_make_lines_of_the_circles():
     assert rectification([(0j, 0.0), (40 + 20j, 0.0), (60 + 60j, 0.0)]).circles == ()
 
 
+def around(curves, z):
+    """How many polygons are around each place, by the angle that they are seen in."""
+    count = np.zeros(len(z), dtype=int)
+    for curve in curves:
+        corners = np.append(curve.vertices, curve.vertices[:1])[:, None] - z
+        count += np.abs(np.angle(corners[1:] / corners[:-1]).sum(axis=0)) > np.pi
+    return count
+
+
+@pytest.mark.parametrize("parallel", [0, 2, 3])
+def test_shaded_regions_hold_the_places_that_are_no_good_and_no_others(parallel):
+    rng = np.random.default_rng(11 + parallel)
+    shaded = np.zeros(2, dtype=int)
+    for _ in range(8):
+        poses, (_, driven) = problem(rng, parallel)
+        regions, low, high = rectification(poses, driven), -3 - 2j, 3 + 4j
+        x, y = np.meshgrid(np.linspace(-2.99, 2.99, 47), np.linspace(-1.99, 3.99, 43))
+        z = (x + 1j * y).ravel()
+        for k, (drawn, good) in enumerate(
+            [(regions.no_driven(low, high), regions.drivable(z)), (regions.no_driver(high, low), regions.drives(z))]
+        ):
+            wrong = (around(drawn, z) % 2 == 1) == good
+            # Chords leave slivers beside circles.
+            borders = [*regions.circles, *regions.lines]
+            assert all(min(gk.nearest(border, at)[1] for border in borders) < 6e-3 for at in z[wrong].tolist())
+            shaded[k] += np.count_nonzero(~good)
+            assert all(abs(np.clip(c.vertices.real, -3, 3) - c.vertices.real).max() < 1e-9 for c in drawn)
+    assert shaded[1] > 100 and (shaded[0] > 100 or parallel == 3)
+
+
 def test_what_cannot_be_told_is_refused():
     poses = [(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)]
     with pytest.raises(gk.DesignError, match="driven: is missing"):
         rectification(poses).drives(1j)
+    with pytest.raises(gk.DesignError, match="driven: is missing"):
+        rectification(poses).no_driver(0j, 1 + 1j)
+    with pytest.raises(gk.DesignError, match="high: found"):
+        rectification(poses).no_driven(1j, 5 + 1j)
     with pytest.raises(gk.DesignError, match="poses: found 4; give 3"):
         rectification([*poses, (1j, 2.0)])
     with pytest.raises(gk.DesignError, match="poses 1 and 3 are the same"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -9,10 +10,11 @@ import numpy as np
 
 from ...arguments import Points, between, checked
 from ...brief import one_line
-from ...errors import DesignError
+from ...errors import DesignError, shown
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve
-from ...plane.primitives import Circle, Segment
+from ...plane.flatten import flatten
+from ...plane.primitives import Circle, Polyline, Segment
 from ...plane.vec import Complex, Mask, cross, dot, unit
 from ...sizes import FARTHEST
 from .displacement_poles import image_poles
@@ -21,6 +23,8 @@ from .poses import Poses, placed
 
 # Sine of the turn between the ends of three places, seen from the middle one, below which they count as one line.
 STRAIGHT = 1e-9
+# How far a circle's chords are off where a region is drawn, as a share of the box: more, and corners show.
+NEAR = 5e-4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,6 +66,40 @@ class Rectification:
             raise DesignError("driven", "is missing", "give the driven link's pin when the regions are made")
         side = cross(self.driven - np.asarray(points, dtype=complex)[..., None], self.ways)
         return np.asarray((side > 0).all(axis=-1) | (side < 0).all(axis=-1))
+
+    @checked
+    def no_driven(self, low: complex, high: complex) -> tuple[AbstractCurve, ...]:
+        """Closed curves, of which an odd number are around every point of a box that is not `drivable`, to draw.
+
+        low, high: opposite corners, mm. The chords of circles are off by a thousandth of the box at most.
+        """
+        return self._where(self.circles, low, high, lambda points: ~self.drivable(points))
+
+    @checked
+    def no_driver(self, low: complex, high: complex) -> tuple[AbstractCurve, ...]:
+        """The same of the points where a pin does not drive the driven one: all but two opposite wedges, or all."""
+        return self._where(self.lines, low, high, lambda points: ~self.drives(points))
+
+    def _where(
+        self, borders: Iterable[AbstractCurve], low: complex, high: complex, holds: Callable[[Complex], Mask]
+    ) -> tuple[AbstractCurve, ...]:
+        from ...plane.region import where  # loads shapely, which only a drawing needs
+
+        across, middle = high - low, (low + high) / 2
+        if not across.real or not across.imag:
+            raise DesignError("high", f"found {shown(high)}, on a line with {shown(low)}", "give the opposite corner")
+        box = low + np.array([0, across.real, across, 1j * across.imag])
+        lines = []
+        for border in borders:
+            if isinstance(border, Segment):
+                # As long as it takes to go through the box.
+                way = unit(np.array(border.end - border.start))
+                foot = middle - 1j * way * np.imag((middle - border.start) / way)
+                lines.append(foot + abs(across) * way * np.array([-1, 1]))
+            else:
+                points = flatten(border, NEAR * abs(across))
+                lines.append(np.append(points, points[:1]))
+        return tuple(Polyline(loop) for loops in where(box, lines, holds) for loop in loops)
 
 
 @checked

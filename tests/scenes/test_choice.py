@@ -1,0 +1,56 @@
+"""What a linkage was chosen from, as it is plotted, against each of them moved by itself."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.scene import Choice, Plot
+
+from .gallery import recipe
+
+GOALS = {"wiper": "full turn", "pump-stroke": "full turn", "double-rocker": "swing"}
+
+
+@pytest.mark.parametrize("name", GOALS)
+def test_each_row_is_a_linkage_that_drives_as_it_is_told(name):
+    found, choice = recipe(name).found, recipe(name).scene.choice
+    table = choice.table
+    assert np.all(np.diff(table["free_angle"]) > 0)
+    turn = found.drive if GOALS[name] == "swing" else (0, 2 * np.pi)
+    told = table["every_one"]
+    for row in [*np.flatnonzero(np.isfinite(told))[3::40], choice.chosen]:
+        sizes = {size: table[size][row] for size in found.lengths}
+        linkage = dataclasses.replace(found.linkage, **sizes)
+        motion = gk.move(linkage, np.linspace(*turn, 3601), found.branch)
+        assert np.degrees(gk.least_transmission_angle(motion)) == pytest.approx(told[row], abs=1e-3)
+        links = [size for size_name, size in sizes.items() if size_name != "offset"]
+        assert table["ratio_of_every_one"][row] == pytest.approx(max(links) / min(links), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", GOALS)
+def test_the_one_that_is_made_stands_alone_and_none_is_better(name):
+    choice, found = recipe(name).scene.choice, recipe(name).found
+    table, most = choice.table, recipe(name).wanted.largest_ratio or np.inf
+    assert np.flatnonzero(np.isfinite(table["made"])).tolist() == [choice.chosen]
+    assert table["made"][choice.chosen] == found.transmission_angle_deg
+    allowed = table["every_one"][table["ratio_of_every_one"] <= most * (1 + 1e-9)]
+    assert np.nanmax(allowed) <= found.transmission_angle_deg + 1e-6
+
+
+def test_another_of_the_ranked_is_marked_where_it_is():
+    chosen = dataclasses.replace(recipe("wiper"), choose=3)
+    choice = chosen.scene.choice
+    assert (
+        choice.table["free_angle"][choice.chosen] == chosen.found.free_angle_deg != recipe("wiper").found.free_angle_deg
+    )
+    assert recipe("crank-rocker").scene.choice is None
+
+
+def test_a_choice_names_its_columns_and_its_row():
+    table = gk.Table((gk.Column("x", "mm", "x", np.arange(3.0)),))
+    with pytest.raises(gk.DesignError, match="plots: all names y, which is no column"):
+        Choice(table, 0, (Plot("all", ("y",)),))
+    with pytest.raises(gk.DesignError, match="chosen: found 3 of 3 rows; give 0 to 2"):
+        Choice(table, 3, ())
