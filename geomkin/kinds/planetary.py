@@ -12,12 +12,14 @@ import numpy as np
 from ..check import Check
 from ..gear.planetary import PlanetarySet
 from ..judge.gear import gear_checks, planetary_checks
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
+from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown
@@ -84,6 +86,14 @@ class PlanetaryRecipe(AbstractRecipe):
         holes = sun.hole_diameter, planet.hole_diameter
         return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
 
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Shafts and keys of the sun and of each planet; all pass the carrier, where there is one."""
+        sun, planet = self.sun_stock, self.planet_stock
+        held = planet.thickness if planet.bore else 0.0
+        each = shaft_bill(planet, planet.thickness + held, self.gears.planets)
+        return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
+
     @cached_property
     def scene(self) -> Scene:
         """A turn of the carrier."""
@@ -101,4 +111,5 @@ class PlanetaryRecipe(AbstractRecipe):
                 "planet": gear_notes(gears.planet),
                 "ring": gear_notes(gears.ring),
             },
+            "bought": [one.told for one in self.bought],
         }

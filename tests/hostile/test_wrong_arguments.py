@@ -202,6 +202,7 @@ GOOD = {
     "Web": {"hub": 16.0, "rim": 5.0, "form": "holes", "count": 5, "spoke_width": 4.0},
     "base_plate": {"name": "a", "axes": [0j, 40 + 0j], "holes": [5.0, 6.0], "margin": 5.0, "thickness": 3.0},
     "cam_checks": {"cam": CAM, "cut": None},
+    "cam_bought": {"cam": CAM, "stock": gk.shop.CamStock()},
     "cam_parts": {"cam": CAM, "stock": gk.shop.CamStock(), "cut": None},
     "carrier": {"gears": PLANETARY, "diameters": (6.0, 5.0), "margin": 5.0, "thickness": 3.0},
     "collision_check": {"collisions": 2, "advice": "a"},
