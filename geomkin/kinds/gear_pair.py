@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
@@ -48,6 +49,8 @@ class GearPairRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        if self.second_stock.motor is not None:
+            raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
 
     @cached_property
@@ -87,7 +90,7 @@ class GearPairRecipe(AbstractRecipe):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
             parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
-        return tuple(parts)
+        return *parts, *self.first_stock.motor_parts
 
     @property
     def bought(self) -> tuple[Bought, ...]:

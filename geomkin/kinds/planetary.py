@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ..check import Check
+from ..errors import DesignError
 from ..gear.planetary import PlanetarySet
 from ..judge.gear import gear_checks, planetary_checks
 from ..part import Bought, Part
@@ -39,6 +40,8 @@ class PlanetaryRecipe(AbstractRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        if self.planet_stock.motor is not None:
+            raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
     @property
@@ -81,6 +84,7 @@ class PlanetaryRecipe(AbstractRecipe):
             *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
             *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
         )
+        parts += sun.motor_parts
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter

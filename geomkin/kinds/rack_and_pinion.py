@@ -65,7 +65,8 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        return (*gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack"))
+        gears = *gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack")
+        return *gears, *self.stock.motor_parts
 
     @property
     def bought(self) -> tuple[Bought, ...]:

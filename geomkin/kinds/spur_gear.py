@@ -56,7 +56,7 @@ class SpurGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
-        return gear_parts(self.design, self.stock)
+        return *gear_parts(self.design, self.stock), *self.stock.motor_parts
 
     @property
     def bought(self) -> tuple[Bought, ...]:

@@ -64,19 +64,17 @@ def cam_parts(cam: Cam, stock: CamStock = CamStock(), cut: Undercut | None = Non
     """The parts to cut: `cam`, the plate about its axis, then those of its follower, each in its own frame, mm.
 
     They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
-    fit and gets no plate. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift
-    that costs. cut: what it found, where that is known already. Raises DesignError, its field a size of the stock,
-    where holes or bars do not fit.
+    fit and gets no plate. Last comes the `motor_plate`, where the stock has a motor. Where the follower undercuts, the
+    cam plate is what it leaves; `undercut` tells what lift that costs. cut: what it found, where that is known already.
+    Raises DesignError, its field a size of the stock, where holes or bars do not fit.
 
         gk.write(gk.shop.cam_parts(cam, gk.shop.CamStock(thickness=6, bore=10)), "cam.dxf")
 
     Source: derived here.
     """
     plate = _cam_plate(cam, stock, cut or undercut(cam))
-    return [
-        plate,
-        *(_cut(other, stock) for other in cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)),
-    ]
+    others = cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)
+    return [plate, *(_cut(other, stock) for other in others), *stock.motor_parts]
 
 
 def _cut(plate: Plate, stock: CamStock) -> Part:

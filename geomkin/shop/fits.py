@@ -7,9 +7,11 @@ from typing import Literal
 
 from ..brief import one_line
 from ..errors import DesignError
+from ..part import Part
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
+from .motors import MotorName, motor_plate
 from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
 
 # mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
@@ -60,12 +62,20 @@ class AbstractBored:
         at_most=FARTHEST,
     )
     clearance: float = clearance(0.0)
+    motor: MotorName | None = entry(
+        "what turns the part: adds the plate that this motor is screwed to; left out, no motor", default=None
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
         self._check_bore()
 
     __repr__ = one_line
+
+    @property
+    def motor_parts(self) -> tuple[Part, ...]:
+        """The plate of the motor, about the part's axis; none without a motor."""
+        return () if self.motor is None else (motor_plate(self.motor, self.thickness, self.clearance),)
 
     @property
     def play(self) -> float:

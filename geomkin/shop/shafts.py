@@ -8,6 +8,7 @@ from ..part import Bought
 from .cam import CamStock
 from .fasteners import gathered
 from .fits import AbstractBored
+from .motors import MOTORS
 from .parallel_keys import PARALLEL_KEYS, key_of
 
 # What one joint takes, each with its number.
@@ -17,14 +18,17 @@ Bill = tuple[tuple[str, int], ...]
 def shaft_bill(stock: AbstractBored, length: float, count: int = 1) -> Bill:
     """The shaft of a part, through plates of a length together, mm, and the key where the part has a keyway.
 
-    count: how many parts are made, each with its own. Nothing where the part has no bore.
+    A motor brings its own shaft, and screws. count: how many parts are made, each with its own. Nothing where the part
+    has neither bore nor motor.
     """
-    if not stock.bore:
-        return ()
     across, (width, _) = stock.across_flat, stock.keyway
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
-    shaft = (f"{form}, {_least(length)}", count)
-    return (shaft, (_key(stock.bore, width, stock.thickness), count)) if width else (shaft,)
+    key = ((_key(stock.bore, width, stock.thickness), count),) if width else ()
+    if stock.motor is not None:
+        face = MOTORS[stock.motor]
+        held = f"motor {face.called}, {form}" if stock.bore else f"motor {face.called}"
+        return (held, count), (face.screw(stock.thickness), 4 * count), *key
+    return ((f"{form}, {_least(length)}", count), *key) if stock.bore else ()
 
 
 def pin_bill(diameter: float, length: float, count: int = 1, what: str = "pin") -> Bill:
