@@ -44,10 +44,18 @@ class Part:
 
 @dataclass(frozen=True)
 class Bought:
-    """A line of the bill: what is bought, or cut from a rod, how many, and the joints that it is for, by letter."""
+    """A line of the bill: what is bought, or cut from a rod, how many, and what for.
+
+    joints: by the letters at their holes, or by the names of the parts that turn on it.
+    """
 
     name: str
     count: int
     joints: tuple[str, ...]
 
     __repr__ = one_line
+
+    @property
+    def told(self) -> dict[str, object]:
+        """The same as plain values for a file."""
+        return {"name": self.name, "count": self.count, "joints": list(self.joints)}

@@ -26,6 +26,11 @@ def bill(job: Job) -> Table:
             Column("thickness", "mm", "of its sheet", np.array([*(cut.part.thickness for cut in cuts), *none])),
             Column("width", "mm", "along x", np.array([*sizes.real.tolist(), *none])),
             Column("height", "mm", "along y", np.array([*sizes.imag.tolist(), *none])),
-            Column("joints", "", "letters of its joints", np.array([*nothing, *(" ".join(b.joints) for b in bought)])),
+            Column(
+                "joints",
+                "",
+                "its joints or parts",
+                np.array([*nothing, *(" ".join(b.joints) for b in bought)]),
+            ),
         )
     )

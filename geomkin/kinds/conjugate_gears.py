@@ -17,13 +17,15 @@ from ..gear.conjugate.lantern import LanternPinion
 from ..gear.contract import AbstractShaper
 from ..gear.tables import flank_table, pin_table
 from ..judge.gear import conjugate_checks, touch_check
-from ..part import Part
+from ..part import Bought, Part
 from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
+from ..shop.shafts import pin_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -88,6 +90,7 @@ class AbstractShapedRecipe(AbstractRecipe):
                 # The other side of the tooth is alike.
                 if u.start < 1
             ],
+            "bought": [one.told for one in self.bought],
         }
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
@@ -148,6 +151,14 @@ class ToothedRecipe(AbstractShapedRecipe):
         self.check_points([self.gear.outline])
         return pair_parts(self.gear, self.design, self.stock)
 
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Both shafts; a ring has none."""
+        stock = self.stock
+        mate = 0.0 if self.design.is_ring else stock.mate_bore
+        on = (("gear", stock.bore), ("mate", mate))
+        return gathered([(name, pin_bill(bore, stock.thickness, what="shaft")) for name, bore in on])
+
     @cached_property
     def scene(self) -> Scene:
         """Both in mesh."""
@@ -204,6 +215,19 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     def parts(self) -> tuple[Part, ...]:
         self.check_points([])
         return lantern_parts(self.pinion, self.design, self.stock)
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Both shafts, and the pins, which stand in both discs with the wheel between them."""
+        stock, pinion = self.stock, self.pinion
+        wheel = 0.0 if self.design.is_ring else stock.mate_bore
+        return gathered(
+            [
+                ("disc", pin_bill(stock.bore, 3 * stock.thickness, what="shaft")),
+                ("disc", pin_bill(pinion.pin_diameter, 3 * stock.thickness, pinion.pins)),
+                ("mate", pin_bill(wheel, stock.thickness, what="shaft")),
+            ]
+        )
 
     @cached_property
     def scene(self) -> Scene:

@@ -29,13 +29,14 @@ from ..cam.undercut import Undercut, undercut
 from ..check import Check
 from ..errors import DesignError
 from ..judge.cam import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
 from ..shop.cam import CamStock, cam_parts
+from ..shop.shafts import cam_bought
 from ..sizes import entry
 from ..table import Table
 
@@ -90,6 +91,11 @@ class DiskCamRecipe(AbstractRecipe):
         """Cam and follower."""
         return tuple(cam_parts(self.cam, self.stock, self.cut))
 
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """The cam's shaft and key, and the pins of its follower."""
+        return cam_bought(self.cam, self.stock)
+
     @cached_property
     def scene(self) -> Scene:
         """Cam and follower in contact."""
@@ -125,6 +131,7 @@ class DiskCamRecipe(AbstractRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
+        notes["bought"] = [one.told for one in self.bought]
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _undercut(self) -> Mapping[str, object]:

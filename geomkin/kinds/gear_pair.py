@@ -8,18 +8,21 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
+from ..shop.shafts import shaft_bill
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, mesh_notes
@@ -46,6 +49,8 @@ class GearPairRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        if self.second_stock.motor is not None:
+            raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
 
     @cached_property
@@ -85,7 +90,14 @@ class GearPairRecipe(AbstractRecipe):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
             parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
-        return tuple(parts)
+        return *parts, *self.first_stock.motor_parts
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """The gears' shafts and keys; shafts are held by the base plate, too, where there is one."""
+        stocks = [(name, stock) for name, _, stock in self.gears]
+        base = self.first_stock.thickness if all(stock.bore for _, stock in stocks) else 0.0
+        return gathered([(name, shaft_bill(stock, stock.thickness + base)) for name, stock in stocks])
 
     @cached_property
     def scene(self) -> Scene:
@@ -95,4 +107,5 @@ class GearPairRecipe(AbstractRecipe):
     @property
     def notes(self) -> Mapping[str, object]:
         measures = {name: gear_notes(gear) for name, gear, _ in self.gears}
-        return {"pair": mesh_notes(self.design), "measures_mm": measures}
+        bought = [one.told for one in self.bought]
+        return {"pair": mesh_notes(self.design), "measures_mm": measures, "bought": bought}

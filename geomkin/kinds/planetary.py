@@ -10,14 +10,17 @@ from typing import Literal
 import numpy as np
 
 from ..check import Check
+from ..errors import DesignError
 from ..gear.planetary import PlanetarySet
 from ..judge.gear import gear_checks, planetary_checks
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
+from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown
@@ -37,6 +40,8 @@ class PlanetaryRecipe(AbstractRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        if self.planet_stock.motor is not None:
+            raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
     @property
@@ -79,10 +84,19 @@ class PlanetaryRecipe(AbstractRecipe):
             *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
             *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
         )
+        parts += sun.motor_parts
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter
         return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Shafts and keys of the sun and of each planet; all pass the carrier, where there is one."""
+        sun, planet = self.sun_stock, self.planet_stock
+        held = planet.thickness if planet.bore else 0.0
+        each = shaft_bill(planet, planet.thickness + held, self.gears.planets)
+        return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
 
     @cached_property
     def scene(self) -> Scene:
@@ -101,4 +115,5 @@ class PlanetaryRecipe(AbstractRecipe):
                 "planet": gear_notes(gears.planet),
                 "ring": gear_notes(gears.ring),
             },
+            "bought": [one.told for one in self.bought],
         }

@@ -12,12 +12,14 @@ from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import GearStock, gear_parts
+from ..shop.shafts import shaft_bill
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, shown
@@ -63,7 +65,13 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        return (*gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack"))
+        gears = *gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack")
+        return *gears, *self.stock.motor_parts
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """The pinion's shaft and key."""
+        return gathered([("pinion", shaft_bill(self.stock, self.stock.thickness))])
 
     @cached_property
     def scene(self) -> Scene:
@@ -81,4 +89,5 @@ class RackAndPinionRecipe(AbstractRecipe):
             "clearances_mm": [shown(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }
-        return {"pair": mesh, "measures_mm": {"pinion": gear_notes(self.pinion)}}
+        bought = [one.told for one in self.bought]
+        return {"pair": mesh, "measures_mm": {"pinion": gear_notes(self.pinion)}, "bought": bought}

@@ -12,12 +12,14 @@ from ..gear.profile_shifts import undercut_free_shift
 from ..gear.spur import SpurGear
 from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
-from ..part import Part
+from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
+from ..shop.fasteners import gathered
 from ..shop.gear.gears import GearStock, gear_parts
+from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes
@@ -54,7 +56,12 @@ class SpurGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
-        return gear_parts(self.design, self.stock)
+        return *gear_parts(self.design, self.stock), *self.stock.motor_parts
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """The gear's shaft and key."""
+        return gathered([("gear", shaft_bill(self.stock, self.stock.thickness))])
 
     @cached_property
     def scene(self) -> Scene:
@@ -63,4 +70,4 @@ class SpurGearRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"measures_mm": gear_notes(self.design)}
+        return {"measures_mm": gear_notes(self.design), "bought": [one.told for one in self.bought]}

@@ -17,6 +17,7 @@ from ..plane.vec import Complex, Real, dot, unit
 from ..scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Table
 from .dimensions import cam_dimensions
+from .motor import apart, on_motor
 
 # Lengths of the arrow of the force and of the line beside it, and from a straight roller to its guide, as shares of the
 # prime radius: longer ones leave the picture, shorter ones do not show an angle.
@@ -53,6 +54,7 @@ def cam_scene(
     the follower rests on the corner that is left, and what it should do is drawn beside it. Derived here.
     """
     cut = cut or undercut(cam)
+    parts, motor = apart(parts)
     angle = np.radians(np.asarray(table["cam_angle"], dtype=float))
     riding = _Riding(cam, cut, angle)
     curves = [SceneCurve(Circle(0j, cam.base_radius), "construction", "base circle")]
@@ -67,7 +69,7 @@ def cam_scene(
         table,
         np.asarray(table["time"], dtype=float),
         np.ones(len(angle), dtype=bool),
-        tuple(riding.bodies(parts)),
+        on_motor(tuple(riding.bodies(parts)), motor),
         tuple(curves),
         marks,
         tuple(_plots(table, limits or {})),

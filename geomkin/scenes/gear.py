@@ -20,6 +20,7 @@ from ..table import Column, Table, finite
 from .dimensions import centre_distance, gear_dimensions
 from .line_of_action import LineOfAction
 from .meshing import MOST_PITCHES, Meshing, meshing
+from .motor import apart, on_motor
 from .tooth import tooth_regions
 
 
@@ -30,6 +31,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
     The tool rolls on the pitch circle. A left-hand flank is followed while it is cut, from the end of its involute that
     is nearer to the axis to the other, and then the next. parts: as `gear_parts` gives them, of one body. Derived here.
     """
+    parts, motor = apart(parts)
     name = parts[0].body if parts else "gear"
     (start, end), pitch = gear.flank_lengths, 2 * np.pi / gear.teeth
     frames = meshing((end - start) / gear.base_pitch, [(gear.teeth, parts)])
@@ -52,7 +54,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
         marks += contact_marks(first + line * gear.base_pitch * frames.all_since)
         columns += _cut(gear, start + gear.base_pitch * frames.since)
         plots += [Plot(column.meaning, (column.header,)) for column in columns[1:]]
-    return _scene(Table(tuple(columns)), frames, bodies_at(parts, poses), curves, marks, tuple(plots))
+    return _scene(Table(tuple(columns)), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, tuple(plots))
 
 
 def _cut(gear: AbstractInvoluteGear, along: Real) -> Iterator[Column]:
@@ -80,6 +82,7 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis. Derived
     here.
     """
+    parts, motor = apart(parts)
     name, other = pair.names
     gear, line, (start, end) = pair.driver, LineOfAction(pair), pair.contact_lengths
     frames, before = _frames(pair, parts)
@@ -104,7 +107,7 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
         Plot("place of contact on the line of action", ("along_mm",)),
     )
     columns = (*_turns(pair, roll), *_contact(pair, frames))
-    return _scene(Table(columns), frames, bodies_at(parts, poses), curves, marks, plots)
+    return _scene(Table(columns), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, plots)
 
 
 def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, int]:
@@ -147,6 +150,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     table: `sun_angle`, deg, and `time`. parts: of the bodies sun, planet, ring and carrier; each planet is one.
     Derived here.
     """
+    parts, motor = apart(parts)
     turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
     sun, planets, ring = gears.poses(turn)
     # It stands still but for whole pitches, by which its place as seen from a planet jumps.
@@ -175,7 +179,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     headers = [column.header for column in table.columns if column.name in ("carrier_angle", "planet_angle")]
     plots = (Plot("angles", tuple(headers)),) if headers else ()
     time = np.asarray(table["time"], dtype=float)
-    return Scene(table, time, np.ones(turn.shape, bool), bodies, tuple(curves), tuple(marks), plots)
+    return Scene(table, time, np.ones(turn.shape, bool), on_motor(bodies, motor), tuple(curves), tuple(marks), plots)
 
 
 def bodies_at(

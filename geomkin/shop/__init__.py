@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .linkage.stack import Stack as Stack
     from .linkage.stack import link_parts as link_parts
     from .linkage.stack import stack_links as stack_links
+    from .motors import motor_plate as motor_plate
+    from .shafts import cam_bought as cam_bought
 else:
     from ..lazy import attach
 

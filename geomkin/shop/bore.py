@@ -1,4 +1,4 @@
-"""Holes for shafts and pins, round or with a keyway: how wide, and whether the part can take them."""
+"""Holes for shafts and pins, round, with a flat or with a keyway: how wide, and whether the part can take them."""
 
 from __future__ import annotations
 
@@ -36,13 +36,14 @@ def widened(diameter: float, clearance: float) -> float:
 def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:
     """The hole for a shaft, or none for diameter 0, in a part that is `widest` mm across where it is narrowest.
 
-    Refuses a hole that is invisible or leaves nothing of the part. key: of the diameter in a recipe; that of the
-    clearance stands in the same table.
+    clearance: how much wider than the shaft it is, mm, negative where it is pressed on. Refuses a hole that is
+    invisible or leaves nothing of the part. key: of the diameter in a recipe; that of the clearance stands in the same
+    table.
     """
     if diameter == 0:
         return ()
     room = f"in a part {widest:.4g} mm wide where it is narrowest"
-    if not SMALLEST <= diameter < widest:
+    if not SMALLEST <= diameter < widest - min(clearance, 0.0):
         raise DesignError(
             key,
             f"found {diameter:g} mm {room}",
@@ -62,9 +63,9 @@ def keyed_bore(
 ) -> tuple[Circle | Polyline, ...]:
     """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, on one side.
 
-    diameter: of the shaft; the bore is wider by the clearance. depth: of the slot beyond the bore, along its middle.
-    towards: unit direction of that middle. The slot has square corners and opens into the bore, as one outline.
-    Width and depth 0: a plain bore; diameter 0: no hole.
+    diameter: of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: of the slot
+    beyond the bore, along its middle. towards: unit direction of that middle. The slot has square corners and opens
+    into the bore, as one outline. Width and depth 0: a plain bore; diameter 0: no hole.
     Raises DesignError, of sizes named `key`.bore and so on, where the hole does not leave a part of `widest` mm
     across where it is narrowest.
     """
@@ -95,3 +96,21 @@ def keyed_bore(
     sweep = 2 * np.pi - 2 * float(np.angle(mouth))
     corners = np.array([mouth, np.conj(mouth), np.conj(corner), corner])
     return (Polyline(corners * towards, np.array([np.tan(sweep / 4), 0, 0, 0])),)
+
+
+def flattened_bore(
+    diameter: float, clearance: float, flat: float, towards: complex, widest: float, key: str
+) -> tuple[Circle | Polyline, ...]:
+    """The hole for a D-shaft about a part's axis: round but for one flat side; none for diameter 0.
+
+    diameter: of the shaft; flat: from its flat side across to the round one, mm, more than half the diameter. The hole
+    stands off the shaft by half the clearance all round, the flat side too. towards: unit direction that the flat
+    side faces. Refuses what `bore` does.
+    """
+    if not (round_ones := bore(diameter, clearance, widest, f"{key}.bore")):
+        return ()
+    radius = round_ones[0].radius
+    height = flat + clearance - radius
+    corner = height + 1j * np.sqrt(radius**2 - height**2)
+    sweep = 2 * np.pi - 2 * float(np.angle(corner))
+    return (Polyline(np.array([corner, np.conj(corner)]) * towards, np.array([np.tan(sweep / 4), 0])),)

@@ -15,8 +15,9 @@ from ..cam.undercut import Undercut, undercut
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Polyline, Segment
-from ..sizes import FARTHEST, check_sizes, entry, quantity
-from .bore import bore, clearance, keyed_bore, shaft, widened
+from ..sizes import FARTHEST, entry, quantity
+from .bore import bore, shaft
+from .fits import AbstractBored
 
 # Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
 # runs across it.
@@ -26,21 +27,16 @@ SWEEP, HEAD = np.pi / 4, 0.15
 
 
 @dataclass(frozen=True)
-class CamStock:
+class CamStock(AbstractBored):
     """What a cam and its follower are cut from, and what they turn on; all lengths in mm.
 
-    Source: keyways as DIN 6885 gives them, depth in the hub along the middle; the defaults are chosen here.
+    Fit and form are those of the cam's bore; other holes run on their pins. Source: keyways as DIN 6885-1 gives them,
+    depth in the hub along the middle; the defaults are chosen here.
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
     bore: float = shaft("the cam shaft", 8.0)
     roller_bore: float = shaft("the roller's pin", 4.0)
-    keyway_width: float = quantity(
-        "width of the keyway in the bore, 0 for none", "mm", default=0.0, at_least=0, at_most=FARTHEST
-    )
-    keyway_depth: float = quantity(
-        "depth of the keyway beyond the bore, along its middle", "mm", default=0.0, at_least=0, at_most=FARTHEST
-    )
     timing_mark: bool = entry(
         "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
     )
@@ -54,10 +50,6 @@ class CamStock:
         "distance from a translating flat face to the hole in its stem", "mm", default=40.0, above=0, at_most=FARTHEST
     )
     pivot_bore: float = shaft("an arm's pivot, or of the pin in a stem", 6.0)
-    clearance: float = clearance(0.0)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     __repr__ = one_line
 
@@ -72,19 +64,17 @@ def cam_parts(cam: Cam, stock: CamStock = CamStock(), cut: Undercut | None = Non
     """The parts to cut: `cam`, the plate about its axis, then those of its follower, each in its own frame, mm.
 
     They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
-    fit and gets no plate. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift
-    that costs. cut: what it found, where that is known already. Raises DesignError, its field a size of the stock,
-    where holes or bars do not fit.
+    fit and gets no plate. Last comes the `motor_plate`, where the stock has a motor. Where the follower undercuts, the
+    cam plate is what it leaves; `undercut` tells what lift that costs. cut: what it found, where that is known already.
+    Raises DesignError, its field a size of the stock, where holes or bars do not fit.
 
         gk.write(gk.shop.cam_parts(cam, gk.shop.CamStock(thickness=6, bore=10)), "cam.dxf")
 
     Source: derived here.
     """
     plate = _cam_plate(cam, stock, cut or undercut(cam))
-    return [
-        plate,
-        *(_cut(other, stock) for other in cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)),
-    ]
+    others = cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)
+    return [plate, *(_cut(other, stock) for other in others), *stock.motor_parts]
 
 
 def _cut(plate: Plate, stock: CamStock) -> Part:
@@ -99,12 +89,10 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     narrowest = 2 * float(np.abs(cut.outline.point(samples(cut.outline.breaks))).min())
     start = complex(cam.profile.point(0.0))
     towards = start / abs(start)
-    play, width, depth = stock.clearance, stock.keyway_width, stock.keyway_depth
-    holes = keyed_bore(stock.bore, play, width, depth, towards, narrowest, "stock")
+    holes = stock.hole(towards, narrowest, "stock")
     if not stock.timing_mark:
         return Part("cam", cut.outline, holes, stock.thickness, body="cam")
-    inner = abs(complex(widened(stock.bore, play) / 2 + depth, width / 2))
-    marks = _timing_marks(towards, inner, narrowest / 2, cam.sense)
+    marks = _timing_marks(towards, stock.hole_reach, narrowest / 2, cam.sense)
     return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam")
 
 

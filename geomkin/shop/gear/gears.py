@@ -18,39 +18,18 @@ from ...part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, keyed_bore, shaft, widened
+from ..bore import bore, clearance, shaft
+from ..fits import AbstractBored
 from .spokes import Web, openings
 
 
 @dataclass(frozen=True)
-class GearStock:
-    """What a gear is cut from."""
+class GearStock(AbstractBored):
+    """What a gear is cut from, and how it sits on its shaft."""
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the shaft", 0.0)
-    keyway_width: float = quantity(
-        "width of the keyway in the bore, 0 for none", "mm", default=0.0, at_least=0, at_most=FARTHEST
-    )
-    keyway_depth: float = quantity(
-        "depth of the keyway beyond the bore, along its middle", "mm", default=0.0, at_least=0, at_most=FARTHEST
-    )
-    clearance: float = clearance(0.0)
     web: Web | None = entry("openings between hub and rim; left out, none", default=None)
 
     __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
-    @property
-    def hole_diameter(self) -> float:
-        """Diameter of the hole, mm, 0 for none."""
-        return widened(self.bore, self.clearance)
-
-    @property
-    def hole_reach(self) -> float:
-        """Radius, mm, within which hole and keyway lie."""
-        return float(abs(self.hole_diameter / 2 + self.keyway_depth + 0.5j * self.keyway_width))
 
     def rim_under(self, gear: AbstractGear) -> float:
         """What holds a gear's teeth: the thickness under them, mm."""
@@ -64,9 +43,8 @@ class GearStock:
         """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
         if not gear.hole_room:
             return ()
-        # The keyway stands under the tooth on +y, so that the gear is put on its shaft with that tooth known.
-        width, depth = self.keyway_width, self.keyway_depth
-        hole = keyed_bore(self.bore, self.clearance, width, depth, 1j, gear.hole_room, key)
+        # Flat or keyway stand under the tooth on +y, so that the gear is put on its shaft with that tooth known.
+        hole = self.hole(1j, gear.hole_room, key)
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
         return (*hole, *cut)
 

@@ -138,7 +138,7 @@ class Stack:
             }
             for pin in self.pins
         ]
-        bought = [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bought]
+        bought = [one.told for one in self.bought]
         collisions = [str(c) for c in self.collisions]
         return {"layers": rows, "pins": pins, "collisions": collisions, "bought": bought, "steps": list(self.steps)}
 

@@ -1,0 +1,162 @@
+"""How a part sits on its shaft: running or pressed on, and held from turning by a flat or a key."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..brief import one_line
+from ..errors import DesignError
+from ..part import Part
+from ..plane.primitives import Circle, Polyline
+from ..sizes import FARTHEST, check_sizes, entry, quantity
+from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
+from .motors import MotorName, motor_plate
+from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
+
+# mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
+# which wood and plastics bear. More cracks acrylic, less may turn on its shaft.
+INTERFERENCE = 0.1
+# From the flat across to the round side of motors' D-shafts by their diameter, mm: of small gear motors (3, 4 and 6),
+# stepping motors (5) and larger ones (8), as their makers draw them; chosen here. Other flats are given.
+MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
+
+
+SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
+
+
+@dataclass(frozen=True)
+class AbstractBored:
+    """What stock tables of parts on a shaft have in common; all lengths in mm."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
+    bore: float = shaft("the shaft", 0.0)
+    bore_form: Literal["round", "D", "keyed"] = entry(
+        "form of the bore: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1", default="round"
+    )
+    flat: float | None = quantity(
+        f"of a D-shaft, from its flat side across to the round one; left out, a motor's: {SHAFTS}",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
+    keyway_width: float = quantity(
+        "width of the keyway in the bore, 0 for none or, if keyed, the standard's",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=FARTHEST,
+    )
+    keyway_depth: float = quantity(
+        "depth of the keyway beyond the bore, along its middle", "mm", default=0.0, at_least=0, at_most=FARTHEST
+    )
+    fit: Literal["running", "press"] = entry(
+        "the bore is wider than its shaft by the clearance, or is pressed on", default="running"
+    )
+    interference: float = quantity(
+        "how much narrower than its shaft a bore is that is pressed on",
+        "mm",
+        default=INTERFERENCE,
+        at_least=0,
+        at_most=FARTHEST,
+    )
+    clearance: float = clearance(0.0)
+    motor: MotorName | None = entry(
+        "what turns the part: adds the plate that this motor is screwed to; left out, no motor", default=None
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self._check_bore()
+
+    __repr__ = one_line
+
+    @property
+    def motor_parts(self) -> tuple[Part, ...]:
+        """The plate of the motor, about the part's axis; none without a motor."""
+        return () if self.motor is None else (motor_plate(self.motor, self.thickness, self.clearance),)
+
+    @property
+    def play(self) -> float:
+        """How much wider than its shaft the bore is, mm; negative where it is pressed on."""
+        return self.clearance if self.fit == "running" else -self.interference
+
+    @property
+    def hole_diameter(self) -> float:
+        """Diameter, mm, 0 for none, of a round hole that the shaft runs in, as in a base plate."""
+        return widened(self.bore, self.clearance)
+
+    @property
+    def hole_reach(self) -> float:
+        """Radius, mm, within which bore and keyway lie."""
+        width, depth = self.keyway
+        return float(abs(widened(self.bore, self.play) / 2 + depth + 0.5j * width))
+
+    @property
+    def keyway(self) -> tuple[float, float]:
+        """Width of the keyway, and its depth beyond the bore, mm; 0 where there is none."""
+        given = self.keyway_width, self.keyway_depth
+        if self.bore_form != "keyed" or any(given) or not (key := key_of(self.bore)):
+            return given
+        return key.width, key.hub_depth
+
+    @property
+    def across_flat(self) -> float | None:
+        """From the flat of the D-shaft across to its round side, mm; None for another shaft."""
+        if self.bore_form != "D":
+            return None
+        return MOTOR_FLATS.get(self.bore) if self.flat is None else self.flat
+
+    def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
+        """The bore about the part's axis, none for diameter 0; `widest` is the part, mm, where it is narrowest.
+
+        towards: unit direction of the keyway, or that the flat side faces. key: of the stock in a recipe, for refusals.
+        """
+        if (across := self.across_flat) is not None:
+            return flattened_bore(self.bore, self.play, across, towards, widest, key)
+        if any(keyway := self.keyway):
+            return keyed_bore(self.bore, self.play, *keyway, towards, widest, key)
+        return bore(self.bore, self.play, widest, f"{key}.bore")
+
+    def _check_bore(self) -> None:
+        """Refuse sizes that make no bore, whatever the part."""
+        if self.fit == "press" and 0 < self.bore < self.interference + SMALLEST:
+            problem = f"found {self.interference:g} mm, with which no hole is left for a shaft of {self.bore:g} mm"
+            most = f"give at most {self.bore - SMALLEST:g} mm" if self.bore > SMALLEST else "give a thicker shaft"
+            raise DesignError("interference", problem, most)
+        if self.bore_form != "round" and not self.bore:
+            problem = f'found 0 mm, which is no hole, and bore_form = "{self.bore_form}"'
+            raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"')
+        if self.flat is not None and self.bore_form != "D":
+            problem = f"found {self.flat:g} mm of a bore that has no flat"
+            raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
+        if self.bore_form == "D":
+            self._check_flat()
+        if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
+            thickest = PARALLEL_KEYS[-1].thickest
+            nearest = f"at least {THINNEST:g}" if self.bore < THINNEST else f"at most {thickest:g}"
+            raise DesignError(
+                "bore",
+                f"found {self.bore:g} mm, and DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm",
+                f'give {nearest} mm, keyway_width and keyway_depth of your own, or bore_form = "D"',
+            )
+
+    def _check_flat(self) -> None:
+        half, across = self.bore / 2, self.across_flat
+        if across is None:
+            shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
+            raise DesignError(
+                "flat",
+                f"it is left out, and no usual D-shaft is {self.bore:g} mm thick",
+                f"give more than {half:g} and less than {self.bore:g} mm, or bore as one of {shafts}",
+            )
+        if not half < across < self.bore:
+            raise DesignError(
+                "flat",
+                f"found {across:g} mm across a shaft of {self.bore:g} mm",
+                f"give more than {half:g} and less than {self.bore:g} mm",
+            )
+        for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
+            if size:
+                raise DesignError(name, f"found {size:g} mm in a D bore", 'give 0, or bore_form = "keyed"')

@@ -1,0 +1,62 @@
+"""What gears and cams turn on, as it is bought: shafts, pins and keys."""
+
+from __future__ import annotations
+
+from ..arguments import checked
+from ..cam.cam import Cam
+from ..part import Bought
+from .cam import CamStock
+from .fasteners import gathered
+from .fits import AbstractBored
+from .motors import MOTORS
+from .parallel_keys import PARALLEL_KEYS, key_of
+
+# What one joint takes, each with its number.
+Bill = tuple[tuple[str, int], ...]
+
+
+def shaft_bill(stock: AbstractBored, length: float, count: int = 1) -> Bill:
+    """The shaft of a part, through plates of a length together, mm, and the key where the part has a keyway.
+
+    A motor brings its own shaft, and screws. count: how many parts are made, each with its own. Nothing where the part
+    has neither bore nor motor.
+    """
+    across, (width, _) = stock.across_flat, stock.keyway
+    form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
+    key = ((_key(stock.bore, width, stock.thickness), count),) if width else ()
+    if stock.motor is not None:
+        face = MOTORS[stock.motor]
+        held = f"motor {face.called}, {form}" if stock.bore else f"motor {face.called}"
+        return (held, count), (face.screw(stock.thickness), 4 * count), *key
+    return ((f"{form}, {_least(length)}", count), *key) if stock.bore else ()
+
+
+def pin_bill(diameter: float, length: float, count: int = 1, what: str = "pin") -> Bill:
+    """Round pins, or plain shafts, of a diameter through plates of a length together, mm; nothing for diameter 0."""
+    return ((f"{what} {diameter:g} mm, {_least(length)}", count),) if diameter else ()
+
+
+def _least(length: float) -> str:
+    # How far it stands out is known by who holds it.
+    return f"at least {float(f'{length:.10g}'):g} mm long"
+
+
+def _key(shaft: float, width: float, room: float) -> str:
+    """The key for a keyway of a width in a part so thick, mm: the shaft's own, or another one that wide."""
+    keys = [key for key in (key_of(shaft), *PARALLEL_KEYS) if key and key.width == width]
+    return keys[0].bill(room) if keys else f"key {width:g} mm wide, cut to {room:g} mm"
+
+
+@checked
+def cam_bought(cam: Cam, stock: CamStock = CamStock()) -> tuple[Bought, ...]:
+    """The cam's shaft and key, and the pins of its follower, for the parts by their names; bearings are not told.
+
+    A pin is as long as all plates on it are thick.
+    """
+    pins: dict[str, list[tuple[str, float]]] = {}
+    for plate in cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense):
+        for hole in plate.holes:
+            pins.setdefault(hole.key, []).append((plate.name, hole.diameter))
+    lines = [("cam", shaft_bill(stock, stock.thickness))]
+    lines += [(on[0][0], pin_bill(on[0][1], len(on) * stock.thickness)) for on in pins.values()]
+    return gathered(lines)

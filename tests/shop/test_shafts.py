@@ -1,0 +1,93 @@
+"""What gears and cams turn on, held against the holes of their parts and the keyways that are cut."""
+
+import csv
+import json
+import re
+
+import pytest
+
+import geomkin as gk
+from geomkin.shop.fits import AbstractBored
+from geomkin.shop.shafts import pin_bill, shaft_bill
+from tests.cam.cams import CAMS
+
+GALLERY = [
+    "gear-pair", "spur-gear", "rack-and-pinion", "planetary", "lantern", "straight-sided-ring",
+    "point-tooth", "roller-cam", "flat-cam", "rocker-cam", "flat-rocker-cam",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_every_round_hole_has_a_shaft_or_pin_as_thick_and_no_shaft_is_without_a_hole(name):
+    """Gallery stocks have no clearance but the lantern's; of a keyed bore the slot's mouth stands on the round part."""
+    recipe = gk.load(f"recipes/{name}.toml")
+    play = getattr(getattr(recipe, "stock", None), "clearance", 0.0)
+    wanted, thickness = set(), {}
+    for part in recipe.parts:
+        wanted |= {round(2 * h.radius - play, 9) for h in part.holes if isinstance(h, gk.plane.Circle)}
+        wanted |= {round(2 * abs(h.vertices[0]), 9) for h in part.holes if len(getattr(h, "vertices", ())) == 4}
+        thickness[part.name] = part.thickness
+    found = set()
+    for one in recipe.bought:
+        if sizes := re.fullmatch(r"(?:shaft|pin) ([\d.]+) mm, at least ([\d.]+) mm long", one.name):
+            found.add(float(sizes[1]))
+            assert all(float(sizes[2]) >= thickness[part] for part in one.joints)
+    assert found and found == wanted
+
+
+def test_the_bill_of_a_pair_names_shafts_through_the_base_and_the_key(tmp_path):
+    made = gk.make("recipes/gear-pair.toml", tmp_path, ["bom", "page"])
+    rows = list(csv.DictReader((tmp_path / "gear-pair" / "gear-pair-bom.csv").read_text().splitlines()))
+    told = [(row["item"], row["count"], row["joints"]) for row in rows if not row["thickness_mm"]]
+    assert told == [
+        ("shaft 8 mm, at least 12 mm long", "1", "first"),
+        ("shaft 10 mm, at least 12 mm long", "1", "second"),
+        ("parallel key DIN 6885-1 A 3 x 3 x 6", "1", "second"),
+    ]
+    summary = json.loads((tmp_path / "gear-pair" / "summary.json").read_text())
+    assert [(b["name"], str(b["count"]), *b["joints"]) for b in summary["bought"]] == told
+    page = (tmp_path / "gear-pair" / "gear-pair.html").read_text()
+    assert made and all(page.count(name) == 1 for name, *_ in told) and "Letters are at the holes" not in page
+
+
+def test_each_planet_has_its_own_shaft_and_key():
+    stock = gk.shop.GearStock(bore=10, bore_form="keyed", thickness=12)
+    gears = gk.load("recipes/planetary.toml").gears
+    recipe = gk.kinds.PlanetaryRecipe(gears=gears, planet_stock=stock)
+    assert [(one.name, one.count) for one in recipe.bought] == [
+        ("shaft 10 mm, at least 24 mm long", 3),
+        ("parallel key DIN 6885-1 A 3 x 3 x 12", 3),
+    ]
+
+
+KEYS = [
+    ({"bore": 20, "thickness": 30}, "parallel key DIN 6885-1 A 6 x 6 x 28"),
+    ({"bore": 20, "thickness": 14}, "parallel key DIN 6885-1 A 6 x 6 x 14"),
+    ({"bore": 20, "thickness": 13.5}, "key steel DIN 6880 6 x 6, cut to 13.5 mm"),
+    ({"bore": 20, "thickness": 900}, "parallel key DIN 6885-1 A 6 x 6 x 70"),
+    ({"bore": 20, "thickness": 30, "keyway_width": 5, "keyway_depth": 2}, "parallel key DIN 6885-1 A 5 x 5 x 28"),
+    ({"bore": 20, "thickness": 30, "keyway_width": 5.2, "keyway_depth": 2}, "key 5.2 mm wide, cut to 30 mm"),
+]
+
+
+@pytest.mark.parametrize(("sizes", "key"), KEYS)
+def test_the_key_is_the_longest_that_the_part_has_room_for(sizes, key):
+    stock = gk.shop.GearStock(**{"bore_form": "keyed"} | sizes)
+    assert [name for name, _ in shaft_bill(stock, 40.0)] == ["shaft 20 mm, at least 40 mm long", key]
+
+
+def test_a_d_shaft_is_told_with_its_flat_and_no_bore_takes_nothing():
+    d_shaft = gk.shop.GearStock(bore=6, bore_form="D", flat=5.2)
+    assert shaft_bill(d_shaft, 6.0) == (("D-shaft 6 mm, 5.2 mm across its flat, at least 6 mm long", 1),)
+    assert shaft_bill(AbstractBored(), 6.0) == pin_bill(0.0, 6.0) == ()
+
+
+def test_pins_of_a_follower_pass_all_its_plates():
+    cam = CAMS["roller on arm, clockwise"]
+    bought = gk.shop.cam_bought(cam, gk.shop.CamStock(thickness=3, bore=6, roller_bore=5, pivot_bore=5))
+    assert [(one.name, one.count, one.joints) for one in bought] == [
+        ("shaft 6 mm, at least 3 mm long", 1, ("cam",)),
+        ("pin 5 mm, at least 6 mm long", 1, ("roller",)),
+        ("pin 5 mm, at least 3 mm long", 1, ("arm",)),
+    ]
+    assert not gk.shop.cam_bought(CAMS["knife, clockwise"], gk.shop.CamStock(bore=0))
