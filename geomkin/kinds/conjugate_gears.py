@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from ..check import Check
 from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
@@ -23,6 +25,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
+from ..shop.base import BaseStock
+from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
@@ -61,6 +65,8 @@ class AbstractShapedRecipe(AbstractRecipe):
     """What recipes of a gear and the mate that its teeth shape have in common."""
 
     mate: Mate
+    stock: PairStock | LanternStock
+    base: BaseStock | None
 
     @property
     @abstractmethod
@@ -89,6 +95,18 @@ class AbstractShapedRecipe(AbstractRecipe):
                 if u.start < 1
             ],
         }
+
+    def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
+        """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
+        if self.base is None:
+            return parts
+        mate, stock = self.design, self.stock
+        if mate.is_ring:
+            raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
+        reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
+        keys = ("stock.bore", "stock.mate_bore")
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys)
+        return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""
@@ -128,6 +146,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     gear: AbstractFlankGear
     mate: Mate
     stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    base: BaseStock | None = entry("a base plate under both gears; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     @property
@@ -146,7 +165,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         self.check_points([self.gear.outline])
-        return pair_parts(self.gear, self.design, self.stock)
+        return self.on_base(pair_parts(self.gear, self.design, self.stock), self.gear.tip_radius)
 
     @cached_property
     def scene(self) -> Scene:
@@ -179,6 +198,7 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     # Pins stay in contact for a pitch only on long teeth.
     mate: Mate = entry("the wheel", example=Mate(48, 7.5))
     stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
+    base: BaseStock | None = entry("a base plate under pinion and wheel; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     @property
@@ -203,7 +223,8 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         self.check_points([])
-        return lantern_parts(self.pinion, self.design, self.stock)
+        disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
+        return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
 
     @cached_property
     def scene(self) -> Scene:

@@ -35,6 +35,7 @@ from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
+from ..shop.base import BaseStock
 from ..shop.cam import CamStock, cam_parts
 from ..sizes import entry
 from ..table import Table
@@ -63,6 +64,10 @@ class DiskCamRecipe(AbstractRecipe):
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
     stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
+    base: BaseStock | None = entry(
+        "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; left out, none",
+        default=None,
+    )
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -87,8 +92,8 @@ class DiskCamRecipe(AbstractRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Cam and follower."""
-        return tuple(cam_parts(self.cam, self.stock, self.cut))
+        """Cam and follower, and their base."""
+        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
 
     @cached_property
     def scene(self) -> Scene:

@@ -19,6 +19,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.base import BaseStock
+from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
@@ -42,6 +44,9 @@ class GearPairRecipe(AbstractRecipe):
     )
     first_stock: GearStock = entry("what the driving gear is cut from", default=GearStock())
     second_stock: GearStock = entry("what the driven gear is cut from", default=GearStock())
+    base: BaseStock | None = entry(
+        "a base plate under both gears; left out, a bar that holds their shafts", default=None
+    )
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -80,6 +85,14 @@ class GearPairRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [gear.outline for _, gear, _ in self.gears])
         parts = [part for name, gear, stock in self.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
+        if self.base is not None:
+            pair = self.design
+            reaches, shafts = (
+                (pair.first.tip_radius, pair.second.tip_radius),
+                (self.first_stock.bore, self.second_stock.bore),
+            )
+            plate = pair_base(pair.centre_distance, reaches, shafts, self.first_stock.thickness, self.base)
+            return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # As much plate around a hole as the hole is wide.

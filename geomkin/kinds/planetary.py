@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -17,6 +17,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
+from ..shop.base import BaseStock
+from ..shop.gear.bases import planetary_base
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
 from ..sizes import entry
 from ..table import Column, Table
@@ -34,6 +36,7 @@ class PlanetaryRecipe(AbstractRecipe):
     sun_stock: GearStock = entry("what the sun is cut from", default=GearStock())
     planet_stock: GearStock = entry("what the planets are cut from", default=GearStock())
     ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
+    base: BaseStock | None = entry("a base plate that holds the ring and the sun's shaft; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -79,6 +82,10 @@ class PlanetaryRecipe(AbstractRecipe):
             *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
             *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
         )
+        if self.base is not None:
+            first, planets, ring = parts
+            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base)
+            parts = (replace(first, hole_names=("A",)), planets, *held)
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -17,6 +17,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.base import RackBaseStock
+from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
@@ -39,6 +41,7 @@ class RackAndPinionRecipe(AbstractRecipe):
         at_most=1e9,
     )
     stock: GearStock = entry("what both are cut from", default=GearStock())
+    base: RackBaseStock | None = entry("a base plate that guides the rack; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -63,7 +66,11 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        return (*gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack"))
+        (pinion,) = gear_parts(self.pinion, self.stock, "pinion")
+        (rack,) = gear_parts(self.rack, self.stock, "rack")
+        if self.base is None:
+            return pinion, rack
+        return replace(pinion, hole_names=("A",)), *rack_base(self.design, rack, self.stock.bore, self.base)
 
     @cached_property
     def scene(self) -> Scene:
