@@ -105,6 +105,11 @@ class GearPairRecipe(AbstractRecipe):
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """Shafts, where a base is asked for."""
+        return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+
     @property
     def notes(self) -> Mapping[str, object]:
         measures = {name: gear_notes(gear) for name, gear, _ in self.gears}

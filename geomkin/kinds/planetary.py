@@ -96,6 +96,11 @@ class PlanetaryRecipe(AbstractRecipe):
         """A turn of the carrier."""
         return planetary_scene(self.gears, self.table, self.parts)
 
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft and room for the ring's screws, where a base is asked for."""
+        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
+
     @property
     def notes(self) -> Mapping[str, object]:
         gears = self.gears

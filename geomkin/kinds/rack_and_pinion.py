@@ -77,6 +77,13 @@ class RackAndPinionRecipe(AbstractRecipe):
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft, and pins that leave a thin rack its walls, where a base is asked for."""
+        if "base" not in asked:
+            return {}
+        return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
+
     @property
     def notes(self) -> Mapping[str, object]:
         pair = self.design
