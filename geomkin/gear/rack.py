@@ -95,6 +95,12 @@ class GearRack(AbstractGear):
         return self.module * self.rack.flank_depth
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Where the bar begins and ends along the reference line, mm."""
+        first = -((self.teeth - 1) // 2)
+        return (first - 0.5) * self.pitch, (first + self.teeth - 0.5) * self.pitch
+
+    @property
     def thickness(self) -> float:
         """Of a tooth along the reference line, mm."""
         return self.pitch / 2 - self.thinning

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from ..check import Check
 from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
@@ -23,9 +25,11 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
+from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
+from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
-from ..shop.shafts import pin_bill
+from ..shop.shafts import Bill, pin_bill, screw_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -63,6 +67,8 @@ class AbstractShapedRecipe(AbstractRecipe):
     """What recipes of a gear and the mate that its teeth shape have in common."""
 
     mate: Mate
+    stock: PairStock | LanternStock
+    base: BaseStock | None
 
     @property
     @abstractmethod
@@ -92,6 +98,27 @@ class AbstractShapedRecipe(AbstractRecipe):
             ],
             "bought": [one.told for one in self.bought],
         }
+
+    def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
+        """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
+        if self.base is None:
+            return parts
+        mate, stock = self.design, self.stock
+        if mate.is_ring:
+            raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
+        reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
+        keys = ("stock.bore", "stock.mate_bore")
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys)
+        return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
+
+    @property
+    def through(self) -> float:
+        """Thickness, mm, of a wheel and of the base under it, where there is one."""
+        return self.stock.thickness * (1 if self.base is None else 2)
+
+    def held(self, bill: list[tuple[str, Bill]]) -> tuple[Bought, ...]:
+        """What is bought, with the base's screws."""
+        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, self.stock.thickness))])
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""
@@ -131,6 +158,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     gear: AbstractFlankGear
     mate: Mate
     stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    base: BaseStock | None = entry("a base plate under both gears; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     @property
@@ -149,7 +177,7 @@ class ToothedRecipe(AbstractShapedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         self.check_points([self.gear.outline])
-        return pair_parts(self.gear, self.design, self.stock)
+        return self.on_base(pair_parts(self.gear, self.design, self.stock), self.gear.tip_radius)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -157,7 +185,7 @@ class ToothedRecipe(AbstractShapedRecipe):
         stock = self.stock
         mate = 0.0 if self.design.is_ring else stock.mate_bore
         on = (("gear", stock.bore), ("mate", mate))
-        return gathered([(name, pin_bill(bore, stock.thickness, what="shaft")) for name, bore in on])
+        return self.held([(name, pin_bill(bore, self.through, what="shaft")) for name, bore in on])
 
     @cached_property
     def scene(self) -> Scene:
@@ -190,6 +218,7 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     # Pins stay in contact for a pitch only on long teeth.
     mate: Mate = entry("the wheel", example=Mate(48, 7.5))
     stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
+    base: BaseStock | None = entry("a base plate under pinion and wheel; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     @property
@@ -214,18 +243,19 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         self.check_points([])
-        return lantern_parts(self.pinion, self.design, self.stock)
+        disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
+        return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
         """Both shafts, and the pins, which stand in both discs with the wheel between them."""
         stock, pinion = self.stock, self.pinion
         wheel = 0.0 if self.design.is_ring else stock.mate_bore
-        return gathered(
+        return self.held(
             [
-                ("disc", pin_bill(stock.bore, 3 * stock.thickness, what="shaft")),
+                ("disc", pin_bill(stock.bore, self.through + 2 * stock.thickness, what="shaft")),
                 ("disc", pin_bill(pinion.pin_diameter, 3 * stock.thickness, pinion.pins)),
-                ("mate", pin_bill(wheel, stock.thickness, what="shaft")),
+                ("mate", pin_bill(wheel, self.through, what="shaft")),
             ]
         )
 

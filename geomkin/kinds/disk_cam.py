@@ -35,6 +35,7 @@ from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
+from ..shop.base import BaseStock, check_no_motor
 from ..shop.cam import CamStock, cam_parts
 from ..shop.shafts import cam_bought
 from ..sizes import entry
@@ -64,10 +65,15 @@ class DiskCamRecipe(AbstractRecipe):
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
     stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
+    base: BaseStock | None = entry(
+        "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; left out, none",
+        default=None,
+    )
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         self.drive.check_rows()
+        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @property
     def design(self) -> Cam:
@@ -88,13 +94,13 @@ class DiskCamRecipe(AbstractRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Cam and follower."""
-        return tuple(cam_parts(self.cam, self.stock, self.cut))
+        """Cam and follower, and their base."""
+        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The cam's shaft and key, and the pins of its follower."""
-        return cam_bought(self.cam, self.stock)
+        """The cam's shaft and key, the pins of its follower, and the base's screws."""
+        return cam_bought(self.cam, self.stock, self.base)
 
     @cached_property
     def scene(self) -> Scene:

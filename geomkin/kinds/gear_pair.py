@@ -20,9 +20,11 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.base import BaseStock, check_no_motor
 from ..shop.fasteners import gathered
+from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
-from ..shop.shafts import shaft_bill
+from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, mesh_notes
@@ -45,6 +47,9 @@ class GearPairRecipe(AbstractRecipe):
     )
     first_stock: GearStock = entry("what the driving gear is cut from", default=GearStock())
     second_stock: GearStock = entry("what the driven gear is cut from", default=GearStock())
+    base: BaseStock | None = entry(
+        "a base plate under both gears; left out, a bar that holds their shafts", default=None
+    )
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -52,6 +57,7 @@ class GearPairRecipe(AbstractRecipe):
         if self.second_stock.motor is not None:
             raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
+        check_no_motor(self.base, self.first_stock.motor, "first_stock.motor")
 
     @cached_property
     def design(self) -> GearPair:
@@ -85,6 +91,14 @@ class GearPairRecipe(AbstractRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [gear.outline for _, gear, _ in self.gears])
         parts = [part for name, gear, stock in self.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
+        if self.base is not None:
+            pair = self.design
+            reaches, shafts = (
+                (pair.first.tip_radius, pair.second.tip_radius),
+                (self.first_stock.bore, self.second_stock.bore),
+            )
+            plate = pair_base(pair.centre_distance, reaches, shafts, self.first_stock.thickness, self.base)
+            return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # As much plate around a hole as the hole is wide.
@@ -94,15 +108,22 @@ class GearPairRecipe(AbstractRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The gears' shafts and keys; shafts are held by the base plate, too, where there is one."""
+        """The gears' shafts and keys, held by the base plate, too, where there is one; and its screws."""
         stocks = [(name, stock) for name, _, stock in self.gears]
-        base = self.first_stock.thickness if all(stock.bore for _, stock in stocks) else 0.0
-        return gathered([(name, shaft_bill(stock, stock.thickness + base)) for name, stock in stocks])
+        thick = self.first_stock.thickness
+        held = thick if all(stock.bore for _, stock in stocks) else 0.0
+        bill = [(name, shaft_bill(stock, stock.thickness + held)) for name, stock in stocks]
+        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, thick))])
 
     @cached_property
     def scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """Shafts, where a base is asked for."""
+        return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
 
     @property
     def notes(self) -> Mapping[str, object]:

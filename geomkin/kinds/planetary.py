@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -18,9 +18,11 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
+from ..shop.base import BaseStock, check_no_motor
 from ..shop.fasteners import gathered
+from ..shop.gear.bases import RING_SCREWS, planetary_base
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
-from ..shop.shafts import shaft_bill
+from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, mesh_notes, shown
@@ -37,12 +39,14 @@ class PlanetaryRecipe(AbstractRecipe):
     sun_stock: GearStock = entry("what the sun is cut from", default=GearStock())
     planet_stock: GearStock = entry("what the planets are cut from", default=GearStock())
     ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
+    base: BaseStock | None = entry("a base plate that holds the ring and the sun's shaft; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         if self.planet_stock.motor is not None:
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
+        check_no_motor(self.base, self.sun_stock.motor, "sun_stock.motor")
 
     @property
     def design(self) -> PlanetarySet:
@@ -84,6 +88,10 @@ class PlanetaryRecipe(AbstractRecipe):
             *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
             *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
         )
+        if self.base is not None:
+            first, planets, ring = parts
+            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base)
+            parts = (replace(first, hole_names=("A",)), planets, *held)
         parts += sun.motor_parts
         if not planet.bore:
             return parts
@@ -92,16 +100,25 @@ class PlanetaryRecipe(AbstractRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Shafts and keys of the sun and of each planet; all pass the carrier, where there is one."""
-        sun, planet = self.sun_stock, self.planet_stock
+        """Shafts and keys of sun and planets, all through the carrier where there is one, and the base's screws."""
+        sun, planet, ring = self.sun_stock, self.planet_stock, self.ring_stock
         held = planet.thickness if planet.bore else 0.0
         each = shaft_bill(planet, planet.thickness + held, self.gears.planets)
-        return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
+        if self.base is None:
+            return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
+        bill = [("sun", shaft_bill(sun, sun.thickness + held + ring.thickness)), ("planet", each)]
+        bill += [("ring", screw_bill(self.base, 2 * ring.thickness, RING_SCREWS))]
+        return gathered([*bill, ("base", screw_bill(self.base, ring.thickness))])
 
     @cached_property
     def scene(self) -> Scene:
         """A turn of the carrier."""
         return planetary_scene(self.gears, self.table, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft and room for the ring's screws, where a base is asked for."""
+        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
 
     @property
     def notes(self) -> Mapping[str, object]:

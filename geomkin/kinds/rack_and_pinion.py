@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -17,9 +17,11 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.base import RackBaseStock, check_no_motor
 from ..shop.fasteners import gathered
+from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
-from ..shop.shafts import shaft_bill
+from ..shop.shafts import pin_bill, screw_bill, shaft_bill
 from ..sizes import check_sizes, entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, shown
@@ -41,11 +43,13 @@ class RackAndPinionRecipe(AbstractRecipe):
         at_most=1e9,
     )
     stock: GearStock = entry("what both are cut from", default=GearStock())
+    base: RackBaseStock | None = entry("a base plate that guides the rack; left out, none", default=None)
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         check_sizes(self)
         self.design  # noqa: B018  refuses gears that cannot mesh
+        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @cached_property
     def design(self) -> RackPair:
@@ -65,18 +69,34 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        gears = *gear_parts(self.pinion, self.stock, "pinion"), *gear_parts(self.rack, self.stock, "rack")
-        return *gears, *self.stock.motor_parts
+        (pinion,) = gear_parts(self.pinion, self.stock, "pinion")
+        (rack,) = gear_parts(self.rack, self.stock, "rack")
+        if self.base is None:
+            return pinion, rack, *self.stock.motor_parts
+        return replace(pinion, hole_names=("A",)), *rack_base(self.design, rack, self.stock.bore, self.base)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The pinion's shaft and key."""
-        return gathered([("pinion", shaft_bill(self.stock, self.stock.thickness))])
+        """The pinion's shaft and key, and what the base takes."""
+        thick, base = self.stock.thickness, self.base
+        if base is None:
+            return gathered([("pinion", shaft_bill(self.stock, thick))])
+        pins = pin_bill(base.guide_pin, 2 * thick, 2)
+        return gathered(
+            [("pinion", shaft_bill(self.stock, 2 * thick)), ("rack", pins), ("base", screw_bill(base, thick))]
+        )
 
     @cached_property
     def scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft, and pins that leave a thin rack its walls, where a base is asked for."""
+        if "base" not in asked:
+            return {}
+        return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -107,19 +107,31 @@ class _Riding:
         self.way = unit(lifted.place(touching) - self.pose.place(touching))
 
     def bodies(self, parts: Sequence[Part]) -> Iterator[SceneBody]:
-        """A roller's centre runs in the plane of the cam, and what carries it beside both; a face lies in it too."""
+        """A roller's centre runs in the plane of the cam, and what carries it beside both; a face lies in it too.
+
+        A base lies under all of them.
+        """
         still = np.ones(len(self.angle), dtype=complex)
         follower = self.cam.follower
-        poses = {"cam": Pose(0 * still, np.exp(1j * self.cam.sense * self.angle)), "roller": Pose(self.centre, still)}
+        poses = {
+            "cam": Pose(0 * still, np.exp(1j * self.cam.sense * self.angle)),
+            "roller": Pose(self.centre, still),
+            "ground": Pose(0 * still, still),
+        }
+        stands = any(part.body == "ground" for part in parts)
         names = dict.fromkeys(["cam", *(part.body for part in parts)])
         for name in names:
             pose = poses.get(name, self.pose)
             held = tuple(part for part in parts if part.body == name)
             beside = follower.knife_edge is not None and name not in poses
-            yield SceneBody(name, held, np.asarray(pose.origin), np.asarray(pose.direction), 0 if beside else 1)
+            layer = 0 if beside or name == "ground" else 1
+            # Over a base what is beside has a layer of its own.
+            layer += stands and follower.knife_edge is not None and name != "ground"
+            fixed = name == "ground"
+            yield SceneBody(name, held, np.asarray(pose.origin), np.asarray(pose.direction), layer, fixed)
 
     def joints(self, parts: Sequence[Part]) -> Iterator[SceneMark]:
-        follower, carried = self.cam.follower, {part.body for part in parts} - {"cam", "roller"}
+        follower, carried = self.cam.follower, {part.body for part in parts} - {"cam", "roller", "ground"}
         yield SceneMark("fixed pin", np.zeros(len(self.angle), dtype=complex), "construction", "cam shaft")
         if follower.oscillates:
             yield SceneMark("fixed pin", np.asarray(self.pose.origin), "construction", "pivot")
@@ -140,7 +152,7 @@ class _Riding:
 
     def dimensions(self, parts: Sequence[Part]) -> Iterator[SceneCurve]:
         bodies = {part.body for part in parts}
-        arm = next((name for name in sorted(bodies - {"cam", "roller"})), "")
+        arm = next((name for name in sorted(bodies - {"cam", "roller", "ground"})), "")
         pivot, centre = complex(np.asarray(self.pose.origin)[0]), complex(self.centre[0])
         for curve in cam_dimensions(self.cam, pivot, centre, complex(self.way[0]), arm or "arm"):
             if curve.body in {"", *bodies}:

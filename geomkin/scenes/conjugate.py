@@ -28,13 +28,14 @@ def conjugate_scene(
     """A gear turning counterclockwise and its mate, over as many pitches as it takes to follow a tooth's contact.
 
     contacts: as `flank_table` or `pin_table` tells them, of right-hand flanks, which the mate drives. parts: of the
-    mate's body, mate or ring, and of the gear's. pins: drawn on the gear, of which no part is cut. Teeth stand in the
-    middle of spaces: play is seen half on either side. Derived here.
+    mate's body, mate or ring, of the gear's, and of the ground, whose x axis is the line from axis to axis. pins:
+    drawn on the gear, of which no part is cut. Teeth stand in the middle of spaces: play is seen half on either side.
+    Derived here.
     """
     ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
     touching = _Touching(contacts, ratio, mate.gear_teeth)
     other = "ring" if mate.is_ring else "mate"
-    name = next((part.body for part in parts if part.body != other), "gear")
+    name = next((part.body for part in parts if part.body not in (other, "ground")), "gear")
     wheels = ((mate.gear_teeth, name), (mate.teeth, other))
     frames = meshing(touching.pitches, [(z, [p for p in parts if p.body == body]) for z, body in wheels])
     turn = touching.first + touching.pitch * frames.passed
@@ -74,8 +75,12 @@ def conjugate_scene(
         Plot("contacts of right-hand flanks", ("contacts",)),
     )
     always = np.ones(turn.shape, bool)
+    poses["ground"] = Pose(still, still + 1j)
     # Of two discs with pins between them the lower one is shown.
-    bodies = bodies_at(parts, poses, below=(name,) if pins else ())
+    layers = {}
+    if pins:
+        layers = {name: 1, other: 2} if any(part.body == "ground" for part in parts) else {name: 0}
+    bodies = bodies_at(parts, poses, layers=layers)
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 

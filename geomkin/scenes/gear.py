@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -79,8 +79,8 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
 
     The driver turns counterclockwise. Teeth stand in the middle of spaces, as the pair's `poses` have them, and
     contacts are those of the driver's own flanks: the play that the pair has is seen half on either side. parts: of
-    bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis. Derived
-    here.
+    bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis, or runs as
+    the rack. Derived here.
     """
     parts, motor = apart(parts)
     name, other = pair.names
@@ -88,7 +88,8 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     frames, before = _frames(pair, parts)
     roll = (start + gear.base_pitch * (frames.passed - before)) / gear.base_radius
     poses = dict(zip(pair.names, pair.poses(roll + line.flank_turn)))
-    poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, 1j))
+    ahead = 1j if isinstance(pair, GearPair) else 1.0 + 0j
+    poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, ahead))
     away = complex(np.asarray(poses[other].origin)[0])
     curves = (
         *line.circles(),
@@ -158,7 +159,11 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
-    bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), ("carrier", "ring"))
+    poses["ground"] = Pose(still, still + 1)
+    # A base lies against the gears, and the carrier on their other side.
+    stands = any(part.body == "ground" for part in parts)
+    layers = {"carrier": 2} if stands else {"carrier": 0, "ring": 0}
+    bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), layers)
     away, (inner, outer) = 1j * gears.inner.centre_distance, (LineOfAction(p) for p in (gears.inner, gears.outer))
     start, end = (complex(away - np.conj(outer.place(z))) for z in gears.outer.contact_lengths)
     curves = [
@@ -186,11 +191,12 @@ def bodies_at(
     parts: Sequence[Part],
     poses: Mapping[str, Pose],
     called: Mapping[str, str] | None = None,
-    below: Collection[str] = ("ground",),
+    layers: Mapping[str, int] | None = None,
 ) -> tuple[SceneBody, ...]:
     """Bodies with their parts at their poses; the ground only where it has any. Those that stand still are fixed.
 
-    called: what parts call a body, where that is another name. below: those that lie under the others.
+    called: what parts call a body, where that is another name. layers: of those that do not lie in the first layer
+    over the ground.
     """
     found = []
     for name, pose in poses.items():
@@ -198,7 +204,8 @@ def bodies_at(
         if held or name != "ground":
             origin, direction = np.asarray(pose.origin), np.asarray(pose.direction)
             still = bool((direction == direction[0]).all() and (origin == origin[0]).all())
-            found.append(SceneBody(name, held, origin, direction, 0 if name in below else 1, still))
+            layer = ({"ground": 0} | dict(layers or {})).get(name, 1)
+            found.append(SceneBody(name, held, origin, direction, layer, still))
     return tuple(found)
 
 

@@ -3,10 +3,15 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .base import BaseStock as BaseStock
+    from .base import RackBaseStock as RackBaseStock
     from .cam import CamStock as CamStock
     from .cam import cam_parts as cam_parts
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
+    from .gear.bases import pair_base as pair_base
+    from .gear.bases import planetary_base as planetary_base
+    from .gear.bases import rack_base as rack_base
     from .gear.gears import GearStock as GearStock
     from .gear.gears import LanternStock as LanternStock
     from .gear.gears import PairStock as PairStock

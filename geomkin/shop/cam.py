@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,9 +15,11 @@ from ..cam.maxima import samples
 from ..cam.undercut import Undercut, undercut
 from ..part import Part
 from ..plane.curve import AbstractCurve
-from ..plane.primitives import Arc, Polyline, Segment
+from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..sizes import FARTHEST, entry, quantity
+from .base import BaseStock
 from .bore import bore, shaft
+from .cam_base import LETTERS, cam_base
 from .fits import AbstractBored
 
 # Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
@@ -47,7 +50,11 @@ class CamStock(AbstractBored):
         "how far a flat face runs beyond where the cam touches it", "mm", default=2.0, at_least=0, at_most=FARTHEST
     )
     stem_length: float = quantity(
-        "distance from a translating flat face to the hole in its stem", "mm", default=40.0, above=0, at_most=FARTHEST
+        "distance from a translating flat face, or over a base from a translating roller, to the hole in its stem",
+        "mm",
+        default=40.0,
+        above=0,
+        at_most=FARTHEST,
     )
     pivot_bore: float = shaft("an arm's pivot, or of the pin in a stem", 6.0)
 
@@ -60,29 +67,41 @@ class CamStock(AbstractBored):
 
 
 @checked
-def cam_parts(cam: Cam, stock: CamStock = CamStock(), cut: Undercut | None = None) -> list[Part]:
+def cam_parts(
+    cam: Cam, stock: CamStock = CamStock(), cut: Undercut | None = None, base: BaseStock | None = None
+) -> list[Part]:
     """The parts to cut: `cam`, the plate about its axis, then those of its follower, each in its own frame, mm.
 
     They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
-    fit and gets no plate. Last comes the `motor_plate`, where the stock has a motor. Where the follower undercuts, the
-    cam plate is what it leaves; `undercut` tells what lift that costs. cut: what it found, where that is known already.
-    Raises DesignError, its field a size of the stock, where holes or bars do not fit.
+    fit and gets no plate. With a base, such a roller has a `follower` too, whose two pins slide in the base's slot, and
+    holes that belong together have the same letter. Last comes the `motor_plate`, where the stock has a motor, or the
+    base. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that costs. cut:
+    what it found, where that is known already. Raises DesignError, its field a size of the stock, where holes or bars
+    do not fit.
 
         gk.write(gk.shop.cam_parts(cam, gk.shop.CamStock(thickness=6, bore=10)), "cam.dxf")
 
     Source: derived here.
     """
-    plate = _cam_plate(cam, stock, cut or undercut(cam))
-    others = cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)
-    return [plate, *(_cut(other, stock) for other in others), *stock.motor_parts]
+    cut = cut or undercut(cam)
+    plate, follower = _cam_plate(cam, stock, cut), cam.follower
+    bars = stock.bars, cam.program, cam.base_radius, cam.sense
+    if base is None:
+        return [plate, *(_cut(other, stock) for other in follower.plates(*bars)), *stock.motor_parts]
+    plates = follower.guided_plates(*bars)
+    parts = [replace(plate, hole_names=("A",)), *(_cut(other, stock, LETTERS) for other in plates)]
+    shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
+    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base)]
 
 
-def _cut(plate: Plate, stock: CamStock) -> Part:
-    holes = [
-        bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre) for hole in plate.holes
-    ]
-    circles = tuple(circle for one in holes for circle in one)
-    return Part(plate.name, plate.outline, circles, stock.thickness, body=plate.name)
+def _cut(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
+    circles: list[Circle] = []
+    names: list[str] = []
+    for hole in plate.holes:
+        one = bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre)
+        circles += one
+        names += [letters.get(hole.key, "") for _ in one] if letters else []
+    return Part(plate.name, plate.outline, tuple(circles), stock.thickness, body=plate.name, hole_names=tuple(names))
 
 
 def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..arguments import checked
 from ..cam.cam import Cam
 from ..part import Bought
+from .base import BaseStock
 from .cam import CamStock
 from .fasteners import gathered
 from .fits import AbstractBored
@@ -36,6 +37,11 @@ def pin_bill(diameter: float, length: float, count: int = 1, what: str = "pin") 
     return ((f"{what} {diameter:g} mm, {_least(length)}", count),) if diameter else ()
 
 
+def screw_bill(base: BaseStock, length: float, count: int = 4) -> Bill:
+    """Screws of a base, those of its corners where no count is given, through plates of a length together, mm."""
+    return ((f"screw {base.screw:g} mm, {_least(length)}", count),) if base.screw else ()
+
+
 def _least(length: float) -> str:
     # How far it stands out is known by who holds it.
     return f"at least {float(f'{length:.10g}'):g} mm long"
@@ -48,15 +54,23 @@ def _key(shaft: float, width: float, room: float) -> str:
 
 
 @checked
-def cam_bought(cam: Cam, stock: CamStock = CamStock()) -> tuple[Bought, ...]:
-    """The cam's shaft and key, and the pins of its follower, for the parts by their names; bearings are not told.
+def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
+    """The cam's shaft and key, the pins of its follower and the base's screws, for the parts by their names.
 
-    A pin is as long as all plates on it are thick.
+    A shaft or pin is as long as all plates on it are thick, with the base that holds or guides it. Bearings are not
+    told.
     """
-    pins: dict[str, list[tuple[str, float]]] = {}
-    for plate in cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense):
-        for hole in plate.holes:
-            pins.setdefault(hole.key, []).append((plate.name, hole.diameter))
-    lines = [("cam", shaft_bill(stock, stock.thickness))]
-    lines += [(on[0][0], pin_bill(on[0][1], len(on) * stock.thickness)) for on in pins.values()]
-    return gathered(lines)
+    follower, thick = cam.follower, stock.thickness
+    plates = follower.plates if base is None else follower.guided_plates
+    # Holes of one name in two plates are on one pin; two in one plate are on a pin each.
+    pins: dict[tuple[str, int], list[tuple[str, float]]] = {}
+    for plate in plates(stock.bars, cam.program, cam.base_radius, cam.sense):
+        keys = [hole.key for hole in plate.holes]
+        for k, hole in enumerate(plate.holes):
+            pins.setdefault((hole.key, keys[:k].count(hole.key)), []).append((plate.name, hole.diameter))
+    held = 0.0 if base is None else thick
+    lines = [("cam", shaft_bill(stock, thick + held))]
+    for (key, _), on in pins.items():
+        in_base = held if key == "pivot_bore" else 0.0
+        lines.append((on[0][0], pin_bill(on[0][1], len(on) * thick + in_base)))
+    return gathered(lines if base is None else [*lines, ("base", screw_bill(base, thick))])

@@ -37,6 +37,8 @@ ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 36
 CONJUGATE = gk.conjugate(GEAR.outline.piece, 24, 24.0, 40, 2.0)
 LANTERN = gk.gear.LanternPinion(10, 2.0, 3.0)
 PLANETARY = gk.gear.PlanetarySet(gk.SpurGear(12, 2), gk.SpurGear(24, 2), RING, 3)
+RACK_PAIR = gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2))
+PLATE = gk.Part("plate", gk.plane.Circle(0j, 70.0), (), 3.0)
 POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
@@ -192,6 +194,8 @@ GOOD = {
     "show": {"thing": FOUR_BAR},
     "slider_crank_stroke": {"stroke": 80.0, "crank_turn_deg": 190, "offset": None, "crank": 38.0, "coupler": None, "free_angle_deg": None, "largest_ratio": 50},
     "opening": {"motion": MOTION},
+    "BaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2},
+    "RackBaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2, "guide_pin": 4.0},
     "CamStock": {"thickness": 5.0, "bore": 8.0, "bore_form": "keyed", "fit": "press", "interference": 0.1, "motor": "nema17", "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},
     "GearStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "web": gk.shop.Web(16, 5)},
     "LanternStock": {"thickness": 6.0, "bore": 8.0, "mate_bore": 8.0, "clearance": 0.1, "edge": 4.0, "rim": 8.0},
@@ -202,8 +206,8 @@ GOOD = {
     "Web": {"hub": 16.0, "rim": 5.0, "form": "holes", "count": 5, "spoke_width": 4.0},
     "base_plate": {"name": "a", "axes": [0j, 40 + 0j], "holes": [5.0, 6.0], "margin": 5.0, "thickness": 3.0},
     "cam_checks": {"cam": CAM, "cut": None},
-    "cam_bought": {"cam": CAM, "stock": gk.shop.CamStock()},
-    "cam_parts": {"cam": CAM, "stock": gk.shop.CamStock(), "cut": None},
+    "cam_bought": {"cam": CAM, "stock": gk.shop.CamStock(), "base": gk.shop.BaseStock()},
+    "cam_parts": {"cam": CAM, "stock": gk.shop.CamStock(), "cut": None, "base": gk.shop.BaseStock()},
     "carrier": {"gears": PLANETARY, "diameters": (6.0, 5.0), "margin": 5.0, "thickness": 3.0},
     "collision_check": {"collisions": 2, "advice": "a"},
     "conjugate_checks": {"mate": CONJUGATE, "module": 2.0, "pieces": 1, "longer": "a"},
@@ -217,6 +221,9 @@ GOOD = {
     "mesh_checks": {"pair": gk.GearPair(GEAR, GEAR), "name": "a"},
     "motor_plate": {"motor": "nema17", "thickness": 5.0, "clearance": 0.1},
     "pair_parts": {"gear": GEAR, "mate": CONJUGATE, "stock": gk.shop.PairStock()},
+    "pair_base": {"distance": 40.0, "reaches": (20.0, 24.0), "shafts": (5.0, 6.0), "thickness": 3.0, "stock": gk.shop.BaseStock(), "keys": ("a", "b")},
+    "planetary_base": {"gears": PLANETARY, "ring": PLATE, "rim": 8.0, "shaft": 6.0, "stock": gk.shop.BaseStock()},
+    "rack_base": {"pair": RACK_PAIR, "rack": PLATE, "shaft": 6.0, "stock": gk.shop.RackBaseStock(), "key": "a"},
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.shop.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},

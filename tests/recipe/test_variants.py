@@ -26,10 +26,10 @@ def at(recipe, key):
 def test_every_choice_between_tables_is_offered():
     assert {key for _, key, _ in OFFERED} == {
         "cam.follower", "cam.program", "stroke", "linkage.sliders", "stock.web", "first_stock.web", "second_stock.web",
-        "sun_stock.web", "planet_stock.web",
+        "sun_stock.web", "planet_stock.web", "base",
     }  # fmt: skip
     # Followers and segments grow in number.
-    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2
+    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2 + 7
     assert len(OFFERED) >= 4 + 8 + 3 + 2 + 2 + 2 + 2
 
 
@@ -37,7 +37,11 @@ def test_every_choice_between_tables_is_offered():
 def test_what_is_asked_for_is_shown_and_passes_its_checks(tmp_path, name, key, which):
     text = template_of(name, [f"{key}={which}" if which else key])
     found = at(tomllib.loads(text), key)
-    assert which in [row["kind"] for row in (found if isinstance(found, list) else [found])] if which else found
+    assert (
+        which in [row["kind"] for row in (found if isinstance(found, list) else [found])]
+        if which
+        else found is not None
+    )
     (tmp_path / "new.toml").write_text(text)
     made = gk.make(tmp_path / "new.toml", tmp_path / "out", ["csv"])
     assert [check.name for check in made.checks if not check.passed] == []

@@ -32,7 +32,7 @@ def round_holes(recipe, clearance):
     tables = {}
     for field in dataclasses.fields(recipe):
         table = getattr(recipe, field.name)
-        if "stock" in field.name and hasattr(table, "clearance"):
+        if ("stock" in field.name or field.name == "base") and hasattr(table, "clearance"):
             bores = {"bore": 8.0} if getattr(table, "bore", None) == 0 else {}
             tables[field.name] = dataclasses.replace(table, clearance=clearance, **bores)
     assert tables

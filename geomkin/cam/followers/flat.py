@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import fsum
 from typing import ClassVar, Literal
 
@@ -17,7 +17,7 @@ from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program
 from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
-from .plates import CORNER, Bars, Hole, Plate, faced_arm, rounded, stemmed_face
+from .plates import CORNER, Bars, Hole, Plate, faced_arm, guide_holes, rounded, stemmed_face
 
 
 class AbstractFace(AbstractFollower):
@@ -152,6 +152,11 @@ class TranslatingFlat(AbstractFace):
         hole = Hole("pivot_bore", bars.pivot_bore, width, end)
         # The corners of a face lie beyond what the cam touches.
         return (Plate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
+
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The same with a second hole in the stem."""
+        (follower,) = self.plates(bars, program, base_radius, sense)
+        return (replace(follower, holes=guide_holes(bars, 1j * np.exp(-1j * self.tilt))),)
 
 
 @dataclass(frozen=True)

@@ -142,6 +142,13 @@ class AbstractFollower(ABC):
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
         """What it is made of, each plate in its own frame. Raises DesignError where the bars' sizes do not fit."""
 
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The same over a base: one that moves straight has two holes `pivot_bore`, whose pins a slot guides.
+
+        They are in line with its motion. Raises DesignError where they find no room.
+        """
+        return self.plates(bars, program, base_radius, sense)
+
     def least_base_radius(self, program: Program, least_radius: float) -> float | None:
         """Base radius, mm, at which the least convex radius is just `least_radius`, where a formula tells it."""
         return None

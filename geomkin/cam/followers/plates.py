@@ -10,10 +10,14 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
+from ...sizes import rounded_up
 
 # Radius of outer corners, mm. Smaller ones cut fingers, chip when dropped and are burnt by a beam; larger ones waste
 # material beyond the face.
 CORNER = 1.0
+# Least distance of the two guide pins of a stem in its widths. Nearer, the play of the pins in their slot lets the
+# follower tilt and jam; farther asks for longer stems.
+APART = 2.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,24 @@ class Plate:
     holes: tuple[Hole, ...] = ()
 
     __repr__ = one_line
+
+
+def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
+    """Of the two pins that guide a stem: one beyond the bar along its face or the roller, one at the stem's end.
+
+    along: unit direction of the stem, from the origin. DesignError where the stem is too short for both.
+    """
+    width, stem = bars.bar_width, bars.stem_length
+    first = width / along.imag
+    least = first + APART * width
+    if stem < least:
+        raise DesignError(
+            "stock.stem_length",
+            f"found {stem:g} mm, on which two guide pins find no room with bars {width:g} mm wide",
+            f"give at least {rounded_up(least)} mm, or leave out base",
+        )
+    near, far = (Hole("pivot_bore", bars.pivot_bore, width, distance * along) for distance in (first, stem))
+    return near, far
 
 
 def rounded(outline: Polyline, radius: float) -> Polyline:

@@ -18,7 +18,7 @@ from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program
 from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
-from .plates import Bars, Hole, Plate
+from .plates import Bars, Hole, Plate, guide_holes
 
 
 @dataclass(frozen=True)
@@ -156,6 +156,13 @@ class TranslatingRoller(AbstractRoller):
     def place(self, lift: Real, base_radius: float) -> Pose:
         """Origin at the roller's centre, x axis as the ground's."""
         return Pose(self.offset + 1j * (self.start_height(base_radius) + lift), np.ones(np.shape(lift), complex))
+
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+        """The roller, and a stem that carries it, between cam and base."""
+        roller, width = self.plates(bars, program, base_radius, sense), bars.bar_width
+        pin = (Hole("roller_bore", bars.roller_bore, width),) if roller else ()
+        outline = rounded_hull([0j, 1j * bars.stem_length], width / 2)
+        return *roller, Plate("follower", outline, (*pin, *guide_holes(bars, 1j)))
 
     def resting_lift(self, points: Complex, base_radius: float) -> Real:
         aside = points.real - self.offset
