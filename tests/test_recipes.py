@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from functools import lru_cache
 from pathlib import Path
 
 import ezdxf
@@ -56,9 +57,14 @@ def test_each_file_works_out_what_it_shows_and_no_more(made):
     assert first - {"dxf", "assembly-svg"} == ({"checks"} if name in BY_ACCELERATION or name in BY_VELOCITY else set())
 
 
+# Tests of one recipe follow each other.
+drawing = lru_cache(maxsize=1)(ezdxf.readfile)
+
+
+@lru_cache(maxsize=1)
 def rings(folder, name):
     """Outlines and holes of the DXF as polygons, arcs flattened finely."""
-    document = ezdxf.readfile(folder / f"{name}.dxf")
+    document = drawing(folder / f"{name}.dxf")
     out = {"CUT": [], "HOLE": []}
     for entity in document.modelspace().query('*[layer=="CUT" | layer=="HOLE"]'):
         # A path of a circle is of Bezier curves, which are a 3700th of the radius off.
@@ -108,7 +114,7 @@ def test_no_two_contours_touch_and_every_hole_has_its_part(made):
 def test_what_is_engraved_lies_on_one_part(made):
     file, folder, _ = made
     cuts = rings(folder, file.stem)["CUT"]
-    for entity in ezdxf.readfile(folder / f"{file.stem}.dxf").modelspace().query('*[layer=="ENGRAVE"]'):
+    for entity in drawing(folder / f"{file.stem}.dxf").modelspace().query('*[layer=="ENGRAVE"]'):
         line = shapely.LineString([(v.x, v.y) for v in dxf_path.make_path(entity).flattening(1e-2)])
         assert line.length > 0 and sum(c.contains_properly(line) for c in cuts) == 1
 

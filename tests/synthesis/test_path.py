@@ -195,11 +195,11 @@ def test_slider_cranks():
     assert abs(found.linkage.offset) == pytest.approx(12, rel=1e-5)
 
 
-@pytest.mark.parametrize("size", [1e-6, 1e6])
-def test_size_and_place_do_not_matter(size):
+def test_size_and_place_do_not_matter():
     plain = gk.path_generator(K18, 20.0 * np.arange(18))
-    other = gk.path_generator(size * (K18 + 3 - 2j), 20.0 * np.arange(18))
-    assert other.square_error == pytest.approx(size**2 * plain.square_error, rel=1e-6)
+    for size in (1e-6, 1e6):
+        other = gk.path_generator(size * (K18 + 3 - 2j), 20.0 * np.arange(18))
+        assert other.square_error == pytest.approx(size**2 * plain.square_error, rel=1e-6)
 
 
 def test_the_same_seed_gives_the_same_answer_and_progress_is_told():
