@@ -9,7 +9,7 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..part import Part
 from ..plane.primitives import Circle, Polyline
-from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_down
 from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
 from .motors import MotorName, motor_plate
 from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
@@ -121,10 +121,6 @@ class AbstractBored:
 
     def _check_bore(self) -> None:
         """Refuse sizes that make no bore, whatever the part."""
-        if self.fit == "press" and 0 < self.bore < self.interference + SMALLEST:
-            problem = f"found {self.interference:g} mm, with which no hole is left for a shaft of {self.bore:g} mm"
-            most = f"give at most {self.bore - SMALLEST:g} mm" if self.bore > SMALLEST else "give a thicker shaft"
-            raise DesignError("interference", problem, most)
         if self.bore_form != "round" and not self.bore:
             problem = f'found 0 mm, which is no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"')
@@ -133,6 +129,8 @@ class AbstractBored:
             raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
         if self.bore_form == "D":
             self._check_flat()
+        if self.fit == "press":
+            self._check_interference()
         if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
             thickest = PARALLEL_KEYS[-1].thickest
             nearest = f"at least {THINNEST:g}" if self.bore < THINNEST else f"at most {thickest:g}"
@@ -141,6 +139,14 @@ class AbstractBored:
                 f"found {self.bore:g} mm, and DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm",
                 f'give {nearest} mm, keyway_width and keyway_depth of your own, or bore_form = "D"',
             )
+
+    def _check_interference(self) -> None:
+        """Refuse one that leaves no hole, where the shaft is narrowest."""
+        narrowest = self.across_flat or self.bore
+        if 0 < narrowest < self.interference + SMALLEST:
+            problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"
+            most = f"give at most {rounded_down(narrowest - SMALLEST)} mm"
+            raise DesignError("interference", problem, most if narrowest > SMALLEST else "give a thicker shaft")
 
     def _check_flat(self) -> None:
         half, across = self.bore / 2, self.across_flat

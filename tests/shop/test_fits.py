@@ -142,6 +142,8 @@ REFUSED = [
     ({"bore": 5, "flat": 4.5}, "flat", 'give bore_form = "D"'),
     ({"bore": 5, "bore_form": "D", "keyway_depth": 1}, "keyway_depth", "give 0"),
     ({"bore": 0.1, "fit": "press"}, "interference", "give at most 0.09 mm"),
+    ({"bore": 5, "bore_form": "D", "fit": "press", "interference": 4.9}, "interference", "give at most 4.49 mm"),
+    ({"bore": 0.005, "fit": "press"}, "interference", "give a thicker shaft"),
 ]
 
 
@@ -151,6 +153,12 @@ def test_bores_that_cannot_be_are_refused_with_what_works(stock, sizes, field, r
     with pytest.raises(gk.DesignError) as caught:
         stock(**sizes)
     assert caught.value.field == field and remedy in caught.value.remedy
+
+
+def test_the_largest_interference_that_is_named_leaves_a_hole():
+    stock = gk.shop.GearStock(bore=5, bore_form="D", fit="press", interference=4.49)
+    (hole,) = gear(stock).parts[0].holes
+    assert 0 < gk.area(hole) < 0.01
 
 
 @pytest.mark.parametrize("form", ["round", "D", "keyed"])
