@@ -151,5 +151,5 @@ def gathered(lines: list[tuple[str, tuple[tuple[str, int], ...]]]) -> tuple[Boug
     for joint, things in lines:
         for name, count in things:
             number, joints = found.setdefault(name, (0, []))
-            found[name] = number + count, [*joints, joint]
+            found[name] = number + count, joints if joint in joints else [*joints, joint]
     return tuple(Bought(name, count, tuple(joints)) for name, (count, joints) in found.items())
