@@ -27,11 +27,13 @@ from ..part import Bought, Part
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
+from ..scenes.copies import with_copies
 from ..scenes.linkage import linkage_scene
 from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
 from ..sizes import entry
 from ..table import Table
+from .copies import Copy, check_copies, copied
 from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry
 
 # Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
@@ -48,8 +50,11 @@ class AbstractLinkageRecipe(AbstractRecipe):
     stock: LinkStock
     # Where a kind has no such key, its table is another.
     coefficients: bool = False
+    # Of kinds that have none.
+    copies: tuple[Copy, ...] = ()
 
     def __post_init__(self) -> None:
+        check_copies(self.copies, self.linkage, self.way)
         # At most so many columns come of the bodies, the slides and the points that are no pins.
         linkage = self.linkage.linkage
         points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -88,11 +93,17 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return self.stack.bought
+        return tuple(dataclasses.replace(one, count=self.count * one.count) for one in self.stack.bought)
+
+    @property
+    def count(self) -> int:
+        """How many of the linkage are made."""
+        return 1 + len(self.copies)
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return self.stack.steps
+        told = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(self.copies, 2))
+        return (*self.stack.steps, *([f"{self.count} of these on one shaft, {told}"] if told else []))
 
     @cached_property
     def table(self) -> Table:
@@ -103,7 +114,11 @@ class AbstractLinkageRecipe(AbstractRecipe):
         """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
         least = LEAST_TRANSMISSION_ANGLE_DEG
         limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
-        return linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits, self._others())
+        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits, self._others())
+        if not self.copies:
+            return scene
+        copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return with_copies(scene, copies, self.parts, self.stack.layers)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates with the last of one or two dyads on its other side, if that closes anywhere."""
@@ -140,7 +155,10 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        return link_parts(self.fine_motion, self.stock, self.stack)
+        parts = link_parts(self.fine_motion, self.stock, self.stack)
+        return (
+            tuple(dataclasses.replace(part, count=self.count * part.count) for part in parts) if self.copies else parts
+        )
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -149,7 +167,17 @@ class AbstractLinkageRecipe(AbstractRecipe):
         limits = driver_limits(self.linkage, self.signs, (float(way.fine[0]), float(way.fine[-1])))
         shown = [[float(f"{np.degrees(q) if in_deg else q:.10g}") for q in part] for part in limits]
         reaches = f"driver_reaches_{'deg' if in_deg else 'mm'}"
-        return {reaches: shown, **self.turning, "stack": self.stack.summary()}
+        stack = self.stack.summary()
+        if self.copies:
+            stack |= {
+                "bought": [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bought],
+                "steps": list(self.steps),
+            }
+        return {reaches: shown, **self.turning, "stack": stack}
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return {"copies": (Copy(180.0),)} if "copies" in asked else {}
 
     @property
     def turning(self) -> Mapping[str, object]:
@@ -175,6 +203,11 @@ def coefficients_entry() -> Any:
     )
 
 
+def copies_entry() -> Any:
+    """Further ones of the linkage."""
+    return entry("further ones of the same linkage on the same shaft", default=())
+
+
 @dataclass(frozen=True, kw_only=True)
 class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
@@ -185,6 +218,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
+    copies: tuple[Copy, ...] = copies_entry()
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
@@ -221,7 +255,9 @@ class SlidRecipe(AbstractLinkageRecipe):
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return cls.sliding if "stroke" in asked else {}
+        # What slides has no shaft that copies could share.
+        none = {"copies": ()} if "copies" in asked else {}
+        return {**none, **cls.sliding} if "stroke" in asked else super().fit(asked)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -242,6 +278,7 @@ class SliderCrankRecipe(SlidRecipe):
 
     kind: Literal["slider-crank"] = "slider-crank"
     linkage: SliderCrank
+    copies: tuple[Copy, ...] = copies_entry()
     sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
 
 
@@ -308,6 +345,7 @@ class LinkageRecipe(SlidRecipe):
 
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList
+    copies: tuple[Copy, ...] = copies_entry()
     sliding: ClassVar = {
         "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
         "stroke": Stroke(start=70, end=110),
@@ -315,4 +353,5 @@ class LinkageRecipe(SlidRecipe):
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return super().fit(asked) or ({"linkage": WITH_SLIDER} if asked else {})
+        fitted = super().fit(asked)
+        return {"linkage": WITH_SLIDER, **fitted} if set(asked) - {"copies"} else fitted

@@ -47,8 +47,8 @@ def linkage_scene(
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
     if not len(motion.drive):
         raise DesignError("motion", "it has no frames", "give at least one place of the driver")
-    bodies = tuple(_bodies(motion, parts, layers or {}))
-    marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *_traced(motion))
+    bodies = tuple(placed_bodies(motion, parts, layers or {}))
+    marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *traced_points(motion))
     if rates:
         marks += (*_vectors(motion), *_centres(motion))
     around = motion.drive[-1] - motion.drive[0]
@@ -70,10 +70,11 @@ def linkage_scene(
     )
 
 
-def _bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, int]) -> Iterator[SceneBody]:
+def placed_bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, int]) -> Iterator[SceneBody]:
+    """Each body with its plates, on their layers."""
     ground = motion.linkage.ground
     for name, body in motion.bodies.items():
-        own = [part for part in parts if part.body == name and part.count == 1]
+        own = [part for part in parts if part.body == name]
         place, fixed = (body.origin.position, body.direction), name == ground
         # What else moves with a body, as a bridge of the ground or a counterweight, has a layer of its own.
         for part in own[1:]:
@@ -112,7 +113,8 @@ def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Comple
                 yield name, track.position, track.velocity, track.acceleration
 
 
-def _traced(motion: Motion) -> Iterator[SceneMark]:
+def traced_points(motion: Motion) -> Iterator[SceneMark]:
+    """Points that are no pins, with their trails."""
     for name, place, _, _ in _free_points(motion):
         yield SceneMark("point", place, "traced", name, trail=True)
 

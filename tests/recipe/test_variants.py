@@ -26,10 +26,10 @@ def at(recipe, key):
 def test_every_choice_between_tables_is_offered():
     assert {key for _, key, _ in OFFERED} == {
         "cam.follower", "cam.program", "stroke", "linkage.sliders", "stock.web", "first_stock.web", "second_stock.web",
-        "sun_stock.web", "planet_stock.web", "base",
+        "sun_stock.web", "planet_stock.web", "base", "copies",
     }  # fmt: skip
     # Followers and segments grow in number.
-    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2 + 7
+    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2 + 7 + 9
     assert len(OFFERED) >= 4 + 8 + 3 + 2 + 2 + 2 + 2
 
 
@@ -82,7 +82,7 @@ def test_the_first_line_is_the_schema_s():
     ("arguments", "words"),
     [
         (["spur-gear", "--with", "foo"], "no such table: foo; spur-gear has web"),
-        (["four-bar", "--with", "foo"], "four-bar has none"),
+        (["ring-gear", "--with", "foo"], "ring-gear has none"),
         (["disk-cam", "--with", "folower=oscillating-roller"], "did you mean follower?"),
         (["disk-cam", "--with", "follower=oscilating-roller"], "did you mean oscillating-roller? give follower=trans"),
         (["disk-cam", "--with", "follower"], "found follower; give follower=translating-roller or"),

@@ -135,7 +135,7 @@ def _clear(recipe, screw):
     heads = [shapely.Point(h.centre.real, h.centre.imag).buffer(screw) for h in base.holes[-4:]]
     plate = polygon(base.outline)
     assert all(plate.contains(head) for head in heads)
-    frames = range(0, len(recipe.scene.time), max(1, len(recipe.scene.time) // 40))
+    frames = range(0, len(recipe.scene.time), max(1, len(recipe.scene.time) // 16))
     turned = np.conj(ground.direction[0])
     for body, origin, direction in moving(recipe):
         for one in body.parts:
