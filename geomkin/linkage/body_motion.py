@@ -111,7 +111,7 @@ class Body:
         """Angular acceleration, rad/s2."""
         return self.solution.rate(self.name, 2)
 
-    @property
+    @cached_property
     def origin(self) -> PointMotion:
         """Motion of the body's own origin."""
         return self.point(0j)

@@ -100,6 +100,11 @@ class Motion:
         """The bodies by name, the ground first."""
         return {name: Body(name, self.solution, self.timing) for name in self.linkage.bodies}
 
+    @cached_property
+    def _points(self) -> dict[str, PointMotion]:
+        """Named points that were asked for, with what is known of them: a table, a scene and checks ask anew."""
+        return {}
+
     def __getattr__(self, name: str) -> Body:
         # While a copy is being unpickled nothing is there yet.
         linkage = self.__dict__.get("linkage")
@@ -111,7 +116,9 @@ class Motion:
         """Motion of a named point; of a pin, as a point of the first body it joins."""
         for body, points in self.linkage.bodies.items():
             if name in points:
-                return self.bodies[body].point(points[name])
+                if name not in self._points:
+                    self._points[name] = self.bodies[body].point(points[name])
+                return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
         raise KeyError(f"no point named {name!r}; there are {', '.join(named)}")
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
-from ..linkage.instant.centres import instant_centres
+from ..linkage.instant.centres import instant_centre
 from ..linkage.motion import Motion
 from ..part import Part
 from ..plane.vec import Complex
@@ -151,10 +152,11 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
     for pin, bodies in motion.linkage.pins.items():
         joints |= {frozenset((one, two)) for one in bodies for two in bodies if one != two} if pin else set()
     some = len(motion.bodies) > ALL_CENTRES
-    for pair, centre in instant_centres(motion).items():
+    for pair in combinations(motion.bodies, 2):
         if frozenset(pair) in joints or (some and motion.linkage.ground not in pair):
             continue
-        place = np.where(np.abs(centre.position) < FARTHEST_CENTRE * size, centre.position, np.nan)
+        position = instant_centre(motion, *pair).position
+        place = np.where(np.abs(position) < FARTHEST_CENTRE * size, position, np.nan)
         if np.isfinite(place).any():
             yield SceneMark("point", place, "centre", f"instant centre of {' and '.join(pair)}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations, product
 from string import ascii_uppercase
 
@@ -93,7 +94,7 @@ class Stack:
         """How many discs keep plates apart: on pins that cross empty layers, and under a bridge."""
         return sum(len(pin.spacers) for pin in self.pins)
 
-    @property
+    @cached_property
     def letters(self) -> Mapping[str, str]:
         """A short name for each pin, engraved at its holes: A to Z, then AA and so on."""
         signs = [*ascii_uppercase, *("".join(two) for two in product(ascii_uppercase, repeat=2))]
