@@ -200,9 +200,9 @@ def test_formats_and_kinds_are_listed_once():
                 assert len(listed) < 2 or file == PACKAGE / home, (file, listed)
 
 
-def loaded_by(code):
-    """Modules in memory after running code in a fresh interpreter."""
-    text = f"import sys\n{code}\nprint(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+def loaded_by(code, depth=1):
+    """Modules in memory after running code in a fresh interpreter, by the first words of their names."""
+    text = f"import sys\n{code}\nprint(*sorted({{'.'.join(m.split('.')[:{depth}]) for m in sys.modules}}))"
     return set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
 
 
@@ -258,6 +258,12 @@ def test_a_recipe_loads_only_what_it_writes(tmp_path, formats):
     assert not loaded_for(formats, some, tmp_path) & (UNLOADED[formats] | NEVER | {"highspy"})
     stem = "gear.stl" if formats == "stl" else "spur-gear." + {"page": "html"}.get(formats, formats)
     assert (tmp_path / "spur-gear" / stem).exists() == (formats != "check")
+
+
+def test_a_gear_loads_no_other_mechanism(tmp_path):
+    gear = PACKAGE.parent / "recipes" / "spur-gear.toml"
+    code = f"from geomkin.build import make\nmake({str(gear)!r}, {str(tmp_path)!r})"
+    assert not loaded_by(code, 2) & {"geomkin.cam", "geomkin.linkage", "geomkin.synthesis"}
 
 
 @pytest.mark.campaign

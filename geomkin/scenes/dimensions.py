@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields
 from itertools import combinations, pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..cam.cam import Cam
 from ..gear.contract import AbstractInvoluteGear
-from ..linkage.linkage import Linkage
 from ..plane.primitives import Segment
 from ..plane.vec import Array
 from ..scene import SceneCurve
+
+if TYPE_CHECKING:
+    # A gear's scene needs neither, and both take as long to load as all that it needs.
+    from ..cam.cam import Cam
+    from ..linkage.linkage import Linkage
 
 # Of a linkage's size: what is shorter is no size, but rounding.
 NOTHING = 1e-9

@@ -15,7 +15,7 @@ from .loop_equations import LoopEquations, State
 from .placement import Coefficients, Placement, Poses
 
 # How far drives may be from the first one, rad, or sizes of the linkage where the driver slides: a path is followed
-# in steps of about a twentieth of that unit, a millisecond each. Farther, and a slip of units takes minutes.
+# in steps of about a twentieth of that unit, a third of a millisecond each. Farther, and a slip of units takes minutes.
 FARTHEST = 80 * np.pi
 
 
