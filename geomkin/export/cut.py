@@ -64,13 +64,14 @@ class Cut:
     """A part ready for its files.
 
     loops: the cuts, outline first, then the holes; marks: what is engraved; label: its name or number among that, ""
-    where it has none. digits: decimals of mm that its numbers carry.
+    where it has none. digits: decimals of mm that its numbers carry; tolerance: mm, that it was flattened within.
     """
 
     part: Part
     loops: tuple[Loop, ...]
     marks: tuple[Loop, ...]
     digits: int
+    tolerance: float
     label: str = ""
 
     __repr__ = one_line
@@ -126,7 +127,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, num
     _check_holes(part, outline, holes, tolerance)
     label, strokes = lettered(part, number) if number else ("", ())
     letters = (Loop(Polyline(line, is_closed=False), line, "LABEL") for line in strokes)
-    return Cut(part, (outline, *holes), (*_marks(part, tolerance), *letters), decimals(tolerance), label)
+    return Cut(part, (outline, *holes), (*_marks(part, tolerance), *letters), decimals(tolerance), tolerance, label)
 
 
 def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float) -> None:

@@ -10,10 +10,10 @@ import trimesh
 from ..part import Part
 from ..plane.vec import Real
 from ..scene import SceneBody
-from .cut import cut
 from .job import Job
 from .solid import solid
 from .still import Still, frame_at, palette
+from .twisted import solid_cut
 
 # From mm, z up, to what the format has: metres, y up.
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
@@ -31,7 +31,7 @@ def glb(job: Job) -> bytes:
     names: list[str] = []
     for body in job.scene.bodies:
         for part in body.parts:
-            points, faces = solid(cut(part, job.tolerance))
+            points, faces = solid(solid_cut(part, job.tolerance))
             colours = np.tile(np.array(_colour(palette()[still.tint(body)]), dtype=np.uint8), (len(points), 1))
             mesh = trimesh.Trimesh(points, faces, vertex_colors=colours, process=False)
             name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name

@@ -13,19 +13,19 @@ from ..gear.spur import SpurGear
 from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
 from ..part import Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
 from ..shop.gear.gears import GearStock, gear_parts
 from ..sizes import entry
 from ..table import Table
-from .gear_notes import gear_notes
+from .gear_notes import gear_notes, helix_notes
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurGearRecipe(AbstractRecipe):
+class SpurGearRecipe(AbstractHelicalRecipe):
     """A spur gear with the root curve its rack leaves: gear plate and tooth coordinates."""
 
     kind: Literal["spur-gear"] = "spur-gear"
@@ -54,7 +54,7 @@ class SpurGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
-        return gear_parts(self.design, self.stock)
+        return gear_parts(self.design, self.stock, helix=self.helix)
 
     @cached_property
     def scene(self) -> Scene:
@@ -63,4 +63,5 @@ class SpurGearRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"measures_mm": gear_notes(self.design)}
+        measures = gear_notes(self.design, self.helix, self.stock.thickness)
+        return {**helix_notes(self.design, self.helix, self.stock.thickness), "measures_mm": measures}
