@@ -154,7 +154,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
-    bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), ("carrier", "ring"))
+    bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), ("carrier",))
     away, (inner, outer) = 1j * gears.inner.centre_distance, (LineOfAction(p) for p in (gears.inner, gears.outer))
     start, end = (complex(away - np.conj(outer.place(z))) for z in gears.outer.contact_lengths)
     curves = [

@@ -9,6 +9,7 @@ import shapely
 import geomkin as gk
 from geomkin.export.stl import TRIANGLE, stl
 from geomkin.export.twisted import solid_cut
+from tests.export.crossed import section
 from tests.made import Made
 
 WIDTH = 12.0
@@ -31,22 +32,6 @@ def part(gear, stock, helix):
 def triangles(content):
     """(m, 3, 3), mm, as the file has them."""
     return np.frombuffer(content[84:], dtype=TRIANGLE)["corners"].astype(float)
-
-
-def section(corners, height):
-    """Segments (n, 2) complex in which triangles cross a height."""
-    z, above = corners[..., 0] + 1j * corners[..., 1], corners[..., 2] > height
-    crossed = above.any(axis=1) & ~above.all(axis=1)
-    z, h, above = z[crossed], corners[crossed, :, 2], above[crossed]
-    # The corner that is alone on its side, and the two others.
-    alone = np.argmax(above == (above.sum(axis=1) == 1)[:, None], axis=1)
-    row = np.arange(len(z))
-    ends = []
-    for step in (1, 2):
-        other = (alone + step) % 3
-        share = (height - h[row, alone]) / (h[row, other] - h[row, alone])
-        ends.append(z[row, alone] + share * (z[row, other] - z[row, alone]))
-    return np.stack(ends, axis=1)
 
 
 def ring(curve):
