@@ -90,8 +90,15 @@ class Cut:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of the outline, mm."""
-        return self.loops[0].box
+        """Lower left and upper right corner of the outline, mm; of one that is twisted, of the room that it takes."""
+        low, high = self.loops[0].box
+        twist = self.part.twist
+        if twist is None or twist.moves == "holes":
+            return low, high
+        if twist.turn:
+            corner = float(np.abs(self.loops[0].points).max()) * (1 + 1j)
+            low, high = -corner, corner
+        return low + min(twist.shift, 0.0), high + max(twist.shift, 0.0)
 
 
 def _tops(shape: Polyline) -> Complex:

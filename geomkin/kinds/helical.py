@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..errors import DesignError
 from ..gear.helix import STEEPEST, Hand, Helix
@@ -15,6 +16,11 @@ from ..sizes import check_sizes, entry, quantity
 class AbstractHelicalRecipe(AbstractRecipe):
     """What recipes of involute gears have in common."""
 
+    advice: ClassVar[str] = (
+        "Where teeth lie on helices, all sizes, module first, are those of the transverse section, square to the axis, "
+        "which drawings show."
+    )
+
     kind: str
     helix_angle_deg: float = quantity(
         "angle of the teeth to the axis at the pitch circle, 0 for straight ones; modules stay the transverse ones",
@@ -23,7 +29,9 @@ class AbstractHelicalRecipe(AbstractRecipe):
         at_least=0,
         at_most=STEEPEST,
     )
-    hand: Hand = entry("hand of the helices of the gear that drives; its mate has the one that fits", default="right")
+    hand: Hand = entry(
+        "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
+    )
     herringbone: bool = entry("the upper half of the face has the other hand", default=False)
 
     def __post_init__(self) -> None:

@@ -109,3 +109,17 @@ def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):
             first, second = region(parts[one], height), region(parts[two], height)
             assert first.intersection(second).area < 1e-3
             assert first.distance(second) < 0.11
+
+
+def test_leaning_racks_lie_flat_apart_and_on_the_plate(tmp_path):
+    stock = "[stock]\nthickness = 60\n"
+    (path,) = gk.write(gk.load(RACK + stock + FILES + "0"), tmp_path / "a.3mf")
+    model = ET.fromstring(zipfile.ZipFile(path).read("3D/3dmodel.model"))
+    points = {
+        one.get("id"): np.array([[float(v.get(k)) for k in "xy"] for v in one.iter(f"{CORE}vertex")])
+        for one in model.iter(f"{CORE}object")
+    }
+    placed = [points[i.get("objectid")] + matrix(i.get("transform"))[3, :2] for i in model.iter(f"{CORE}item")]
+    one, two = ([p.min(axis=0), p.max(axis=0)] for p in placed)
+    assert min(one[0].min(), two[0].min()) >= 0
+    assert (one[0] > two[1]).any() or (two[0] > one[1]).any()
