@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from .linkage.solve.move import move as move
     from .notebook import show as show
     from .part import Part as Part
+    from .part import Twist as Twist
     from .plane.arcs import to_arcs as to_arcs
     from .plane.curve import AbstractCurve as AbstractCurve
     from .plane.flatten import flatten as flatten

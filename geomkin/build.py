@@ -136,12 +136,12 @@ def write(
     """Write parts, a table, or what a recipe has of either, or its page or picture, to a file; path to size in bytes.
 
     The ending of `path` picks the format, `.html` the page; of a recipe `-assembly.svg`, `-assembly.dxf` and
-    `-animation.svg` are pictures of the whole. One that has a file for each part, such as STL, writes
-    several beside `path`, named after the parts. tolerance: largest distance, mm, between a curve and what is
-    written. kerf: width of the cut, mm: drawings move outlines out and holes in by half of it. curves: outlines in
-    drawings as chords or as arcs. What is left out of the three is as the recipe says, or as it is in a recipe
-    without `files`: 0.005 mm, no kerf, chords. Raises DesignError for what cannot be written so, and FileError;
-    then nothing has been written, or what was is whole.
+    `-animation.svg` are pictures of the whole, `-assembly.glb` and `-assembly.3mf` its solids. One that has a file
+    for each part, such as STL, writes several beside `path`, named after the parts. tolerance: largest distance,
+    mm, between a curve and what is written. kerf: width of the cut, mm: drawings move outlines out and holes in by
+    half of it. curves: outlines in drawings as chords or as arcs. What is left out of the three is as the recipe
+    says, or as it is in a recipe without `files`: 0.005 mm, no kerf, chords. Raises DesignError for what cannot be
+    written so, and FileError; then nothing has been written, or what was is whole.
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)

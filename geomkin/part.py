@@ -3,23 +3,54 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-from .arguments import check_fields
+import numpy as np
+
+from .arguments import RealsOrNan, check_fields, checked
 from .brief import one_line
 from .display import still
 from .names import check_names
 from .plane.curve import AbstractCurve
+from .plane.pose import Pose
+
+
+@dataclass(frozen=True)
+class Twist:
+    """How the section of a solid moves from its bottom, which the drawing shows, to its top.
+
+    It turns about the part's origin by `turn`, rad, counterclockwise as seen from above, and slides along x by `shift`,
+    mm, in proportion to the height. herringbone: all the way at half the height, and back again at the top. moves: what
+    of the section; the rest goes straight up.
+    """
+
+    turn: float = 0.0
+    shift: float = 0.0
+    herringbone: bool = False
+    moves: Literal["outline", "holes"] = "outline"
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @checked
+    def at(self, share: RealsOrNan) -> Pose:
+        """Where what moves stands at shares of the height, 0 at the bottom and 1 at the top, any shape."""
+        way = np.asarray(share, dtype=float)
+        way = 1 - abs(2 * way - 1) if self.herringbone else way
+        return Pose(self.shift * way + 0j, np.exp(1j * self.turn * way))
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A flat plate.
+    """A plate, flat or with a section that moves as it goes up.
 
     name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
     direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make. marks:
     open or closed curves engraved within the outline. body: whose motion it follows, by the name that the
     mechanism gives it; "" for a part that belongs to no motion, as a drawing. hole_names: what is engraved beside
-    each hole, such as the letter of a joint; empty for none.
+    each hole, such as the letter of a joint; empty for none. twist: of a helical gear; None for what goes straight up.
     """
 
     name: str
@@ -31,6 +62,7 @@ class Part:
     marks: tuple[AbstractCurve, ...] = ()
     body: str = ""
     hole_names: tuple[str, ...] = ()
+    twist: Twist | None = None
 
     __repr__ = one_line
 

@@ -90,9 +90,9 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
 
 
 def wall_checks(parts: Iterable[Part], kerf: float) -> tuple[Check, ...]:
-    """The thinnest wall of each part that has one."""
+    """The thinnest wall of each part that has one and is cut from a sheet, as what is twisted cannot be."""
     checks = []
-    for part in parts:
+    for part in (part for part in parts if part.twist is None):
         limit = least_wall(part.thickness, kerf)
         wall = thinnest_wall(part, limit)
         if wall < np.inf:

@@ -64,13 +64,14 @@ class Cut:
     """A part ready for its files.
 
     loops: the cuts, outline first, then the holes; marks: what is engraved; label: its name or number among that, ""
-    where it has none. digits: decimals of mm that its numbers carry.
+    where it has none. digits: decimals of mm that its numbers carry; tolerance: mm, that it was flattened within.
     """
 
     part: Part
     loops: tuple[Loop, ...]
     marks: tuple[Loop, ...]
     digits: int
+    tolerance: float
     label: str = ""
 
     __repr__ = one_line
@@ -89,8 +90,15 @@ class Cut:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of the outline, mm."""
-        return self.loops[0].box
+        """Lower left and upper right corner of the outline, mm; of one that is twisted, of the room that it takes."""
+        low, high = self.loops[0].box
+        twist = self.part.twist
+        if twist is None or twist.moves == "holes":
+            return low, high
+        if twist.turn:
+            corner = float(np.abs(self.loops[0].points).max()) * (1 + 1j)
+            low, high = -corner, corner
+        return low + min(twist.shift, 0.0), high + max(twist.shift, 0.0)
 
 
 def _tops(shape: Polyline) -> Complex:
@@ -126,7 +134,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, num
     _check_holes(part, outline, holes, tolerance)
     label, strokes = lettered(part, number) if number else ("", ())
     letters = (Loop(Polyline(line, is_closed=False), line, "LABEL") for line in strokes)
-    return Cut(part, (outline, *holes), (*_marks(part, tolerance), *letters), decimals(tolerance), label)
+    return Cut(part, (outline, *holes), (*_marks(part, tolerance), *letters), decimals(tolerance), tolerance, label)
 
 
 def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float) -> None:

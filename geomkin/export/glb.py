@@ -7,13 +7,12 @@ import re
 import numpy as np
 import trimesh
 
-from ..part import Part
 from ..plane.vec import Real
-from ..scene import SceneBody
-from .cut import cut
+from .in_place import InPlace, in_place
 from .job import Job
 from .solid import solid
-from .still import Still, frame_at, palette
+from .still import palette
+from .twisted import solid_cut
 
 # From mm, z up, to what the format has: metres, y up.
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
@@ -26,29 +25,24 @@ def write(job: Job) -> dict[str, bytes]:
 
 def glb(job: Job) -> bytes:
     """The assembly: a node for each part, by its name, in the colour that pages give its body."""
-    still = Still(job.scene, np.array([frame_at(job.scene, job.assembly_at)]))
+    still, placed = in_place(job)
     assembly = trimesh.Scene(base_frame="assembly")
-    names: list[str] = []
-    for body in job.scene.bodies:
-        for part in body.parts:
-            points, faces = solid(cut(part, job.tolerance))
-            colours = np.tile(np.array(_colour(palette()[still.tint(body)]), dtype=np.uint8), (len(points), 1))
-            mesh = trimesh.Trimesh(points, faces, vertex_colors=colours, process=False)
-            name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name
-            names.append(part.name)
-            assembly.add_geometry(mesh, node_name=name, geom_name=name, transform=UPRIGHT @ _place(body, part, still))
+    for one in placed:
+        points, faces = solid(solid_cut(one.part, job.tolerance))
+        colour = np.array(_colour(palette()[still.tint(one.body)]), dtype=np.uint8)
+        mesh = trimesh.Trimesh(points, faces, vertex_colors=np.tile(colour, (len(points), 1)), process=False)
+        assembly.add_geometry(mesh, node_name=one.name, geom_name=one.name, transform=UPRIGHT @ _place(one))
     return bytes(trimesh.exchange.gltf.export_glb(assembly))  # type: ignore[no-untyped-call]
 
 
-def _place(body: SceneBody, part: Part, still: Still) -> Real:
-    """From the part's frame to the assembly's, mm, its layer as high as the sheets below it."""
-    origin = complex(np.broadcast_to(body.origin, still.scene.closed.shape)[still.frame])
-    ahead = complex(np.broadcast_to(body.direction, still.scene.closed.shape)[still.frame])
+def _place(one: InPlace) -> Real:
+    """From the part's frame to the assembly's, mm."""
+    ahead, origin = one.direction, one.origin
     return np.array(
         [
             [ahead.real, -ahead.imag, 0, origin.real],
             [ahead.imag, ahead.real, 0, origin.imag],
-            [0, 0, 1, body.layer * part.thickness],
+            [0, 0, 1, one.height],
             [0, 0, 0, 1.0],
         ]
     )

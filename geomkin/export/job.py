@@ -15,6 +15,7 @@ from ..scene import Scene
 from ..table import Table
 from .cut import Cut, cut
 from .layout import Sheet, lay_out
+from .twisted import solid_cut
 
 
 class Source(Protocol):
@@ -104,7 +105,9 @@ class Job:
     @cached_property
     def solids(self) -> Sequence[Cut]:
         """The parts as they are to be."""
-        return self.flats if self.kerf == 0 else [cut(part, self.tolerance) for part in self._parts]
+        if self.kerf == 0 and not any(part.twist for part in self._parts):
+            return self.flats
+        return [solid_cut(part, self.tolerance) for part in self._parts]
 
     @cached_property
     def exact(self) -> Sequence[Cut]:

@@ -1,4 +1,4 @@
-"""Plates as solids of triangles, each watertight and of the volume that its area and thickness give."""
+"""Plates as solids of triangles, each watertight and of the volume that its sections give."""
 
 from __future__ import annotations
 
@@ -8,32 +8,60 @@ from ..errors import GeomkinError
 from ..plane import region
 from ..plane.vec import Complex, Real, Whole, xy
 from .cut import Cut, signed_area
+from .twisted import twisted
+from .twisted import volume as twisted_volume
 
 
 def solid(cut: Cut) -> tuple[Real, Whole]:
     """Corners (n, 3), mm, from z = 0 up, and triangles (m, 3) of them, seen from outside counterclockwise.
 
-    Raises GeomkinError rather than return a mesh that leaks or whose volume is not its area times its
-    thickness: inverted hole walls pass for watertight.
+    Raises GeomkinError rather than return a mesh that leaks or whose volume is not that of its sections: inverted hole
+    walls pass for watertight.
     """
-    loops = [_distinct(loop.points if k == 0 else loop.points[::-1]) for k, loop in enumerate(cut.loops)]
-    plane, lid = region.triangulate(loops)
-    edges, count = _boundary(lid, len(plane)), len(plane)
-    floor = np.column_stack([xy(plane), np.zeros(count)])
-    points = np.concatenate([floor, floor + np.array([0.0, 0.0, cut.part.thickness])])
-    start, end = edges.T
-    walls = np.stack([end + count, start + count, end, end, start + count, start], axis=1).reshape(-1, 3)
-    faces = np.concatenate([lid[:, ::-1], lid + count, walls])
+    loops = [_distinct(loop) for loop in _boundaries(cut)]
+    if twist := cut.part.twist:
+        points, faces = twisted(cut, twist, loops)
+        expected = twisted_volume(cut, twist, loops)
+    else:
+        points, faces = _straight(loops, cut.part.thickness)
+        # What the corners left out by rounding enclose is far below the tolerance, and not the mesh's fault.
+        expected = sum(signed_area(loop) for loop in loops) * cut.part.thickness
     a, b, c = points[faces].swapaxes(0, 1)
-    volume = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
-    # What the corners left out by rounding enclose is far below the tolerance, and not the mesh's fault.
-    expected = sum(signed_area(loop) for loop in loops) * cut.part.thickness
-    if len(edges) != sum(map(len, loops)) or not np.isclose(volume, expected, rtol=1e-6):
+    found = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
+    if not _is_closed(faces, len(points)) or not np.isclose(found, expected, rtol=1e-6):
         raise GeomkinError(
-            f"{cut.part.name}: its solid has volume {volume:.6g} mm3 where {expected:.6g} is right; "
+            f"{cut.part.name}: its solid has volume {found:.6g} mm3 where {expected:.6g} is right; "
             "please report this with the recipe"
         )
     return points, faces
+
+
+def volume(cut: Cut) -> float:
+    """Of the solid that is made of a cut, mm3."""
+    twist = cut.part.twist
+    return twisted_volume(cut, twist, _boundaries(cut)) if twist else cut.chord_area * cut.part.thickness
+
+
+def _boundaries(cut: Cut) -> list[Complex]:
+    """The loops with the material on their left."""
+    return [loop.points if k == 0 else loop.points[::-1] for k, loop in enumerate(cut.loops)]
+
+
+def _straight(loops: list[Complex], thickness: float) -> tuple[Real, Whole]:
+    plane, lid = region.triangulate(loops)
+    edges, count = _boundary(lid, len(plane)), len(plane)
+    floor = np.column_stack([xy(plane), np.zeros(count)])
+    points = np.concatenate([floor, floor + np.array([0.0, 0.0, thickness])])
+    start, end = edges.T
+    walls = np.stack([end + count, start + count, end, end, start + count, start], axis=1).reshape(-1, 3)
+    return points, np.concatenate([lid[:, ::-1], lid + count, walls])
+
+
+def _is_closed(faces: Whole, points: int) -> bool:
+    """Whether each edge of a triangle is that of one other, which runs along it the other way."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    there, back = np.sort(start * points + end), np.sort(end * points + start)
+    return bool((there == back).all() and (there[1:] != there[:-1]).all())
 
 
 def _boundary(faces: Whole, points: int) -> Whole:

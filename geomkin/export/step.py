@@ -30,6 +30,12 @@ def write(job: Job) -> dict[str, bytes]:
     contents: dict[str, bytes] = {}
     for cut in job.exact:
         name = f"{cut.part.name}.step"
+        if cut.part.twist:
+            raise DesignError(
+                "write",
+                f"found step for the {cut.part.name}: its planes and cylinders make no teeth along helices",
+                "leave step out and take stl or 3mf, or give a helix_angle_deg of 0",
+            )
         if name in contents:
             raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
         contents[name] = step(cut)

@@ -14,6 +14,7 @@ from ..part import Part
 from ..plane.measure import area
 from ..version import VERSION
 from .job import Job
+from .solid import volume
 from .writers import WRITERS, format_of
 
 NAME = "summary.json"
@@ -81,8 +82,7 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
         sizes = {cut.part: {"written_area_mm2": float(f"{cut.area:.10g}")} for cut in job.flats}
     if any(WRITERS[ending].needs == "parts" and not WRITERS[ending].flat for ending in written):
         for cut in job.solids:
-            volume = cut.chord_area * cut.part.thickness
-            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume:.10g}")}
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume(cut):.10g}")}
     return sizes
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Sequence
 from html import escape
 
 from ..plane.vec import Real, Whole
@@ -33,14 +34,22 @@ def write(job: Job) -> dict[str, bytes]:
 
 def threemf(job: Job) -> bytes:
     """The parts as a 3MF package, mm; the same parts give the same bytes."""
-    sheet, objects, items = lay_out(job.solids), [], []
-    for number, cut in enumerate(job.solids, 1):
-        name = escape(cut.part.name)
-        objects.append(f'<object id="{number}" name="{name}" type="model">{_mesh(*solid(cut))}</object>')
+    sheet, items = lay_out(job.solids), []
+    objects = [mesh_object(number, cut.part.name, solid(cut)) for number, cut in enumerate(job.solids, 1)]
     numbers = {id(cut): number for number, cut in enumerate(job.solids, 1)}
     for placed in sheet.placed:
         place = f"1 0 0 0 1 0 0 0 1 {placed.shift.real:g} {placed.shift.imag:g} 0"
         items.append(f'<item objectid="{numbers[id(placed.cut)]}" transform="{place}"/>')
+    return package(objects, items)
+
+
+def mesh_object(number: int, name: str, mesh: tuple[Real, Whole]) -> str:
+    """An object of a model: its number, by which items and components name it, its name, corners and triangles."""
+    return f'<object id="{number}" name="{escape(name)}" type="model">{_mesh(*mesh)}</object>'
+
+
+def package(objects: Sequence[str], items: Sequence[str]) -> bytes:
+    """A 3MF file: the objects that it has, and the items that are to be built of them."""
     inside = "\n".join(["<resources>", *objects, "</resources>", "<build>", *items, "</build>", "</model>", ""])
     stream = io.BytesIO()
     # Not packed: libraries that pack differ in their bytes.

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .contract import AbstractShaper as AbstractShaper
     from .cutters import PinionCutter as PinionCutter
     from .cutters import RackCutter as RackCutter
+    from .helix import Helix as Helix
     from .measures import chord as chord
     from .measures import over_pins as over_pins
     from .measures import span as span

@@ -10,13 +10,13 @@ from typing import Literal
 from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
+from ..gear.helix import Helix
 from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
@@ -25,14 +25,15 @@ from ..shop.fasteners import gathered
 from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
 from ..shop.shafts import screw_bill, shaft_bill
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, mesh_notes
+from .gear_notes import gear_notes, helices_notes, mesh_notes
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class GearPairRecipe(AbstractRecipe):
+class GearPairRecipe(AbstractHelicalRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
     kind: Literal["gear-pair"] = "gear-pair"
@@ -53,7 +54,8 @@ class GearPairRecipe(AbstractRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        super().__post_init__()
+        self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
         if self.second_stock.motor is not None:
             raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
@@ -73,10 +75,10 @@ class GearPairRecipe(AbstractRecipe):
         return GearPair(one, two) if self.centre_distance is None else GearPair(one, two, self.centre_distance)
 
     @property
-    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock], ...]:
-        """Both gears as they are cut: name, gear and stock."""
-        pair = self.design
-        return ("first", pair.first, self.first_stock), ("second", pair.second, self.second_stock)
+    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock, Helix], ...]:
+        """Both gears as they are cut: name, gear, stock and helix."""
+        pair, helix = self.design, self.helix
+        return ("first", pair.first, self.first_stock, helix), ("second", pair.second, self.second_stock, helix.mate)
 
     @cached_property
     def table(self) -> Table:
@@ -84,13 +86,17 @@ class GearPairRecipe(AbstractRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        own = [c for name, gear, stock in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
+        own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
         return (*mesh_checks(self.design), *own)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        check_tooth_points(self.files, [gear.outline for _, gear, _ in self.gears])
-        parts = [part for name, gear, stock in self.gears for part in gear_parts(gear, stock, name, f"{name}_stock")]
+        check_tooth_points(self.files, [gear.outline for _, gear, *_ in self.gears])
+        parts = [
+            part
+            for name, gear, stock, helix in self.gears
+            for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
+        ]
         if self.base is not None:
             pair = self.design
             reaches, shafts = (
@@ -109,7 +115,7 @@ class GearPairRecipe(AbstractRecipe):
     @property
     def bought(self) -> tuple[Bought, ...]:
         """The gears' shafts and keys, held by the base plate, too, where there is one; and its screws."""
-        stocks = [(name, stock) for name, _, stock in self.gears]
+        stocks = [(name, stock) for name, _, stock, _ in self.gears]
         thick = self.first_stock.thickness
         held = thick if all(stock.bore for _, stock in stocks) else 0.0
         bill = [(name, shaft_bill(stock, stock.thickness + held)) for name, stock in stocks]
@@ -127,6 +133,11 @@ class GearPairRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        measures = {name: gear_notes(gear) for name, gear, _ in self.gears}
-        bought = [one.told for one in self.bought]
-        return {"pair": mesh_notes(self.design), "measures_mm": measures, "bought": bought}
+        sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
+        width = min(self.first_stock.thickness, self.second_stock.thickness)
+        return {
+            "pair": mesh_notes(self.design, self.helix, width),
+            **helices_notes(sizes),
+            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            "bought": [one.told for one in self.bought],
+        }

@@ -11,10 +11,11 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
+from ..gear.contract import AbstractInvoluteGear
+from ..gear.helix import Helix
 from ..gear.planetary import PlanetarySet
 from ..judge.gear import gear_checks, planetary_checks
 from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
@@ -25,12 +26,13 @@ from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
 from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
-from .gear_notes import gear_notes, mesh_notes, shown
+from .gear_notes import gear_notes, helices_notes, mesh_notes, shown
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanetaryRecipe(AbstractRecipe):
+class PlanetaryRecipe(AbstractHelicalRecipe):
     """A sun, planets and a ring: all gears and the carrier that holds the planets; the sun drives, the ring stands."""
 
     kind: Literal["planetary"] = "planetary"
@@ -43,6 +45,9 @@ class PlanetaryRecipe(AbstractRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
+        self.check_faces({"sun_stock": sun, "planet_stock": planet, "ring_stock": ring})
         if self.planet_stock.motor is not None:
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
@@ -84,9 +89,9 @@ class PlanetaryRecipe(AbstractRecipe):
         gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
         check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
         parts = (
-            *gear_parts(gears.sun, sun, "sun", "sun_stock"),
-            *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets),
-            *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock"),
+            *gear_parts(gears.sun, sun, "sun", "sun_stock", helix=self.helix),
+            *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets, self.helix.mate),
+            *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock", helix=self.helix.mate),
         )
         if self.base is not None:
             first, planets, ring = parts
@@ -122,15 +127,18 @@ class PlanetaryRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        gears = self.gears
+        gears, helix = self.gears, self.helix
+        sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
+        sizes: dict[str, tuple[AbstractInvoluteGear, Helix, float]] = {
+            "sun": (gears.sun, helix, sun),
+            "planet": (gears.planet, helix.mate, planet),
+            "ring": (gears.ring, helix.mate, ring),
+        }
         return {
             "ratios": {name: shown(ratio) for name, ratio in gears.ratios.items()},
-            "sun_and_planet": mesh_notes(gears.inner),
-            "planet_and_ring": mesh_notes(gears.outer),
-            "measures_mm": {
-                "sun": gear_notes(gears.sun),
-                "planet": gear_notes(gears.planet),
-                "ring": gear_notes(gears.ring),
-            },
+            "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
+            "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
+            **helices_notes(sizes),
+            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
             "bought": [one.told for one in self.bought],
         }

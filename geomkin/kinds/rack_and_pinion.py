@@ -13,7 +13,6 @@ from ..gear.spur import SpurGear
 from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
@@ -22,14 +21,15 @@ from ..shop.fasteners import gathered
 from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
 from ..shop.shafts import pin_bill, screw_bill, shaft_bill
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, shown
+from .gear_notes import gear_notes, helices_notes, overlap_notes, shown
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class RackAndPinionRecipe(AbstractRecipe):
+class RackAndPinionRecipe(AbstractHelicalRecipe):
     """A pinion and the rack it drives."""
 
     kind: Literal["rack-and-pinion"] = "rack-and-pinion"
@@ -47,7 +47,7 @@ class RackAndPinionRecipe(AbstractRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
-        check_sizes(self)
+        super().__post_init__()
         self.design  # noqa: B018  refuses gears that cannot mesh
         check_no_motor(self.base, self.stock.motor, "stock.motor")
 
@@ -69,8 +69,8 @@ class RackAndPinionRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.pinion.outline])
-        (pinion,) = gear_parts(self.pinion, self.stock, "pinion")
-        (rack,) = gear_parts(self.rack, self.stock, "rack")
+        (pinion,) = gear_parts(self.pinion, self.stock, "pinion", helix=self.helix)
+        (rack,) = gear_parts(self.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
         return replace(pinion, hole_names=("A",)), *rack_base(self.design, rack, self.stock.bore, self.base)
@@ -100,14 +100,17 @@ class RackAndPinionRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        pair = self.design
+        pair, width = self.design, self.stock.thickness
         mesh = {
             "distance_mm": shown(pair.distance),
             "travel_per_turn_mm": shown(pair.travel),
             "contact_ratio": shown(pair.contact_ratio),
+            **overlap_notes(pair.contact_ratio, pair.module, self.helix, width),
             "backlash_mm": round(pair.backlash, 9) + 0.0,
             "clearances_mm": [shown(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }
+        sizes = {"pinion": (self.pinion, self.helix, width)}
+        measures = {"pinion": gear_notes(*sizes["pinion"])}
         bought = [one.told for one in self.bought]
-        return {"pair": mesh, "measures_mm": {"pinion": gear_notes(self.pinion)}, "bought": bought}
+        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, "bought": bought}

@@ -12,19 +12,19 @@ from ..gear.ring import RingGear
 from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
 from ..part import Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
 from ..shop.gear.gears import RingStock, gear_parts
 from ..sizes import entry
 from ..table import Table
-from .gear_notes import gear_notes
+from .gear_notes import gear_notes, helix_notes
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class RingGearRecipe(AbstractRecipe):
+class RingGearRecipe(AbstractHelicalRecipe):
     """An internal gear as its pinion cutter leaves it: ring plate and tooth coordinates."""
 
     kind: Literal["ring-gear"] = "ring-gear"
@@ -47,7 +47,7 @@ class RingGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [], [self.gear.outline])
-        return gear_parts(self.gear, self.stock, "ring")
+        return gear_parts(self.gear, self.stock, "ring", helix=self.helix)
 
     @cached_property
     def scene(self) -> Scene:
@@ -56,4 +56,5 @@ class RingGearRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"measures_mm": gear_notes(self.gear)}
+        measures = gear_notes(self.gear, self.helix, self.stock.thickness)
+        return {**helix_notes(self.gear, self.helix, self.stock.thickness), "measures_mm": measures}

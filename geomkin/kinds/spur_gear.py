@@ -13,7 +13,6 @@ from ..gear.spur import SpurGear
 from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
 from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
@@ -22,12 +21,13 @@ from ..shop.gear.gears import GearStock, gear_parts
 from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Table
-from .gear_notes import gear_notes
+from .gear_notes import gear_notes, helix_notes
+from .helical import AbstractHelicalRecipe
 from .tooth_points import check_tooth_points
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurGearRecipe(AbstractRecipe):
+class SpurGearRecipe(AbstractHelicalRecipe):
     """A spur gear with the root curve its rack leaves: gear plate and tooth coordinates."""
 
     kind: Literal["spur-gear"] = "spur-gear"
@@ -56,7 +56,7 @@ class SpurGearRecipe(AbstractRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [self.design.outline])
-        return *gear_parts(self.design, self.stock), *self.stock.motor_parts
+        return *gear_parts(self.design, self.stock, helix=self.helix), *self.stock.motor_parts
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -70,4 +70,6 @@ class SpurGearRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"measures_mm": gear_notes(self.design), "bought": [one.told for one in self.bought]}
+        measures = gear_notes(self.design, self.helix, self.stock.thickness)
+        helix = helix_notes(self.design, self.helix, self.stock.thickness)
+        return {**helix, "measures_mm": measures, "bought": [one.told for one in self.bought]}

@@ -58,6 +58,8 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
             if hinted:
                 homes = [home for home in _homes(recipe, e["loc"][-1]) if home.strip("[]") != key.rpartition(".")[0]]
                 near = nearest(e["loc"][-1], known)
+                if any(f.name == e["loc"][-1] for f in dataclasses.fields(recipe)):
+                    near = "it belongs above the first [table], beside kind; "
                 remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
             return Problem(key, "unknown key", remedy)
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):

@@ -161,8 +161,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
     poses["ground"] = Pose(still, still + 1)
     # A base lies against the gears, and the carrier on their other side.
-    stands = any(part.body == "ground" for part in parts)
-    layers = {"carrier": 2} if stands else {"carrier": 0, "ring": 0}
+    layers = {"carrier": 2 if any(part.body == "ground" for part in parts) else 0}
     bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), layers)
     away, (inner, outer) = 1j * gears.inner.centre_distance, (LineOfAction(p) for p in (gears.inner, gears.outer))
     start, end = (complex(away - np.conj(outer.place(z))) for z in gears.outer.contact_lengths)

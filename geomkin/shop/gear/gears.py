@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from ...errors import DesignError
 from ...gear.conjugate.conjugate import Conjugate
 from ...gear.conjugate.lantern import LanternPinion
 from ...gear.contract import AbstractGear
+from ...gear.helix import Helix
 from ...gear.planetary import PlanetarySet
-from ...part import Part
+from ...part import Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
@@ -101,14 +102,31 @@ class LanternStock:
 
 @checked
 def gear_parts(
-    gear: AbstractGear, stock: GearStock | RingStock, name: str = "gear", key: str = "stock", count: Count = 1
+    gear: AbstractGear,
+    stock: GearStock | RingStock,
+    name: str = "gear",
+    key: str = "stock",
+    count: Count = 1,
+    helix: Helix = Helix(),
 ) -> tuple[Part, ...]:
     """The plate of any gear about its axis, or of a rack, teeth up.
 
     stock: a RingStock for a ring, a GearStock for all else. key: of the stock in a recipe, for refusals; count: how
-    many to make. Raises DesignError where bore, keyway or web leave no plate.
+    many to make. helix: on which the teeth lie along the face, which is as wide as the stock is thick; bore, keyway and
+    web go straight through. Raises DesignError where bore, keyway or web leave no plate.
     """
-    return (_plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count),)
+    plate = _plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
+    return (replace(plate, twist=_twist(gear, helix, stock.thickness)),)
+
+
+def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
+    """How the section of a gear turns, or that of a rack slides; None for straight teeth."""
+    if helix.helix_angle_deg == 0:
+        return None
+    advance = helix.advance(face_width)
+    if np.isinf(gear.pitch_radius):
+        return Twist(0.0, advance, helix.herringbone)
+    return Twist(advance / gear.pitch_radius, 0.0, helix.herringbone, "holes" if gear.is_ring else "outline")
 
 
 def _plate(

@@ -1,0 +1,127 @@
+"""Twisted solids read back from their files: closed, outward, and at every height the section turned as it should be."""
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.export.stl import TRIANGLE, stl
+from geomkin.export.twisted import solid_cut
+from tests.export.crossed import section
+from tests.made import Made
+
+WIDTH = 12.0
+KEYED = gk.shop.GearStock(thickness=WIDTH, bore=8, keyway_width=3, keyway_depth=1.4)
+PARTS = Made(
+    {
+        "wheel": lambda: part(gk.SpurGear(17, 2), KEYED, gk.gear.Helix(25, "left")),
+        "herringbone": lambda: part(gk.SpurGear(8, 4), KEYED, gk.gear.Helix(45, "right", True)),
+        "ring": lambda: part(gk.RingGear(40, 2), gk.shop.RingStock(thickness=WIDTH), gk.gear.Helix(30)),
+        "rack": lambda: part(gk.gear.GearRack(5, 2), KEYED, gk.gear.Helix(30)),
+        "chevrons": lambda: part(gk.gear.GearRack(5, 2), KEYED, gk.gear.Helix(30, "left", True)),
+    }
+)
+
+
+def part(gear, stock, helix):
+    return gk.shop.gear_parts(gear, stock, helix=helix)[0]
+
+
+def triangles(content):
+    """(m, 3, 3), mm, as the file has them."""
+    return np.frombuffer(content[84:], dtype=TRIANGLE)["corners"].astype(float)
+
+
+def ring(curve):
+    z = gk.flatten(curve, 2e-4)
+    return shapely.LinearRing(np.column_stack([z.real, z.imag]))
+
+
+def exact_volume(part):
+    return (gk.area(part.outline) - sum(map(gk.area, part.holes))) * part.thickness
+
+
+@pytest.mark.parametrize(("name", "tolerance"), [*((name, 0.02) for name in PARTS), ("wheel", 0.002)])
+def test_every_section_of_the_file_is_the_exact_one_turned(name, tolerance):
+    """What moves is where the advance along the pitch circle takes it; the keyway goes straight up."""
+    part = PARTS[name]
+    corners = triangles(stl(solid_cut(part, tolerance)))
+    moves, still = [ring(part.outline)], [ring(hole) for hole in part.holes]
+    if name == "ring":
+        moves, still = still, moves
+    side = -1 if name in ("wheel", "chevrons") else 1
+    angle = 45 if name == "herringbone" else 25 if name == "wheel" else 30
+    radius = {"wheel": 17.0, "herringbone": 16.0, "ring": 40.0}.get(name)
+    for height in np.random.default_rng(1).uniform(0, WIDTH, 3):
+        up = min(height, WIDTH - height) if name in ("herringbone", "chevrons") else height
+        advance = side * up * np.tan(np.radians(angle))
+        segments = section(corners, height)
+        seen = np.concatenate([segments.ravel(), segments.mean(axis=1)])[:: len(segments) // 200 + 1]
+        back = seen * np.exp(-1j * advance / radius) if radius else seen - advance
+        off = [shapely.distance(shapely.points(back.real, back.imag), one) for one in moves]
+        off += [shapely.distance(shapely.points(seen.real, seen.imag), one) for one in still]
+        assert np.min(off, axis=0).max() < tolerance
+        # Each curve is there, all round.
+        lengths = np.abs(np.diff(segments, axis=1)).sum()
+        assert lengths == pytest.approx(sum(one.length for one in (*moves, *still)), rel=5e-3)
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 0.01])
+@pytest.mark.parametrize("name", PARTS)
+def test_the_file_is_closed_outward_and_without_flat_triangles(name, tolerance):
+    part = PARTS[name]
+    corners = triangles(stl(solid_cut(part, tolerance)))
+    a, b, c = corners.swapaxes(0, 1)
+    surface = np.linalg.norm(np.cross(b - a, c - b), axis=1)
+    assert surface.min() > 0
+    # Each edge once there and once back: closed, and all triangles the same way round.
+    _, number = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    edges = np.stack([number.reshape(-1, 3), np.roll(number.reshape(-1, 3), -1, axis=1)], axis=-1).reshape(-1, 2)
+    there, back = (np.unique(edge, axis=0) for edge in (edges, edges[:, ::-1]))
+    assert len(there) == len(edges) and (there == back).all()
+    found = np.vecdot(np.cross(b - a, c - b), a).sum() / 6
+    assert abs(found - exact_volume(part)) < tolerance * surface.sum() / 2
+    assert found == pytest.approx(exact_volume(part), rel=0.05 * tolerance + 2e-4)
+
+
+def test_a_straight_rack_needs_no_more_than_a_slice_for_each_hand():
+    heights = [len(np.unique(triangles(stl(solid_cut(PARTS[n], 1e-3)))[..., 2])) for n in ("rack", "chevrons")]
+    assert heights == [2, 3]
+
+
+def test_the_summary_has_the_volume_of_the_file(tmp_path):
+    text = 'kind = "spur-gear"\nhelix_angle_deg = 30\ngear = { teeth = 9, module = 3 }\nfiles = { tolerance = 0.2 }\n'
+    made = gk.make(text, tmp_path, only=["stl"])
+    (path,) = (path for path in made.files if path.suffix == ".stl")
+    a, b, c = triangles(path.read_bytes()).swapaxes(0, 1)
+    found = np.vecdot(np.cross(b - a, c - b), a).sum() / 6
+    told = json.loads((path.parent / "summary.json").read_text())["parts"][0]
+    assert told["written_volume_mm3"] == pytest.approx(found, rel=1e-6)
+    assert told["volume_mm3"] == pytest.approx(told["area_mm2"] * 6)
+
+
+def test_more_triangles_than_programs_show_are_refused_with_sizes_that_work():
+    part = PARTS["wheel"]
+    with pytest.raises(gk.DesignError, match="tolerance: found 1e-05 mm.*triangles") as caught:
+        solid_cut(part, 1e-5)
+    words = caught.value.remedy.split()
+    assert solid_cut(part, float(words[words.index("least") + 1]))
+    thin = gk.Part(
+        "thin", part.outline, part.holes, float(words[-2]), twist=gk.Twist(part.twist.turn * float(words[-2]) / WIDTH)
+    )
+    assert solid_cut(thin, 1e-5)
+
+
+def test_a_hole_that_the_outline_would_run_into_is_refused():
+    square = gk.plane.Polyline(np.array([20 + 20j, -20 + 20j, -20 - 20j, 20 - 20j]))
+    with pytest.raises(gk.DesignError, match="holes reach 22 mm from the axis of its twist"):
+        solid_cut(
+            gk.Part("post", square, (gk.plane.Circle(14 + 14j, 22 - 14 * 2**0.5),), 9.0, twist=gk.Twist(0.5)), 0.01
+        )
+
+
+def test_step_is_refused_for_it(tmp_path):
+    with pytest.raises(gk.DesignError, match="step for the gear.*leave step out and take stl or 3mf"):
+        gk.write(PARTS["wheel"], tmp_path / "gear.step")

@@ -1,0 +1,103 @@
+"""Recipes of gears whose teeth lie on helices: what they tell, whose hand is whose, and what they refuse."""
+
+import ezdxf
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.texts import parse
+
+SPUR = 'kind = "spur-gear"\nhelix_angle_deg = 30\nhand = "left"\n'
+PAIR = 'kind = "gear-pair"\nhelix_angle_deg = 20\n'
+SUN = "sun = { teeth = 24, module = 2 }\nplanet = { teeth = 18, module = 2 }\n"
+RING = "ring = { teeth = 60, module = 2, addendum = 0.8 }\n"
+
+
+def turns(recipe):
+    """Turn of the top of each gear times its pitch radius, mm, and the slide of a rack."""
+    pitch = {"first": 18, "second": 36, "pinion": 20, "rack": 1, "sun": 24, "planet": 18, "ring": 60}
+    return {p.name: p.twist.turn * pitch[p.name] + p.twist.shift for p in recipe.parts if p.twist}
+
+
+@pytest.mark.parametrize(
+    ("text", "signs"),
+    [
+        (PAIR, {"first": 1, "second": -1}),
+        (PAIR + 'hand = "left"\n', {"first": -1, "second": 1}),
+        ('kind = "rack-and-pinion"\nhelix_angle_deg = 20\n', {"pinion": 1, "rack": 1}),
+        (f'kind = "planetary"\nhelix_angle_deg = 20\n[gears]\n{SUN}{RING}', {"sun": 1, "planet": -1, "ring": -1}),
+    ],
+)
+def test_teeth_in_mesh_get_as_far_along_the_pitch_circle(text, signs):
+    if "pair" in text:
+        text += "first = { teeth = 12, module = 3 }\nsecond = { teeth = 24, module = 3 }\n"
+    if "rack" in text:
+        text += "pinion = { teeth = 20, module = 2 }\nrack = { teeth = 9, module = 2 }\n"
+    found, way = turns(parse(text)), 6 * np.tan(np.radians(20))
+    assert found == pytest.approx({name: sign * way for name, sign in signs.items()})
+
+
+def test_the_span_is_that_of_the_normal_system():
+    """W = m_n cos(a_n) ((k - 1/2) pi + z inv(a_t)) + 2 x_n m_n sin(a_n) (ISO 21771)."""
+    text = SPUR + "gear = { teeth = 24, module = 3, profile_shift = 0.2 }\nstock = { thickness = 25 }\n"
+    notes = parse(text).notes
+    transverse, normal = np.radians(20), np.radians(notes["helix"]["normal_pressure_angle_deg"])
+    span, module = notes["measures_mm"]["span"], notes["helix"]["normal_module_mm"]
+    inv = np.tan(transverse) - transverse
+    plain = module * np.cos(normal) * ((span["teeth"] - 0.5) * np.pi + 24 * inv)
+    assert span["measure"] == pytest.approx(plain + 2 * 0.2 * 3 * np.sin(normal))
+    assert not {"over_pins", "chordal_thickness"} & set(notes["measures_mm"])
+    # Jaws do not reach over a face that is narrower than the span leans.
+    narrow = parse(text.replace("25", "4")).notes["measures_mm"]
+    assert "span" not in narrow
+
+
+def test_the_pair_tells_both_parts_of_its_contact_ratio():
+    teeth = "first = { teeth = 12, module = 3, profile_shift = 0.3 }\nsecond = { teeth = 24, module = 3 }\n"
+    stocks = "first_stock = { thickness = 20 }\nsecond_stock = { thickness = 16 }\n"
+    told = parse(PAIR + teeth + stocks).notes["pair"]
+    # The tooth's advance over the narrower face, in pitches.
+    assert told["overlap_ratio"] == pytest.approx(16 * np.tan(np.radians(20)) / (3 * np.pi))
+    assert told["total_contact_ratio"] == pytest.approx(told["contact_ratio"] + told["overlap_ratio"])
+    straight = parse('kind = "gear-pair"\n' + teeth).notes
+    assert "overlap_ratio" not in straight["pair"] and "helix" not in straight
+    assert straight["pair"]["contact_ratio"] == told["contact_ratio"]
+
+
+def test_drawings_are_the_transverse_section(tmp_path):
+    gear = "gear = { teeth = 9, module = 3 }\nfiles = { labels = false }\n"
+    drawn = []
+    for name, text in (("straight", 'kind = "spur-gear"\n'), ("helical", SPUR)):
+        (path,) = gk.write(gk.load(text + gear), tmp_path / f"{name}.dxf")
+        (entity,) = (e for e in ezdxf.readfile(path).modelspace() if e.dxf.layer == "CUT")
+        drawn.append(np.array([complex(*place) for place in entity.get_points("xy")]))
+    straight, helical = drawn
+    # A solid that turns takes more room, and is laid out with it.
+    assert helical - helical[0] == pytest.approx(straight - straight[0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            'kind = "spur-gear"\n[stock]\nhand = "left"\n[gear]\nteeth = 24\n',
+            "stock.hand: unknown key; it belongs above",
+        ),
+        (SPUR.replace("30", "46"), "helix_angle_deg: found 46; give a number at least 0 and at most 45"),
+        (SPUR.replace("30", "-20"), "helix_angle_deg: found -20; give a number at least 0 and at most 45"),
+        (SPUR.replace("30", "0") + "herringbone = true\n", "herringbone: found true with straight teeth"),
+        (SPUR.replace('"left"', '"lefty"'), "hand: found 'lefty'; did you mean left"),
+    ],
+)
+def test_what_cannot_be_is_refused(text, words):
+    with pytest.raises(gk.RecipeError, match=words):
+        parse(text + "module = 3\n" if "[gear]" in text else text + "gear = { teeth = 24, module = 3 }\n")
+
+
+def test_a_herringbone_bends_where_its_mate_does():
+    teeth = (
+        "first = { teeth = 12, module = 3 }\nsecond = { teeth = 24, module = 3 }\nsecond_stock = { thickness = 8 }\n"
+    )
+    with pytest.raises(gk.RecipeError, match="second_stock.thickness: found 8 mm beside 6 mm: .*; give 6 mm"):
+        parse(PAIR + "herringbone = true\n" + teeth)
+    assert parse(PAIR + teeth).parts
