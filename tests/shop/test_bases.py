@@ -315,7 +315,7 @@ def test_a_stem_as_long_as_the_refusal_says_is_guided():
 
 
 def test_a_motor_over_a_base_is_refused_and_a_base_has_its_screws_in_the_bill():
-    text = 'kind = "rack-and-pinion"\npinion = {teeth = 20, module = 2}\nrack = {teeth = 24}\nstock = {bore = 8%s}\nbase = {}\n'
+    text = 'kind = "rack-and-pinion"\npinion = {teeth = 20, module = 2}\nrack = {teeth = 24, module = 2}\nstock = {bore = 8%s}\nbase = {}\n'
     recipe = gk.load(text % "")
     assert [(one.name, one.count) for one in recipe.bought] == [
         ("shaft 8 mm, at least 12 mm long", 1),

@@ -47,6 +47,8 @@ KINDS = {"spur-gear": "stock", "gear-pair": "first_stock", "rack-and-pinion": "s
 def test_a_motor_adds_its_plate_below_all_and_changes_nothing_else(name):
     plain = parse(template_of(name)) if name in KINDS else gk.load(f"recipes/{name}.toml")
     key = KINDS.get(name, "stock")
+    if getattr(plain, "base", None):
+        plain = dataclasses.replace(plain, base=None)
     driven = dataclasses.replace(plain, **{key: dataclasses.replace(getattr(plain, key), motor="nema17")})
     assert sorted(part.name for part in driven.parts) == sorted([*(p.name for p in plain.parts), "motor_plate"])
     motor, *others = driven.scene.bodies
