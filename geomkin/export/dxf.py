@@ -20,8 +20,8 @@ from .layout import LAYERS, Sheet
 
 
 def write(job: Job) -> dict[str, bytes]:
-    """All parts in one file."""
-    return {f"{job.name}.dxf": dxf(job.sheet)}
+    """All parts in one file, or one for each sheet."""
+    return job.sheet_files("dxf", dxf)
 
 
 def dxf(sheet: Sheet) -> bytes:

@@ -20,8 +20,8 @@ HAIRLINE = 0.01
 
 
 def write(job: Job) -> dict[str, bytes]:
-    """All parts in one file."""
-    return {f"{job.name}.svg": svg(job.sheet, job.name, job.laser)}
+    """All parts in one file, or one for each sheet."""
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser))
 
 
 def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
