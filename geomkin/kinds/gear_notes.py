@@ -20,6 +20,9 @@ def shown(value: float) -> float:
 def gear_notes(gear: AbstractInvoluteGear) -> Mapping[str, object]:
     """Radii and measures for the shop, mm; a measure that a gear does not have is left out."""
     notes: dict[str, object] = {
+        "teeth": gear.teeth,
+        "module": shown(gear.module),
+        "pressure_angle_deg": shown(np.degrees(gear.pressure_angle)),
         "profile_shift": shown(gear.profile_shift),
         "tip_radius": shown(gear.tip_radius),
         "form_radius": shown(gear.form_radius),
