@@ -116,7 +116,9 @@ def scale_told(scale: float) -> str:
 def drawing(job: Job) -> Drawing:
     """All parts, each with its sizes and what else is known of it, and the title below."""
     scale = scale_of(job.exact)
-    cells = [_cell(cut, scale, _measures(job, cut.part)) for cut in job.exact]
+    # Chords to look at, which are the same on every processor, and the sizes of what they stand for.
+    exact = [high - low for low, high in (cut.box for cut in job.exact)]
+    cells = [_cell(cut, size, scale, _measures(job, cut.part)) for cut, size in zip(job.solids, exact)]
     boxes = [cell.box for cell in cells]
     sizes = [high - low for low, high in boxes]
     across = max(*(size.real for size in sizes), 1.3 * float(np.sqrt(sum(size.real * size.imag for size in sizes))))
@@ -161,11 +163,15 @@ def _title(job: Job, scale: float, wide: float) -> _Cell:
     return cell
 
 
-def _cell(cut: Cut, scale: float, measures: Sequence[str]) -> _Cell:
-    """A part with its width below it, its height to the right, distances of holes above, and the rest in words."""
-    cell, part = _Cell([(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks)], []), cut.part
+def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Cell:
+    """A part with its size, mm: width below it, height to the right, distances of holes above, the rest in words."""
+    cell, part = (
+        _Cell(
+            [(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks) if loop.layer != "LABEL"], []
+        ),
+        cut.part,
+    )
     low, high = (corner * scale for corner in cut.box)
-    size = (high - low) / scale
     cell.size(complex(low.real, low.imag), complex(high.real, low.imag), -1j * AWAY, size.real)
     cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
     holes = _round_holes(cut)
