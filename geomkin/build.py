@@ -105,7 +105,7 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         for writer in (WRITERS[name] for name in _had(recipe)):
             if writer.needs == "parts":
-                _ = job.flats if writer.flat else job.solids
+                _ = job.sheets if writer.flat else job.solids
             else:
                 _ = job.table if writer.needs == "table" else job.scene
     return Made(name, checks, {})
@@ -191,7 +191,7 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 def _job(name: str, source: Source, files: Files) -> Job:
     held = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
-    job = dataclasses.replace(held, laser=files.style == "laser", assembly_at=files.assembly_at)
+    job = dataclasses.replace(held, laser=files.style == "laser", assembly_at=files.assembly_at, sheet=files.sheet)
     if not isinstance(source, AbstractRecipe):
         return job
     return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))

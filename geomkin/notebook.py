@@ -267,12 +267,13 @@ def _(parts: Sequence[Part]) -> Job:
     """As they lie on their sheet."""
     sizes = [reach(part.outline) for part in parts]
     tolerance = max(FINE * min(sizes), FINEST * max(sizes))
-    sheet = Job("parts", Loose(tuple(parts)), tolerance).sheet
+    sheet = Job("parts", Loose(tuple(parts)), tolerance).sheets[0]
     one = np.ones(1, dtype=complex)
     names = [placed.cut.part.name for placed in sheet.placed]
     told = [f"{name} {names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
     bodies = tuple(
-        SceneBody(name, (placed.cut.part,), placed.shift * one, one) for name, placed in zip(told, sheet.placed)
+        SceneBody(name, (placed.cut.part,), placed.shift * one, placed.turn * one)
+        for name, placed in zip(told, sheet.placed)
     )
     table = Table((Column("sheet", "", "the parts as they lie on it", np.ones(1)),))
     scene = Scene(table, np.zeros(1), np.ones(1, dtype=bool), bodies, cyclic=False)

@@ -13,10 +13,11 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from ..scene import Scene, SceneBody, SceneMark
 from .cut import Loop, cut, decimals
-from .dxf import Text, drawn
+from .dxf import drawn
 from .job import Job
 from .names_beside import LETTER, Name, stand
 from .still import Still, frame_at, palette
+from .text import Text
 
 # Layers besides those of the bodies, which begin with BODY: what is on them, and its colour in the palette.
 PINS, NAMES = "PINS", "NAMES"

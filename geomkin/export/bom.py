@@ -15,7 +15,7 @@ def write(job: Job) -> dict[str, bytes]:
 
 
 def bill(job: Job) -> Table:
-    """A row for each part, as wide and high as it lies on the sheet, mm, and for each thing that is bought."""
+    """A row for each part, as wide and high as it is drawn, mm, and for each thing that is bought."""
     cuts, bought = job.solids, job.source.bought
     sizes = np.array([cut.box[1] - cut.box[0] for cut in cuts], dtype=complex)
     none, nothing = [np.nan] * len(bought), [""] * len(cuts)

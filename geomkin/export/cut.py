@@ -49,13 +49,16 @@ class Loop:
             z = np.append(z, _tops(self.shape))
         return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
-    def moved(self, shift: complex, digits: int) -> Loop:
-        """The same elsewhere. Rounded once more, since the sum of two short decimals is seldom one."""
-        points = rounded(self.points + shift, digits)
+    def moved(self, shift: complex, digits: int, turn: complex = 1 + 0j) -> Loop:
+        """The same elsewhere, turned about the origin first, by a unit complex number.
+
+        Rounded once more, since the sum of two short decimals is seldom one.
+        """
+        points = rounded(self.points * turn + shift, digits)
         if isinstance(self.shape, Circle):
-            centre = rounded(np.asarray(self.shape.centre + shift), digits).item()
+            centre = rounded(np.asarray(self.shape.centre * turn + shift), digits).item()
             return Loop(Circle(centre, self.shape.radius), points, self.layer)
-        vertices = rounded(np.asarray(self.shape.vertices) + shift, digits)
+        vertices = rounded(np.asarray(self.shape.vertices) * turn + shift, digits)
         return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
 
 
@@ -89,11 +92,16 @@ class Cut:
         return outline - sum(holes)
 
     @property
+    def leans(self) -> bool:
+        """Whether its solid reaches beyond its outline, as it does where that turns or shifts on the way up."""
+        return self.part.twist is not None and self.part.twist.moves == "outline"
+
+    @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the outline, mm; of one that is twisted, of the room that it takes."""
         low, high = self.loops[0].box
         twist = self.part.twist
-        if twist is None or twist.moves == "holes":
+        if twist is None or not self.leans:
             return low, high
         if twist.turn:
             corner = float(np.abs(self.loops[0].points).max()) * (1 + 1j)
@@ -180,7 +188,7 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
     for k, mark in enumerate(marks):
         # There and back: the ring that the distance is taken to must not close an open mark by a chord.
         line = mark.points if mark.shape.closed else np.append(mark.points, mark.points[-2::-1])
-        if region.gap(outline, line) == 0 or not _is_inside(outline, line[0]):
+        if region.gap(outline, line) == 0 or not is_inside(outline, line[0]):
             raise DesignError(
                 part.name,
                 f"mark {k + 1} reaches over the outline",
@@ -203,7 +211,7 @@ def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     return Loop(Polyline(points, is_closed=curve.closed), points, "ENGRAVE")
 
 
-def _is_inside(outline: Complex, place: complex) -> bool:
+def is_inside(outline: Complex, place: complex) -> bool:
     """Whether a polygon winds round a place that does not lie on it."""
     seen = outline - place
     return bool(abs(np.angle(np.roll(seen, -1) / seen).sum()) > np.pi)

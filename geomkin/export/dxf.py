@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 from ezdxf import options, units  # type: ignore[attr-defined]  # not told to be public, but documented
@@ -17,11 +16,12 @@ from ezdxf.layouts.layout import Modelspace
 from ..plane.primitives import Circle, Polyline
 from .job import Job
 from .layout import LAYERS, Sheet
+from .text import Text
 
 
 def write(job: Job) -> dict[str, bytes]:
-    """All parts in one file."""
-    return {f"{job.name}.dxf": dxf(job.sheet)}
+    """All parts in one file, or one for each sheet."""
+    return job.sheet_files("dxf", dxf)
 
 
 def dxf(sheet: Sheet) -> bytes:
@@ -31,16 +31,6 @@ def dxf(sheet: Sheet) -> bytes:
     """
     shapes = [(loop.layer, loop.shape) for placed in sheet.placed for loop in placed.loops]
     return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)))
-
-
-@dataclass(frozen=True)
-class Text:
-    """A line of text about its middle, mm."""
-
-    layer: str
-    text: str
-    middle: complex
-    height: float
 
 
 def drawn(
@@ -68,7 +58,8 @@ def drawn(
             _add(space, layer, shape)
         for text in texts:
             entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
-            entity.set_placement((text.middle.real, text.middle.imag), align=TextEntityAlignment.MIDDLE_CENTER)
+            align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
+            entity.set_placement((text.place.real, text.place.imag), align=align)
         # The library fills the header from the layout when it writes.
         low, high = extents
         space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))

@@ -14,7 +14,7 @@ from ..part import Bought, Part
 from ..scene import Scene
 from ..table import Table
 from .cut import Cut, cut
-from .layout import Sheet, lay_out
+from .layout import Sheet, lay_out, lay_out_on
 from .twisted import solid_cut
 
 
@@ -63,8 +63,9 @@ class Job:
     name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. labels:
     drawings engrave parts with their names. laser: SVG as laser cutters' programs take it. about: one line that
     introduces it; recipe: gives the text that it is made from; "" where there is none. assembly_at: where the driver
-    stands in stills, in its own unit; None for anywhere. What a writer asks for and the source has not is a DesignError
-    of `write`.
+    stands in stills, in its own unit; None for anywhere. sheet: width and height of the sheets that parts are cut
+    from, mm; None for one as large as they take. What a writer asks for and the source has not is a DesignError of
+    `write`.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Job:
     about: str = ""
     recipe: Callable[[], str] = str
     assembly_at: float | None = None
+    sheet: tuple[float, float] | None = None
 
     __repr__ = one_line
 
@@ -115,9 +117,14 @@ class Job:
         return [cut(part, self.tolerance, arcs=True) for part in self._parts]
 
     @cached_property
-    def sheet(self) -> Sheet:
+    def sheets(self) -> tuple[Sheet, ...]:
         """The parts, laid out flat."""
-        return lay_out(self.flats)
+        return lay_out_on(self.flats, *self.sheet) if self.sheet else (lay_out(self.flats),)
+
+    def sheet_files(self, ending: str, write: Callable[[Sheet], bytes]) -> dict[str, bytes]:
+        """A file for each sheet, by its name; from the second on, with its number."""
+        names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(self.sheets) + 1))]
+        return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, self.sheets)}
 
     @property
     def _parts(self) -> tuple[Part, ...]:

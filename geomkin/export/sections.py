@@ -106,7 +106,18 @@ def parts(job: Job) -> str:
     rows = "".join(_part(part, tints.get(part.name, "t0")) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     more = f"<p>And {len(held) - MOST_ROWS} more.</p>" if len(held) > MOST_ROWS else ""
-    return section("parts", "What is cut", wide("Parts", table) + more)
+    return section("parts", "What is cut", wide("Parts", table) + more + _sheets(job))
+
+
+def _sheets(job: Job) -> str:
+    """How large the sheets of a recipe's parts are, and how much of them becomes parts."""
+    if not job.about:
+        return ""
+    told = [
+        f"{number(sheet.width)} \N{MULTIPLICATION SIGN} {number(sheet.height)} mm, {100 * sheet.filled:.0f} % filled"
+        for sheet in job.sheets[:MOST_ROWS]
+    ]
+    return f"<p>{'Sheet' if len(told) == 1 else f'{len(job.sheets)} sheets'}: {'; '.join(told)}.</p>"
 
 
 def _part(part: Part, tint: str) -> str:

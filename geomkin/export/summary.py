@@ -53,6 +53,7 @@ def summary(
             for c in checks
         ],
         "parts": [_part(part) | sizes.get(part, {}) for part in job.source.parts],
+        **_sheets(job, written),
         **notes,
         "files": files,
         "versions": _versions(written),
@@ -70,6 +71,17 @@ def _part(part: Part) -> dict[str, object]:
         "area_mm2": float(f"{exact:.10g}"),
         "volume_mm3": float(f"{exact * part.thickness:.10g}"),
     }
+
+
+def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
+    """Sheets that the drawings to cut from lie on, where there are any, and which share of each becomes parts."""
+    if not any(WRITERS[ending].flat for ending in written):
+        return {}
+    sizes = (
+        {"width_mm": sheet.width, "height_mm": sheet.height, "filled": float(f"{sheet.filled:.4g}")}
+        for sheet in job.sheets
+    )
+    return {"sheets": list(sizes)}
 
 
 def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, dict[str, float]]:

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real
-from .cut import Loop
 from .job import Job
 from .layout import LAYERS, Sheet
 
@@ -20,8 +19,8 @@ HAIRLINE = 0.01
 
 
 def write(job: Job) -> dict[str, bytes]:
-    """All parts in one file."""
-    return {f"{job.name}.svg": svg(job.sheet, job.name, job.laser)}
+    """All parts in one file, or one for each sheet."""
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser))
 
 
 def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
@@ -42,25 +41,24 @@ def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
     for number, placed in enumerate(sheet.placed, 1):
         lines.append(f'<g id="{escape(placed.cut.part.name)}-{number}">')
         for loop in (loop for loop in placed.loops if loop.layer in colours):
-            shape = _shape(loop, sheet.height, placed.cut.digits)
+            shape = shape_of(loop.shape, sheet.height, placed.cut.digits)
             lines.append(f'{shape} class="{loop.layer}" stroke="{colours[loop.layer]}"/>')
         lines.append("</g>")
     lines.append("</svg>\n")
     return "\n".join(lines).encode("utf-8", "replace")
 
 
-def _shape(loop: Loop, height: float, digits: int) -> str:
-    if isinstance(loop.shape, Circle):
-        c = loop.shape.centre
-        return (
-            f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(loop.shape.radius, digits)}"'
-        )
-    z = np.asarray(loop.shape.vertices)
+def shape_of(shape: Circle | Polyline, height: float, digits: int) -> str:
+    """The start of an element, up to its look: numbers of so many decimals, y down from a height, mm."""
+    if isinstance(shape, Circle):
+        c = shape.centre
+        return f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(shape.radius, digits)}"'
+    z = np.asarray(shape.vertices)
     places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
-    bulges = loop.shape.bulges
+    bulges = shape.bulges
     if bulges is None:
-        return f'<path d="M{" ".join(places)}{"Z" if loop.shape.closed else ""}"'
-    return f'<path d="M{places[0]}{"".join(_arcs(loop.shape, bulges, places[1:] + places[:1], digits))}Z"'
+        return f'<path d="M{" ".join(places)}{"Z" if shape.closed else ""}"'
+    return f'<path d="M{places[0]}{"".join(_arcs(shape, bulges, places[1:] + places[:1], digits))}Z"'
 
 
 def _arcs(shape: Polyline, bulges: Real, ends: list[str], digits: int) -> list[str]:

@@ -38,7 +38,10 @@ def threemf(job: Job) -> bytes:
     objects = [mesh_object(number, cut.part.name, solid(cut)) for number, cut in enumerate(job.solids, 1)]
     numbers = {id(cut): number for number, cut in enumerate(job.solids, 1)}
     for placed in sheet.placed:
-        place = f"1 0 0 0 1 0 0 0 1 {placed.shift.real:g} {placed.shift.imag:g} 0"
+        turn, shift = placed.turn, placed.shift
+        # Added to 0, which has no sign.
+        rows = (turn.real, turn.imag, 0, -turn.imag, turn.real, 0, 0, 0, 1, shift.real, shift.imag, 0)
+        place = " ".join(f"{0.0 + value:.9g}" for value in rows)
         items.append(f'<item objectid="{numbers[id(placed.cut)]}" transform="{place}"/>')
     return package(objects, items)
 

@@ -56,6 +56,8 @@ WRITERS: dict[str, Writer] = {
     "animation": Writer("scene", _in("animation"), tail="-animation.svg", asked=True),
     "glb": Writer("scene", _in("glb"), ("shapely", "trimesh"), tail="-assembly.glb", asked=True),
     "assembly-3mf": Writer("scene", _in("assembly_3mf"), ("shapely",), tail="-assembly.3mf", asked=True),
+    "sheet-dxf": Writer("parts", _in("sheet_dxf"), ("shapely", "ezdxf"), tail="-sheet.dxf", asked=True),
+    "sheet-svg": Writer("parts", _in("sheet_svg"), ("shapely",), tail="-sheet.svg", asked=True),
     "3mf": Writer("parts", _in("threemf"), ("shapely",), asked=True),
     "step": Writer("parts", _in("step"), ("shapely",), asked=True),
 }

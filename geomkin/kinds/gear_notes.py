@@ -26,6 +26,9 @@ def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: 
     Radii and base pitch are those of the transverse section. face_width: mm, asked for where teeth lie on helices.
     """
     notes: dict[str, object] = {
+        "teeth": gear.teeth,
+        "module": shown(gear.module),
+        "pressure_angle_deg": shown(np.degrees(gear.pressure_angle)),
         "profile_shift": shown(gear.profile_shift),
         "tip_radius": shown(gear.tip_radius),
         "form_radius": shown(gear.form_radius),

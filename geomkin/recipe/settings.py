@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from ..arguments import Sort
+from ..arguments import Sort, between
 from ..brief import one_line
 from ..check import Check
 from ..errors import DesignError
 from ..export.writers import USUAL, WRITERS
 from ..plane.vec import Real
-from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_up
+from ..sizes import FARTHEST, WIDEST, AsWritten, check_sizes, entry, quantity, rounded_up
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -43,6 +43,9 @@ class OneOfFormats(Sort):
 
 
 Format = Annotated[str, OneOfFormats()]
+
+# Of a sheet, mm: from less than any part's margins to more than any sheet there is.
+Side = Annotated[float, AsWritten(), between(10, WIDEST, "mm")]
 
 # Rows and cells of a table: what takes some seconds and half a GB. More are minutes and several GB, and no program
 # opens them; fewer would refuse a full turn in hundredths of a degree.
@@ -98,6 +101,7 @@ class Files:
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )
 
+    sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
     assembly_at: float | None = quantity(
         "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",
         default=None,

@@ -58,8 +58,10 @@ def test_a_package_for_printers_holds_every_copy_flat_and_apart(recipe, tmp_path
     items = [(i.get("objectid"), [float(x) for x in i.get("transform").split()]) for i in model.iter(f"{CORE}item")]
     assert Counter(found[number][0].name for number, _ in items) == {p.name: p.count for p in recipe.parts}
     for number, (*turn, x, y, z) in items:
-        assert turn == [1, 0, 0, 0, 1, 0, 0, 0, 1] and z == 0
-        boxes.append(found[number][1][:, :2] + [x, y])
+        cosine, sine = turn[:2]
+        assert turn == [cosine, sine, 0, -sine, cosine, 0, 0, 0, 1] and z == 0 and cosine**2 + sine**2 == 1
+        corners = found[number][1][:, :2] @ [[cosine, sine], [-sine, cosine]] + [x, y]
+        boxes.append((corners.min(axis=0), corners.max(axis=0)))
     for k, (low, high) in enumerate(boxes):
         assert low.min() >= 0
         assert not any((low < up).all() and (down < high).all() for down, up in boxes[:k])

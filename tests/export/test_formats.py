@@ -210,14 +210,15 @@ def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
     # No background either: a cutter would cut it.
     assert shapes == drawn
     # Holes before the outline that holds them.
-    cuts = [(loop, p.shift) for p in sheet.placed for loop in (*p.cut.loops[1:], p.cut.loops[0])]
+    cuts = [(loop, p) for p in sheet.placed for loop in (*p.cut.loops[1:], p.cut.loops[0])]
     assert len(drawn) == len(cuts)
-    for element, (loop, shift) in zip(drawn, cuts):
+    for element, (loop, placed) in zip(drawn, cuts):
         if element.tag == f"{space}circle":
             assert float(element.get("r")) == loop.shape.radius
             continue
         first = complex(*map(float, re.match(r"M([-\d.]+),([-\d.]+)", element.get("d")).groups()))
-        assert first == pytest.approx((loop.shape.vertices[0] + shift).conjugate() + 1j * sheet.height)
+        start = loop.shape.vertices[0] * placed.turn + placed.shift
+        assert first == pytest.approx(start.conjugate() + 1j * sheet.height)
         assert ("A" in element.get("d")) == arcs
 
 
