@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,11 @@ class Copy:
 
     def __str__(self) -> str:
         return f"crank {self.phase_deg:g} deg ahead{', turned over' if self.mirrored else ''}"
+
+
+def copies_entry() -> Any:
+    """Further ones of the linkage."""
+    return entry("further ones of the same linkage on the same shaft", default=())
 
 
 def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, way: Turn | Stroke) -> None:

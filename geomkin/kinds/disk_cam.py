@@ -37,7 +37,7 @@ from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
 from ..shop.base import BaseStock, check_no_motor
 from ..shop.cam import CamStock, cam_parts
-from ..shop.shafts import cam_bought
+from ..shop.cam_bill import cam_bought
 from ..sizes import entry
 from ..table import Table
 

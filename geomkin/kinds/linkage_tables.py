@@ -22,6 +22,24 @@ SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 Branches = dict[str, Annotated[int | complex, SignOrPlace()]]
 
 
+def branch_entry() -> Any:
+    """The branch of all dyads."""
+    return entry(
+        "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
+        "follow: smoothly on from 1, or from what branches says, also through change points",
+        default=1,
+    )
+
+
+def coefficients_entry() -> Any:
+    """Whether what no speed changes is told."""
+    return entry(
+        "whether the table and the plots tell first and second kinematic coefficients, too: derivatives by the "
+        "driver's angle in rad, or by its place in mm where a slide drives",
+        default=False,
+    )
+
+
 def branches_entry() -> Any:
     """The table of branches of single joints."""
     return entry(

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -33,8 +33,17 @@ from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
 from ..sizes import entry
 from ..table import Table
-from .copies import Copy, check_copies, copied
-from .linkage_tables import WITH_SLIDER, BodyList, Branches, SideOrFollow, branch_of, branches_entry
+from .copies import Copy, check_copies, copied, copies_entry
+from .linkage_tables import (
+    WITH_SLIDER,
+    BodyList,
+    Branches,
+    SideOrFollow,
+    branch_entry,
+    branch_of,
+    branches_entry,
+    coefficients_entry,
+)
 
 # Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
 MOST_DYADS = 2
@@ -183,29 +192,6 @@ class AbstractLinkageRecipe(AbstractRecipe):
     def turning(self) -> Mapping[str, object]:
         """Which links turn fully, where a rule tells it."""
         return {}
-
-
-def branch_entry() -> Any:
-    """The branch of all dyads."""
-    return entry(
-        "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
-        "follow: smoothly on from 1, or from what branches says, also through change points",
-        default=1,
-    )
-
-
-def coefficients_entry() -> Any:
-    """Whether what no speed changes is told."""
-    return entry(
-        "whether the table and the plots tell first and second kinematic coefficients, too: derivatives by the "
-        "driver's angle in rad, or by its place in mm where a slide drives",
-        default=False,
-    )
-
-
-def copies_entry() -> Any:
-    """Further ones of the linkage."""
-    return entry("further ones of the same linkage on the same shaft", default=())
 
 
 @dataclass(frozen=True, kw_only=True)

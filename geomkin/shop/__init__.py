@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from .base import RackBaseStock as RackBaseStock
     from .cam import CamStock as CamStock
     from .cam import cam_parts as cam_parts
+    from .cam_bill import cam_bought as cam_bought
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
     from .gear.bases import pair_base as pair_base
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from .linkage.stack import link_parts as link_parts
     from .linkage.stack import stack_links as stack_links
     from .motors import motor_plate as motor_plate
-    from .shafts import cam_bought as cam_bought
 else:
     from ..lazy import attach
 

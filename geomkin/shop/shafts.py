@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from ..arguments import checked
-from ..cam.cam import Cam
-from ..part import Bought
 from .base import BaseStock
-from .cam import CamStock
-from .fasteners import gathered
 from .fits import AbstractBored
 from .motors import MOTORS
 from .parallel_keys import PARALLEL_KEYS, key_of
@@ -51,26 +46,3 @@ def _key(shaft: float, width: float, room: float) -> str:
     """The key for a keyway of a width in a part so thick, mm: the shaft's own, or another one that wide."""
     keys = [key for key in (key_of(shaft), *PARALLEL_KEYS) if key and key.width == width]
     return keys[0].bill(room) if keys else f"key {width:g} mm wide, cut to {room:g} mm"
-
-
-@checked
-def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
-    """The cam's shaft and key, the pins of its follower and the base's screws, for the parts by their names.
-
-    A shaft or pin is as long as all plates on it are thick, with the base that holds or guides it. Bearings are not
-    told.
-    """
-    follower, thick = cam.follower, stock.thickness
-    plates = follower.plates if base is None else follower.guided_plates
-    # Holes of one name in two plates are on one pin; two in one plate are on a pin each.
-    pins: dict[tuple[str, int], list[tuple[str, float]]] = {}
-    for plate in plates(stock.bars, cam.program, cam.base_radius, cam.sense):
-        keys = [hole.key for hole in plate.holes]
-        for k, hole in enumerate(plate.holes):
-            pins.setdefault((hole.key, keys[:k].count(hole.key)), []).append((plate.name, hole.diameter))
-    held = 0.0 if base is None else thick
-    lines = [("cam", shaft_bill(stock, thick + held))]
-    for (key, _), on in pins.items():
-        in_base = held if key == "pivot_bore" else 0.0
-        lines.append((on[0][0], pin_bill(on[0][1], len(on) * thick + in_base)))
-    return gathered(lines if base is None else [*lines, ("base", screw_bill(base, thick))])

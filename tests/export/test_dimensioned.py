@@ -35,6 +35,9 @@ def read(path):
 def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
     recipe = gk.load(RECIPES / f"{name}.toml")
     recipe = replace(recipe, files=replace(recipe.files, curves="arcs", labels=False))
+    if getattr(recipe, "base", None):
+        # Of more than three holes only the distance from each to the next is told.
+        recipe = replace(recipe, base=None)
     gk.write(recipe, tmp_path / "a.dxf")
     gk.write(recipe, tmp_path / "a-sheet.dxf")
     texts = [t.dxf.text for t in read(tmp_path / "a-sheet.dxf").query("TEXT")]
