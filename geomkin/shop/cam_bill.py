@@ -16,7 +16,7 @@ def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = 
     """The cam's shaft and key, the pins of its follower and the base's screws, for the parts by their names.
 
     A shaft or pin is as long as all plates on it are thick, with the base that holds or guides it. Bearings are not
-    told.
+    told. Derived here.
     """
     follower, thick = cam.follower, stock.thickness
     plates = follower.plates if base is None else follower.guided_plates

@@ -21,7 +21,7 @@ SOME = [*sorted(RECIPES.glob("*.toml"))[5::8]]
 def make(out, *recipes, cwd, flags=(), **environment):
     """Files made by a process of its own, by their path in `out`."""
     call = [sys.executable, *flags, "-m", "geomkin", "run", *map(str, recipes), "--out", str(out)]
-    done = subprocess.run(call, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(call, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, timeout=400)
     assert done.returncode == 0, done.stderr
     files = {p.relative_to(out).as_posix(): p.read_bytes() for p in sorted(out.rglob("*")) if p.is_file()}
     assert files
