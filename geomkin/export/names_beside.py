@@ -40,7 +40,10 @@ class Name:
 
 
 def stand(still: Still) -> tuple[Name, ...]:
-    """All names, those of bodies first, each in the best place that those before it leave."""
+    """The names, those of bodies first, each in the best place that those before it leave.
+
+    One that could only stand on another is left out: neither would be read.
+    """
     k, tall = still.frame, LETTER * still.pixel
     joints = [m for m in still.marks if m.sort.endswith("pin") or m.sort == "slide"]
     pins = np.array([m.place[k] for m in joints], dtype=complex)
@@ -62,7 +65,9 @@ def stand(still: Still) -> tuple[Name, ...]:
             off = places[:, None] - points
             near = (np.abs(off.real) < half.real + wide) & (np.abs(off.imag) < half.imag + wide)
             cost = cost + price * (near.any(axis=1) if price == ON_PATH else near.sum(axis=1))
-        named.append(Name(text, complex(places[int(np.argmin(np.round(cost, 6)))]), half, role))
+        at = int(np.argmin(np.round(cost, 6)))
+        if cost[at] < ON_NAME:
+            named.append(Name(text, complex(places[at]), half, role))
 
     lines = {mark.label for mark in still.marks if mark.sort == "line"}
     for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
