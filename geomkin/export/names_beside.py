@@ -20,6 +20,9 @@ ALONG, ACROSS = 21, 11
 EVEN = 1e-6
 # Width of a letter in its height: of the usual ones, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
+# By how much of its size a place is looked at beside itself: one on an edge would be on a plate or not by the last digit
+# of a processor, and copies that mirror each other have many such.
+ASIDE = 1e-5 * (1 + 0.7j)
 # What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
 # letters), on a traced path, and far from the middle; dearer ones are avoided at the price of any cheaper.
 ON_NAME, ON_PIN, COVERED, BESIDE, ON_PATH, AWAY = 40.0, 6.0, 2.5, 0.5, 1.0, 1.5
@@ -131,7 +134,7 @@ def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
     grid = np.linspace(along.min(), along.max(), ALONG)[:, None] + 1j * np.linspace(across.min(), across.max(), ACROSS)
     places = body.origin[k] + body.direction[k] * (middle + axis * np.append(0, grid))
     # The middle of the letters and both their ends.
-    letters = (places[:, None] + 0.9 * half.real * np.array([0, -1, 1])).ravel()
+    letters = (places[:, None] + half.real * (ASIDE + 0.9 * np.array([0, -1, 1]))).ravel()
     inside = _lies_on(still, body, letters)
     covered = np.zeros(len(letters), dtype=bool)
     for other in still.bodies:
