@@ -20,8 +20,8 @@ ALONG, ACROSS = 21, 11
 EVEN = 1e-6
 # Width of a letter in its height: of the usual ones, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
-# By how much of its size a place is looked at beside itself: one on an edge would be on a plate or not by the last digit
-# of a processor, and copies that mirror each other have many such.
+# By how much of its size a place is looked at beside itself: one on an edge would be on a plate or not by a processor's
+# last digit, and copies that mirror each other have many such.
 ASIDE = 1e-5 * (1 + 0.7j)
 # What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
 # letters), on a traced path, and far from the middle; dearer ones are avoided at the price of any cheaper.
