@@ -23,9 +23,9 @@ def test_each_part_is_a_sound_solid_of_exact_volume(path, tmp_path):
     for part in recipe.parts:
         if part.twist:
             with pytest.raises(gk.DesignError, match="take stl or 3mf"):
-                gk.write(part, tmp_path / f"{part.name}.step")
+                gk.write(part, tmp_path / f"{part.name}.step", tolerance=recipe.files.tolerance)
             continue
-        (written,) = gk.write(part, tmp_path / f"{part.name}.step")
+        (written,) = gk.write(part, tmp_path / f"{part.name}.step", tolerance=recipe.files.tolerance)
         reader = STEPControl_Reader()
         reader.ReadFile(str(written))
         reader.TransferRoots()
