@@ -13,7 +13,6 @@ from .arguments import Sort, checked
 from .brief import one_line
 from .check import Check
 from .errors import DesignError, Problem, RecipeError, printable
-from .export import index as overview
 from .export.files import remove, write_whole
 from .export.job import Job, Loose, Source
 from .export.summary import FOUND, NAME, files_told, summary
@@ -120,6 +119,9 @@ def index(out: str | Path = "out") -> dict[Path, int]:
     ours has the name, and for what cannot be written.
     """
     folder = Path(out)
+    # A run of one recipe needs none of it, and pages load much.
+    from .export import index as overview
+
     contents = overview.index(folder)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
