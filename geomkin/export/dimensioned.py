@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -224,23 +225,32 @@ def _pairs(
 
 def _measures(job: Job, part: Part) -> Sequence[str]:
     """What a workshop has to know of a gear, a line each; nothing of other parts."""
-    held = job.source.notes.get("measures_mm")
-    if not isinstance(held, Mapping):
-        return ()
-    own = held.get(part.name, held if part is job.source.parts[0] else None)
-    if not isinstance(own, Mapping) or "teeth" not in own:
+    own, helix = _noted(job, part, "measures_mm"), _noted(job, part, "helix")
+    if "teeth" not in own:
         return ()
     lines = [
         f"teeth {own['teeth']}, module {told(own['module'])}, pressure angle {told(own['pressure_angle_deg'])} deg",
         f"profile shift {told(own['profile_shift'])}",
         *(f"{circle} dia {told(2 * own[f'{circle}_radius'])}" for circle in ("tip", "pitch", "root")),
     ]
+    if helix:
+        herringbone = ", herringbone" if helix["herringbone"] else ""
+        lines.insert(1, f"helix angle {told(helix['helix_angle_deg'])} deg, {helix['hand']} hand{herringbone}")
     if span := own.get("span"):
         lines.append(f"span over {span['teeth']} teeth {told(span['measure'])}")
     for key, words in (("over_pins", "over"), ("between_pins", "between")):
         if pins := own.get(key):
             lines.append(f"{words} pins of dia {told(pins['pin_diameter'])}: {told(pins['measure'])}")
     return lines
+
+
+def _noted(job: Job, part: Part, what: str) -> Mapping[str, Any]:
+    """What the notes tell of a part: under its name, or of the first of all where it is the only one they tell of."""
+    held = job.source.notes.get(what)
+    if not isinstance(held, Mapping):
+        return {}
+    own = held.get(part.name, held if part is job.source.parts[0] else None)
+    return own if isinstance(own, Mapping) else {}
 
 
 def _scaled(shape: Circle | Polyline, scale: float, shift: complex) -> Circle | Polyline:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,17 @@ STEEPEST = 45
 Hand = Literal["right", "left"]
 
 
+def helix_angle() -> Any:
+    """The field for the angle of the teeth, of gears and of their recipes."""
+    return quantity(
+        "angle of the teeth to the axis at the pitch circle, 0 for straight ones; modules stay the transverse ones",
+        "deg",
+        default=0.0,
+        at_least=0,
+        at_most=STEEPEST,
+    )
+
+
 @dataclass(frozen=True)
 class Helix:
     """How the teeth of a gear lie along its face: on helices about its axis, or on two halves as a herringbone.
@@ -28,13 +39,7 @@ class Helix:
     right-handed ring's. hand: of a herringbone, that of its lower half. Terms and formulas of ISO 21771.
     """
 
-    helix_angle_deg: float = quantity(
-        "angle of the teeth to the axis at the pitch circle, 0 for straight ones; modules stay the transverse ones",
-        "deg",
-        default=0.0,
-        at_least=0,
-        at_most=STEEPEST,
-    )
+    helix_angle_deg: float = helix_angle()
     hand: Hand = entry("hand of the helices; what it meshes with has the one that fits", default="right")
     herringbone: bool = entry("lower half of this hand, upper half of the other", default=False)
 

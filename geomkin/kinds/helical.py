@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..errors import DesignError
-from ..gear.helix import STEEPEST, Hand, Helix
+from ..gear.helix import Hand, Helix, helix_angle
 from ..recipe.recipe import AbstractRecipe
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import check_sizes, entry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,13 +22,7 @@ class AbstractHelicalRecipe(AbstractRecipe):
     )
 
     kind: str
-    helix_angle_deg: float = quantity(
-        "angle of the teeth to the axis at the pitch circle, 0 for straight ones; modules stay the transverse ones",
-        "deg",
-        default=0.0,
-        at_least=0,
-        at_most=STEEPEST,
-    )
+    helix_angle_deg: float = helix_angle()
     hand: Hand = entry(
         "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
     )

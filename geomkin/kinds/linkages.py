@@ -178,10 +178,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
         reaches = f"driver_reaches_{'deg' if in_deg else 'mm'}"
         stack = self.stack.summary()
         if self.copies:
-            stack |= {
-                "bought": [{"name": one.name, "count": one.count, "joints": list(one.joints)} for one in self.bought],
-                "steps": list(self.steps),
-            }
+            stack |= {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
         return {reaches: shown, **self.turning, "stack": stack}
 
     @classmethod

@@ -63,7 +63,9 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
     assert Counter(f"{float(n):.4g}" for n in numbers.elements()) == wanted and len(wanted) > 4
 
 
-@pytest.mark.parametrize("name", ["crank-rocker", "walking-leg", "gear-pair", "whitworth", "lantern", "roller-cam"])
+@pytest.mark.parametrize(
+    "name", ["crank-rocker", "walking-leg", "gear-pair", "whitworth", "lantern", "roller-cam", "herringbone-pair"]
+)
 def test_no_text_lies_on_another_or_on_a_line(name):
     made = drawing(job_of(name))
     boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
@@ -97,6 +99,16 @@ def test_a_gears_table_has_what_the_library_measures(tmp_path):
     assert f"tip dia {2 * gear.tip_radius:.5g}" in texts and f"root dia {2 * gear.root_radius:.5g}" in texts
     assert f"span over {over.teeth} teeth {over.length:.5g}" in texts
     assert f"over pins of dia {pins.pin:.5g}: {pins.diameter:.5g}" in texts
+
+
+def test_teeth_on_helices_are_told_for_each_gear():
+    told = [text.text for text in drawing(job_of("herringbone-pair")).texts if "helix" in text.text]
+    hands = ["helix angle 30 deg, left hand, herringbone", "helix angle 30 deg, right hand, herringbone"]
+    assert sorted(told) == hands
+    recipe = replace(gk.load(RECIPES / "spur-gear.toml"), helix_angle_deg=20.0, hand="left")
+    texts = [text.text for text in drawing(Job("gear", recipe, 0.01)).texts]
+    assert texts.count("helix angle 20 deg, left hand") == 1
+    assert not any("helix" in text.text for text in drawing(job_of("gear-pair")).texts)
 
 
 @pytest.mark.parametrize(

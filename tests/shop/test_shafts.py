@@ -63,6 +63,24 @@ def test_the_bill_of_a_pair_names_shafts_through_the_base_and_the_key(tmp_path):
     assert made and all(page.count(name) == 1 for name, *_ in told) and "Letters are at the holes" not in page
 
 
+def test_what_goes_through_the_base_is_as_long_as_both():
+    def told(name):
+        return [(one.name, one.count) for one in gk.load(f"recipes/{name}.toml").bought]
+
+    assert told("roller-cam") == [
+        ("shaft 10 mm, at least 10 mm long", 1),
+        ("pin 5 mm, at least 10 mm long", 1),
+        ("pin 6 mm, at least 10 mm long", 2),
+        ("screw 4 mm, at least 5 mm long", 4),
+    ]
+    assert told("planetary") == [
+        ("shaft 8 mm, at least 18 mm long", 1),
+        ("shaft 8 mm, at least 12 mm long", 3),
+        ("screw 4 mm, at least 12 mm long", 6),
+        ("screw 4 mm, at least 6 mm long", 4),
+    ]
+
+
 def test_each_planet_has_its_own_shaft_and_key():
     stock = gk.shop.GearStock(bore=10, bore_form="keyed", thickness=12)
     gears = gk.load("recipes/planetary.toml").gears
