@@ -11,7 +11,7 @@ from ..part import Part
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_down
 from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
-from .motors import MotorName, motor_plate
+from .motors import MOTORS, MotorName, motor_plate
 from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
 
 # mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
@@ -63,7 +63,8 @@ class AbstractBored:
     )
     clearance: float = clearance(0.0)
     motor: MotorName | None = entry(
-        "what turns the part: adds the plate that this motor is screwed to; left out, no motor", default=None
+        "what turns the part: adds the plate that this motor is screwed to, or its holes to a base; left out, no motor",
+        default=None,
     )
 
     def __post_init__(self) -> None:
@@ -127,6 +128,9 @@ class AbstractBored:
         if self.flat is not None and self.bore_form != "D":
             problem = f"found {self.flat:g} mm of a bore that has no flat"
             raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
+        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].pilot):
+            problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
+            raise DesignError("bore", problem, f"give less than {boss:g} mm, or leave out motor")
         if self.bore_form == "D":
             self._check_flat()
         if self.fit == "press":

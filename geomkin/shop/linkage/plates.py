@@ -15,13 +15,14 @@ from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
 from ...part import Part
+from ...plane.hulls import separation
 from ...plane.primitives import Circle, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..bore import clearance as wider
 from ..fasteners import Fastener, fastener_of
 from .guides import guide_places
-from .sweep import Sweep, path_in, separation
+from .sweep import Sweep, path_in
 
 # Places that differ by no more than this share of their coordinates are one. Smaller takes rounding for a second hole
 # beside the first; larger makes one hole of two that were meant to be apart.
