@@ -38,7 +38,7 @@ class CamStock(AbstractBored):
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the cam shaft", 8.0)
+    bore: float = shaft("the cam shaft", 8.0, fitted=True)
     roller_bore: float = shaft("the roller's pin", 4.0)
     timing_mark: bool = entry(
         "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
