@@ -201,7 +201,7 @@ GOOD = {
     "CamStock": {"thickness": 5.0, "bore": 8.0, "bore_form": "keyed", "fit": "press", "interference": 0.1, "motor": "nema17", "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},
     "GearStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "web": gk.shop.Web(16, 5)},
     "LanternStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "mate_bore": 8.0, "mate_bore_form": "D", "mate_flat": 7.0, "mate_fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "edge": 4.0, "rim": 8.0},
-    "LinkStock": {"thickness": 3.0, "bar_width": 14.0, "pin_diameter": 4.0, "clearance": 0.2},
+    "LinkStock": {"thickness": 3.0, "bar_width": 14.0, "pin_diameter": 4.0, "clearance": 0.2, "motor": "nema17", "fit": "press", "interference": 0.1},
     "PairStock": {"thickness": 6.0, "bore": 8.0, "fit": "press", "mate_bore": 8.0, "mate_bore_form": "keyed", "mate_keyway_width": 2.0, "mate_keyway_depth": 1.0, "clearance": 0.0, "rim": 8.0},
     "PlateStock": {"thickness": 3.0, "margin": 8.0, "pin_diameter": 4.0},
     "RingStock": {"thickness": 6.0, "rim": 8.0},
