@@ -107,6 +107,15 @@ def test_nothing_passes_through_the_shaft_and_it_is_cut_where_something_passes_o
         assert told.endswith((f"cut to {length:g} mm from its face", f"at least {length:g} mm long"))
 
 
+def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_told():
+    """A washer of 9 mm round the crank's pin, and the shaft of 5 mm: they meet below the crank of 6 mm."""
+    motion = gk.move(gk.FourBar(100, 6, 90, 70), np.linspace(0, 2 * np.pi, 73))
+    stack = gk.shop.stack_links(motion, gk.shop.LinkStock(motor="nema17"))
+    assert any("shaft" in collision.plate or collision.pin == "crank_pivot" for collision in stack.collisions)
+    longer = gk.move(gk.FourBar(100, 12, 90, 70), np.linspace(0, 2 * np.pi, 73))
+    assert not gk.shop.stack_links(longer, gk.shop.LinkStock(motor="nema17")).collisions
+
+
 def test_a_shaft_that_nothing_passes_over_may_be_longer():
     recipe = driven("crank-rocker")
     swung = dataclasses.replace(recipe, drive=dataclasses.replace(recipe.drive, start_deg=60, end_deg=120))

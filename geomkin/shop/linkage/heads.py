@@ -122,17 +122,17 @@ class Heads:
     def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
         """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart.
 
-        A motor's shaft needs none, for its crank is fixed on it.
+        A motor's shaft needs none, for its crank is fixed on it, but stands there itself.
         """
         places = placed(gaps)
-        for reach in (reach for reach in self.reaches if not reach.pin.shaft):
+        for reach in self.reaches:
             for k in range(reach.first, reach.last):
                 yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
 
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """What still meets: a pin, by name, that and what its head or ring meets, and when."""
         places = placed(gaps)
-        discs = [Disc(pin, "ring", layer, layer + 1) for pin, layer in self.rings(gaps)]
+        discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
         for reach in self.reaches:
             below, above = self._ends(reach, places)
             low, high = places[reach.first], places[reach.last] + 1
