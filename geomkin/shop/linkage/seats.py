@@ -52,7 +52,9 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
         )
     crank, ground = linkage.driver, linkage.ground
     on_crank = linkage.bodies[crank]
-    name = next(n for n, on in axes.items() if crank in on and ground in on and on[crank] == complex(on_crank[pivot]))
+    # Points that fall together have one joint, at the place of the first.
+    fixed = {name: abs(on[crank] - complex(on_crank[pivot])) for name, on in axes.items() if {crank, ground} <= set(on)}
+    name = min(fixed, key=fixed.__getitem__)
     found = {}
     for body, place in axes[name].items():
         if body == ground:
