@@ -27,8 +27,8 @@ from ..recipe.settings import Files, Turn
 from ..scene import Limit, Plot, Role, Scene
 from ..scenes.linkage import linkage_scene
 from ..scenes.vectors import force_scene
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
+from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

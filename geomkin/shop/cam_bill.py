@@ -27,7 +27,7 @@ def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = 
         for k, hole in enumerate(plate.holes):
             pins.setdefault((hole.key, keys[:k].count(hole.key)), []).append((plate.name, hole.diameter))
     held = 0.0 if base is None else thick
-    lines = [("cam", shaft_bill(stock, thick + held))]
+    lines = [("cam", shaft_bill(stock, thick + held, base=held))]
     for (key, _), on in pins.items():
         in_base = held if key == "pivot_bore" else 0.0
         lines.append((on[0][0], pin_bill(on[0][1], len(on) * thick + in_base)))
