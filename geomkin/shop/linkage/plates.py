@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 from typing import Literal
 
@@ -15,7 +16,7 @@ from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
 from ...part import Part
-from ...plane.primitives import Circle, rounded_hull, slot
+from ...plane.primitives import Circle, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..bore import clearance as wider
@@ -56,7 +57,7 @@ class LinkStock:
                 "give wider bars or thinner pins",
             )
 
-    @property
+    @cached_property
     def fastener_used(self) -> Fastener:
         """What holds the pins."""
         return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
@@ -80,6 +81,11 @@ class Plate:
     def centres(self) -> Complex:
         """What the plate is stretched round, complex mm."""
         return np.array([place for places in self.openings.values() for place in places])
+
+    @property
+    def hull(self) -> Complex:
+        """Those between which its edges are stretched, counterclockwise."""
+        return np.array(convex_hull(self.centres))
 
     def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float]]:
         """Pairs of openings that would run into each other, and how far apart their centres are, mm."""
