@@ -15,8 +15,13 @@ def separation(a: Complex, b: Complex) -> Real:
     """
     across = (b[..., None, :] - a[..., :, None]).reshape(*a.shape[:-1], -1)
     normals = [1j * _pairs(a), 1j * _pairs(b)]
-    directions = unit(np.concatenate([across, *normals, *(-n for n in normals)], axis=-1))[..., None]
-    strip = dot(directions, b[..., None, :]).min(axis=-1) - dot(directions, a[..., None, :]).max(axis=-1)
+    directions = unit(np.concatenate([across, *normals, *(-n for n in normals)], axis=-1))
+    upper, lower = np.full(directions.shape, np.inf), np.full(directions.shape, -np.inf)
+    for k in range(b.shape[-1]):
+        upper = np.minimum(upper, dot(directions, b[..., k, None]))
+    for k in range(a.shape[-1]):
+        lower = np.maximum(lower, dot(directions, a[..., k, None]))
+    strip = upper - lower
     # Points that fall together have no direction between them.
     widest: Real = np.where(np.isfinite(strip), strip, -np.inf).max(axis=-1)
     return widest

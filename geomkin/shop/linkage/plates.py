@@ -16,7 +16,7 @@ from ...linkage.openings import never_closed
 from ...part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.hulls import separation
-from ...plane.primitives import Circle, rounded_hull, slot
+from ...plane.primitives import Circle, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from .guides import guide_places
 from .seats import Seat, seats
@@ -46,6 +46,11 @@ class Plate:
         """What the plate is stretched round, complex mm."""
         places = [place for places in self.openings.values() for place in places]
         return np.array([*places, *(self.seat.rim if self.seat else ())])
+
+    @property
+    def hull(self) -> Complex:
+        """Those between which its edges are stretched, counterclockwise."""
+        return np.array(convex_hull(self.centres))
 
     @property
     def taken(self) -> list[list[complex]]:

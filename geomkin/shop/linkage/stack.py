@@ -20,7 +20,7 @@ from ..fasteners import Fastener, gathered
 from ..shafts import Bill, shaft_bill
 from .bridge import Way, pile_places, split, ways
 from .heads import Heads, Reach, placed
-from .layers import Meetings, Order, Passing, Run, order
+from .layers import Meetings, Order, Passing, Run, order, runs
 from .plates import Pin, Plate, assemble
 from .stock import LinkStock
 
@@ -154,7 +154,7 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
     `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
     collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, where no frame
-    closes, and for many linkages at once. Derived here.
+    closes, for more frames than can be looked at, and for many linkages at once. Derived here.
     """
     found = assemble(motion, stock)
     meetings = Meetings(motion, stock, found)
@@ -281,9 +281,9 @@ def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, st
     spans = {span.name: span for span in stack.pins}
     pins = (
         (name, plate, run)
-        for (name, plate), runs in meetings.pin_and_plate.items()
-        for run in runs
+        for (name, plate), pair in meetings.pin_and_plate.items()
         if spans[name].first <= stack.layers[plate] <= spans[name].last
+        for run in runs(meetings.motion, pair)
     )
     for name, what, run in (*pins, *others):
         first, last = run if slides else np.degrees(run)
