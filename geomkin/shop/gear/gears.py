@@ -1,4 +1,4 @@
-"""Plates of gears: wheels, rings, racks, mates and lantern pinions, and what holds them at their distances."""
+"""Plates of gears: wheels, rings and racks, and what holds them at their distances."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from ...arguments import Count, Positive, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...gear.conjugate.conjugate import Conjugate
-from ...gear.conjugate.lantern import LanternPinion
 from ...gear.contract import AbstractGear
 from ...gear.helix import Helix
 from ...gear.planetary import PlanetarySet
@@ -19,7 +17,7 @@ from ...part import Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, shaft
+from ..bore import bore
 from ..fits import AbstractBored
 from .spokes import Web, openings
 
@@ -71,35 +69,6 @@ class RingStock:
         return ()
 
 
-@dataclass(frozen=True)
-class PairStock:
-    """What a gear and its mate are cut from."""
-
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the gear's shaft", 8.0)
-    mate_bore: float = shaft("the mate's shaft", 8.0)
-    clearance: float = clearance(0.0)
-    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
-
-@dataclass(frozen=True)
-class LanternStock:
-    """What a lantern pinion's discs and its wheel are cut from; the pins are rods."""
-
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the pinion's shaft", 8.0)
-    mate_bore: float = shaft("the wheel's shaft", 8.0)
-    clearance: float = clearance(0.1)
-    edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
-    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
-
 @checked
 def gear_parts(
     gear: AbstractGear,
@@ -115,7 +84,7 @@ def gear_parts(
     many to make. helix: on which the teeth lie along the face, which is as wide as the stock is thick; bore, keyway and
     web go straight through. Raises DesignError where bore, keyway or web leave no plate.
     """
-    plate = _plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
+    plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
     return (replace(plate, twist=_twist(gear, helix, stock.thickness)),)
 
 
@@ -129,44 +98,13 @@ def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
     return Twist(advance / gear.pitch_radius, 0.0, helix.herringbone, "holes" if gear.is_ring else "outline")
 
 
-def _plate(
+def plate_of(
     gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
 ) -> Part:
     """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
     if gear.is_ring:
         return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
     return Part(name, gear.outline, holes, thickness, count=count, body=name)
-
-
-@checked
-def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
-    """The gear and the mate that it has shaped, each about its own axis."""
-    holes = bore(stock.bore, stock.clearance, gear.hole_room, "stock.bore")
-    return _plate(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
-
-
-@checked
-def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -> tuple[Part, ...]:
-    """The pinion's two discs with holes for its pins, and the wheel."""
-    hole = pinion.pin_diameter / 2 + stock.clearance / 2
-    apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
-    if apart <= 0:
-        raise DesignError(
-            "stock.clearance",
-            f"found {stock.clearance:g} mm, with which the pins' holes run into each other",
-            f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
-        )
-    pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
-    middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
-    outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
-    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
-
-
-def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
-    if mate.is_ring:
-        return _plate(mate, "ring", (), stock.thickness, stock.rim)
-    hole = bore(stock.mate_bore, stock.clearance, mate.hole_room, "stock.mate_bore")
-    return _plate(mate, "mate", hole, stock.thickness, stock.rim)
 
 
 @checked
