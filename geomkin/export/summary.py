@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Collection, Mapping
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from ..check import Check
@@ -106,6 +106,11 @@ def _versions(written: Collection[str]) -> dict[str, str]:
 
 @cache
 def _version(package: str) -> str:
+    if told := getattr(sys.modules.get(package), "__version__", ""):
+        return str(told)
+    # Reading it from what was installed loads a parser of mail.
+    from importlib.metadata import version
+
     return version(package)
 
 

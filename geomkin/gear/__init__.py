@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from .conjugate.flank_gears import PointToothGear as PointToothGear
     from .conjugate.flank_gears import StraightSidedGear as StraightSidedGear
     from .conjugate.lantern import LanternPinion as LanternPinion
+    from .conjugate.tables import flank_table as flank_table
+    from .conjugate.tables import pin_table as pin_table
     from .contract import AbstractGear as AbstractGear
     from .contract import AbstractInvoluteGear as AbstractInvoluteGear
     from .contract import AbstractShaper as AbstractShaper
@@ -25,8 +27,6 @@ if TYPE_CHECKING:
     from .rack import GearRack as GearRack
     from .rack import RackPair as RackPair
     from .tables import contact_table as contact_table
-    from .tables import flank_table as flank_table
-    from .tables import pin_table as pin_table
     from .tables import tooth_table as tooth_table
 else:
     from ..lazy import attach

@@ -16,9 +16,9 @@ from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
 from ..gear.conjugate.flank_gears import AbstractFlankGear, PointToothGear, StraightSidedGear
 from ..gear.conjugate.lantern import LanternPinion
+from ..gear.conjugate.tables import flank_table, pin_table
 from ..gear.contract import AbstractShaper
-from ..gear.tables import flank_table, pin_table
-from ..judge.gear import conjugate_checks, touch_check
+from ..judge.conjugate import conjugate_checks, touch_check
 from ..part import Bought, Part
 from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
@@ -28,7 +28,7 @@ from ..scenes.conjugate import conjugate_scene
 from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
 from ..shop.gear.bases import pair_base
-from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
+from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..shop.shafts import Bill, pin_bill, screw_bill, shaft_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table

@@ -1,4 +1,4 @@
-"""Plates of gears: wheels, rings, racks, mates and lantern pinions, and what holds them at their distances."""
+"""Plates of gears: wheels, rings and racks, and what holds them at their distances."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from ...arguments import Count, Positive, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...gear.conjugate.conjugate import Conjugate
-from ...gear.conjugate.lantern import LanternPinion
 from ...gear.contract import AbstractGear
 from ...gear.helix import Helix
 from ...gear.planetary import PlanetarySet
@@ -19,9 +17,8 @@ from ...part import Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, shaft
+from ..bore import bore
 from ..fits import AbstractBored
-from .mated import AbstractMated
 from .spokes import Web, openings
 
 
@@ -72,27 +69,6 @@ class RingStock:
         return ()
 
 
-@dataclass(frozen=True)
-class PairStock(AbstractMated):
-    """What a gear and its mate are cut from, and how they sit on their shafts."""
-
-    __repr__ = one_line
-
-
-@dataclass(frozen=True)
-class LanternStock(AbstractMated):
-    """What a lantern pinion's discs and its wheel are cut from, and how they sit on their shafts; the pins are rods.
-
-    The wheel is the pinion's mate.
-    """
-
-    bore: float = shaft("the pinion's shaft", 8.0, fitted=True)
-    clearance: float = clearance(0.1)
-    edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
-
-    __repr__ = one_line
-
-
 @checked
 def gear_parts(
     gear: AbstractGear,
@@ -108,7 +84,7 @@ def gear_parts(
     many to make. helix: on which the teeth lie along the face, which is as wide as the stock is thick; bore, keyway and
     web go straight through. Raises DesignError where bore, keyway or web leave no plate.
     """
-    plate = _plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
+    plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
     return (replace(plate, twist=_twist(gear, helix, stock.thickness)),)
 
 
@@ -122,48 +98,13 @@ def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
     return Twist(advance / gear.pitch_radius, 0.0, helix.herringbone, "holes" if gear.is_ring else "outline")
 
 
-def _plate(
+def plate_of(
     gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
 ) -> Part:
     """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
     if gear.is_ring:
         return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
     return Part(name, gear.outline, holes, thickness, count=count, body=name)
-
-
-@checked
-def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
-    """The gear and the mate that it has shaped, each about its own axis; flat or keyway of a bore lie towards +y."""
-    holes = stock.hole(1j, gear.hole_room, "stock")
-    return _plate(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
-
-
-@checked
-def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -> tuple[Part, ...]:
-    """The pinion's two discs with holes for its pins, and the wheel.
-
-    Flat or keyway of the discs' bores lie towards a pin, that of the wheel's towards +y.
-    """
-    hole = pinion.pin_diameter / 2 + stock.clearance / 2
-    apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
-    if apart <= 0:
-        raise DesignError(
-            "stock.clearance",
-            f"found {stock.clearance:g} mm, with which the pins' holes run into each other",
-            f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
-        )
-    pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
-    first = pinion.circles[0].centre
-    middle = stock.hole(first / abs(first), 2 * (pinion.pitch_radius - hole), "stock")
-    outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
-    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
-
-
-def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
-    if mate.is_ring:
-        return _plate(mate, "ring", (), stock.thickness, stock.rim)
-    hole = stock.mate_hole(1j, mate.hole_room, "stock")
-    return _plate(mate, "mate", hole, stock.thickness, stock.rim)
 
 
 @checked
