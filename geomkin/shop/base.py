@@ -10,7 +10,7 @@ import numpy as np
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull, slot
 from ..plane.vec import dot
@@ -81,6 +81,10 @@ class BaseOpening:
         start, end = self.places[0], self.places[-1]
         return Circle(start, radius) if len(self.places) == 1 else slot(start, end, radius)
 
+    def fit(self, clearance: float) -> HoleFit:
+        """How what goes through sits in it."""
+        return HoleFit(self.diameter, clearance, travel=abs(self.places[-1] - self.places[0]))
+
     def distance(self, other: BaseOpening) -> float:
         """From middle to middle, mm; of two slots they must not cross."""
         ways = ((one, place) for one, two in ((self, other), (other, self)) for place in two.places)
@@ -113,7 +117,9 @@ def standing_plate(
         _check_apart(one, two, stock.clearance)
     outline = rounded_hull(corners, widened(stock.screw, stock.clearance) / 2 + stock.edge)
     letters = tuple(opening.letter for opening in all_openings)
-    return Part("base", outline, holes, thickness, body="ground", hole_names=letters if any(letters) else ())
+    fits = tuple(opening.fit(stock.clearance) for opening in all_openings)
+    shown = letters if any(letters) else ()
+    return Part("base", outline, holes, thickness, body="ground", hole_names=shown, fits=fits)
 
 
 def _check_apart(one: BaseOpening, two: BaseOpening, clearance: float) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import Positive, checked
 from ..brief import one_line
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle, rounded_hull
 from ..sizes import Length
 from .fasteners import LENGTHS, SIZES
@@ -62,4 +62,6 @@ def motor_plate(motor: MotorName, thickness: Positive, clearance: Length = 0.0) 
     corners = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
     outline = rounded_hull((face.side / 2 - CORNER) * corners, CORNER)
     screws = (Circle(complex(z), face.hole / 2) for z in face.apart / 2 * corners)
-    return Part("motor_plate", outline, (Circle(0j, (face.pilot + clearance) / 2), *screws), thickness, body="motor")
+    holes = (Circle(0j, (face.pilot + clearance) / 2), *screws)
+    fits = (HoleFit(face.pilot, clearance), *(4 * (HoleFit(face.thread, face.hole - face.thread),)))
+    return Part("motor_plate", outline, holes, thickness, body="motor", fits=fits)

@@ -15,11 +15,11 @@ from ...gear.conjugate.lantern import LanternPinion
 from ...gear.contract import AbstractGear
 from ...gear.helix import Helix
 from ...gear.planetary import PlanetarySet
-from ...part import Part, Twist
+from ...part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore, clearance, shaft
+from ..bore import bore, clearance, fits_of, shaft
 from ..fits import AbstractBored
 from .spokes import Web, openings
 
@@ -49,6 +49,10 @@ class GearStock(AbstractBored):
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
         return (*hole, *cut)
 
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """Of the bore, which is the first of the holes; none in a rack."""
+        return self.fits if gear.hole_room else ()
+
 
 @dataclass(frozen=True)
 class RingStock:
@@ -68,6 +72,10 @@ class RingStock:
         """None besides the teeth."""
         if not gear.is_ring:
             raise DesignError(key, "found that of a ring for a wheel", "give a GearStock")
+        return ()
+
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """None."""
         return ()
 
 
@@ -116,7 +124,7 @@ def gear_parts(
     web go straight through. Raises DesignError where bore, keyway or web leave no plate.
     """
     plate = _plate(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
-    return (replace(plate, twist=_twist(gear, helix, stock.thickness)),)
+    return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
 
 
 def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
@@ -142,7 +150,9 @@ def _plate(
 def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
     """The gear and the mate that it has shaped, each about its own axis."""
     holes = bore(stock.bore, stock.clearance, gear.hole_room, "stock.bore")
-    return _plate(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
+    plate = _plate(gear, "gear", holes, stock.thickness, stock.rim)
+    fits = () if gear.is_ring else fits_of(stock.bore, stock.clearance)
+    return replace(plate, fits=fits), _mate(mate, stock)
 
 
 @checked
@@ -159,14 +169,17 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
     middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
-    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
+    fits = (*fits_of(stock.bore, stock.clearance), *(len(pins) * fits_of(pinion.pin_diameter, stock.clearance)))
+    disc = Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion", fits=fits)
+    return disc, _mate(mate, stock)
 
 
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     if mate.is_ring:
         return _plate(mate, "ring", (), stock.thickness, stock.rim)
     hole = bore(stock.mate_bore, stock.clearance, mate.hole_room, "stock.mate_bore")
-    return _plate(mate, "mate", hole, stock.thickness, stock.rim)
+    plate = _plate(mate, "mate", hole, stock.thickness, stock.rim)
+    return replace(plate, fits=fits_of(stock.mate_bore, stock.clearance))
 
 
 @checked

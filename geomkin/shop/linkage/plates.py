@@ -14,7 +14,7 @@ from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
-from ...part import Part
+from ...part import HoleFit, Part
 from ...plane.primitives import Circle, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
 from ...sizes import FARTHEST, check_sizes, entry, quantity
@@ -109,8 +109,10 @@ class Plate:
         for pin, ends in self.openings.items():
             shared[ends] = shared.get(ends, "") + letters.get(pin, "")
         holes = tuple(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius) for ends in shared)
+        fits = tuple(HoleFit(stock.pin_diameter, stock.clearance, travel=abs(ends[-1] - ends[0])) for ends in shared)
         outline, named = rounded_hull(self.centres, stock.bar_width / 2), tuple(shared.values())
-        return Part(name, outline, holes, stock.thickness, body=self.body, hole_names=named if any(named) else ())
+        letters_at = named if any(named) else ()
+        return Part(name, outline, holes, stock.thickness, body=self.body, hole_names=letters_at, fits=fits)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from ...linkage.motion import Motion
 from ...part import Bought, Part
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
+from ..bore import fits_of
 from ..fasteners import Fastener, gathered
 from .heads import Heads, Reach, placed
 from .layers import Meetings, Order, Passing, Run, order
@@ -187,7 +188,8 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
+        fits = fits_of(stock.pin_diameter, stock.clearance)
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
     return tuple(parts)
 
 
