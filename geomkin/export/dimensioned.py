@@ -162,14 +162,25 @@ def _title(job: Job, scale: float, wide: float) -> _Cell:
     lines = [
         f"sheet of {thicknesses} mm, scale {scale_told(scale)}",
         f"sizes in mm; parts: {len(parts)}, pieces: {pieces}",
+        "each part seen from above; drawing 1 of 1",
+        *job.title.told(),
     ]
-    name = harmless(job.name)
+    name = harmless(job.title.name or job.name)
     cell.words(name, complex(3, -3 - TITLE / 2), TITLE)
-    for number, line in enumerate(lines):
-        cell.words(line, complex(3, -7 - TITLE - LETTER / 2 - number * LINE))
-    wide = max(wide, 6 + width_of(name, TITLE), *(6 + width_of(line, LETTER) for line in lines))
-    high = -7 - TITLE - len(lines) * LINE
+    # A column for what the drawing tells, and one for what the recipe gives; each line under the one before.
+    columns = [lines[:3], lines[3:]]
+    left, rows, top = 3.0, max(map(len, columns)), -7 - TITLE
+    for column in filter(None, columns):
+        if left > 3:
+            cell.line(complex(left - 3, top + 1), complex(left - 3, top - rows * LINE))
+        for number, line in enumerate(column):
+            cell.words(line, complex(left, top - LETTER / 2 - number * LINE))
+        left += 6 + max(width_of(line, LETTER) for line in column)
+    wide = max(wide, 6 + width_of(name, TITLE), left - 3)
+    high = top - rows * LINE
     cell.shapes.append((DIM, Polyline(np.array([0, wide, complex(wide, high), complex(0, high)]))))
+    if columns[1]:
+        cell.line(complex(0, top + 1), complex(wide, top + 1))
     return cell
 
 

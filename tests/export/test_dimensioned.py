@@ -1,5 +1,6 @@
 """The drawing with sizes: its numbers against distances in the DXF that is cut; no text on another or on a line."""
 
+import html
 import io
 import re
 import xml.etree.ElementTree as ET
@@ -12,6 +13,7 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
 from geomkin.export.dimensioned import drawing, scale_told
@@ -192,6 +194,67 @@ def test_teeth_on_helices_are_told_for_each_gear():
     texts = [text.text for text in drawing(Job("gear", recipe, 0.01)).texts]
     assert texts.count("helix angle 20 deg, left hand") == 1
     assert not any("helix" in text.text for text in drawing(job_of("gear-pair")).texts)
+
+
+TITLED = {
+    "name": "Drive gear",
+    "number": "W-104",
+    "revision": "B",
+    "material": 'POM 100%, <natural> & "dry"',
+    "general_tolerance": "±0.1 mm, 20 °C",
+    "drawn_by": "Jiří Dvořák",
+    "date": "31. März 2025",
+}
+
+
+def test_the_title_has_what_the_recipe_gives_in_both_formats_and_on_the_page(tmp_path):
+    given = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": TITLED}}
+    recipe = gk.load(given)
+    lines = [f"{key.replace('_', ' ')}: {value}" for key, value in TITLED.items() if key != "name"]
+    drawn, svg, page = (tmp_path / f"a{tail}" for tail in ("-sheet.dxf", "-sheet.svg", ".html"))
+    for path in (drawn, svg, page):
+        gk.write(recipe, path)
+    # Letters that the file's code page has not are codes in it, which programs read.
+    in_dxf = [decode_dxf_unicode(t.dxf.text) for t in read(drawn).query("TEXT")]
+    in_svg = [e.text for e in ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}text")]
+    for texts in (in_dxf, in_svg):
+        assert [text for text in texts if text in lines] == lines and "Drive gear" in texts and "a" not in texts
+        assert "each part seen from above; drawing 1 of 1" in texts
+    assert all(html.escape(line[1:]) in page.read_text("utf-8") for line in lines)
+    # What is left out is not told, nor does any day stand there.
+    bare = gk.load(given | {"files": {}})
+    assert not any(": " in text.text and text.text in lines for text in drawing(Job("b", bare, 0.005)).texts)
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
+
+
+@pytest.mark.parametrize("name", ["gear-pair", "crank-rocker"])
+@pytest.mark.parametrize("entries", [TITLED, {"date": "9" * 60}, dict.fromkeys(TITLED, "W" * 60), {"name": "W" * 60}])
+def test_no_title_is_too_long_for_its_frame(name, entries):
+    made = drawing(replace(job_of(name), title=gk.export.Title(**entries)))
+    boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
+    lines = [shapely.LineString(gk.plane.xy(gk.flatten(s, 0.01))) for layer, s in made.shapes if layer == "DIM"]
+    one, two = shapely.STRtree([*boxes, *lines]).query(boxes, predicate="intersects")
+    assert (one == two).all() and len(lines) > 5
+
+
+@pytest.mark.parametrize(
+    ("text", "flaw"),
+    [
+        ("a\\U+0041", "has the sign"),
+        ("^J", "has the sign"),
+        ("50%%d", "has two signs of per cent in a row"),
+        ("a\nb", "has the sign"),
+        ("\u202e", "has the sign"),
+        ("\u0308", "has the sign"),
+        ("日本", "has the sign"),
+        (" a", "begins or ends with a space"),
+        ("a" * 61, "has 61 letters"),
+    ],
+)
+def test_what_no_drawing_can_show_is_no_title(text, flaw):
+    recipe = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": {"material": text}}}
+    with pytest.raises(gk.RecipeError, match=f"files.title.material: found .*{flaw}.*; give at most 60 letters"):
+        gk.load(recipe)
 
 
 @pytest.mark.parametrize(
