@@ -35,6 +35,9 @@ class Source(Protocol):
     def checks(self) -> tuple[Check, ...]: ...
 
     @property
+    def walls(self) -> Mapping[str, float]: ...
+
+    @property
     def notes(self) -> Mapping[str, object]: ...
 
     @property
@@ -52,6 +55,7 @@ class Loose:
     table: Table | None = None
     scene: Scene | None = None
     checks: tuple[Check, ...] = ()
+    walls: Mapping[str, float] = field(default_factory=dict)
     notes: Mapping[str, object] = field(default_factory=dict)
     bought: tuple[Bought, ...] = ()
     steps: tuple[str, ...] = ()
