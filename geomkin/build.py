@@ -197,7 +197,7 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))
+    return dataclasses.replace(job, about=source.subtitle, recipe=partial(to_toml, source))
 
 
 def name_of(file: str, name: str) -> str:

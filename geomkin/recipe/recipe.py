@@ -117,6 +117,11 @@ class AbstractRecipe(ABC):
         """One line that introduces the kind."""
         return " ".join((cls.__doc__ or "").split())
 
+    @property
+    def subtitle(self) -> str:
+        """One line that introduces what is made: that of the kind, where that says enough."""
+        return self.about()
+
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """Sizes, by dotted key, that make an example of the tables that a template is asked to show.
