@@ -109,7 +109,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if all(holes):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
-            parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
+            plate = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
+            parts.append(replace(plate, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits)))
         return *parts, *self.first_stock.motor_parts
 
     @property

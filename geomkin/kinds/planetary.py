@@ -101,7 +101,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter
-        return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
+        fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
+        return (*parts, replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits))
 
     @property
     def bought(self) -> tuple[Bought, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.hulls import separation
 from ..plane.primitives import Circle, rounded_hull, slot
@@ -87,6 +87,12 @@ class BaseOpening:
         start, end = self.places[0], self.places[-1]
         return (Circle(start, radius) if len(self.places) == 1 else slot(start, end, radius),)
 
+    def fits(self, clearance: float) -> tuple[HoleFit, ...]:
+        """How what goes through sits in each of these."""
+        if self.motor:
+            return MOTORS[self.motor].fits(clearance)
+        return (HoleFit(self.diameter, clearance, travel=abs(self.places[-1] - self.places[0])),)
+
     def distance(self, other: BaseOpening) -> float:
         """From middle to middle, mm; 0 or less of two slots that cross."""
         return float(separation(np.array(self.places), np.array(other.places)))
@@ -120,7 +126,9 @@ def standing_plate(
         name for opening, curves in zip(all_openings, cut) for name in (opening.letter, *("" for _ in curves[1:]))
     ]
     holes = tuple(curve for curves in cut for curve in curves)
-    return Part("base", outline, holes, thickness, body="ground", hole_names=tuple(letters) if any(letters) else ())
+    fits = tuple(fit for opening in all_openings for fit in opening.fits(stock.clearance))
+    shown = tuple(letters) if any(letters) else ()
+    return Part("base", outline, holes, thickness, body="ground", hole_names=shown, fits=fits)
 
 
 def _motor_key(opening: BaseOpening) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DesignError
+from ..part import HoleFit
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, quantity
 
@@ -34,6 +35,11 @@ def clearance(default: float) -> Any:
 def widened(diameter: float, clearance: float) -> float:
     """Diameter, mm, of the hole for a shaft or pin; 0 where there is none."""
     return diameter + clearance if diameter else 0.0
+
+
+def fits_of(diameter: float, play: float) -> tuple[HoleFit, ...]:
+    """The fit of a hole for a shaft or pin, wider than that by `play`, mm; none where there is none."""
+    return (HoleFit(diameter, play),) if diameter else ()
 
 
 def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:

@@ -13,12 +13,12 @@ from ..cam.cam import Cam
 from ..cam.followers.plates import Bars, Plate
 from ..cam.maxima import samples
 from ..cam.undercut import Undercut, undercut
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..sizes import FARTHEST, entry, quantity
 from .base import BaseStock
-from .bore import bore, shaft
+from .bore import bore, fits_of, shaft
 from .cam_base import LETTERS, cam_base
 from .fits import AbstractBored
 
@@ -97,11 +97,21 @@ def cam_parts(
 def _cut(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
     circles: list[Circle] = []
     names: list[str] = []
+    fits: list[HoleFit] = []
     for hole in plate.holes:
         one = bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre)
         circles += one
+        fits += fits_of(hole.diameter, stock.clearance)
         names += [letters.get(hole.key, "") for _ in one] if letters else []
-    return Part(plate.name, plate.outline, tuple(circles), stock.thickness, body=plate.name, hole_names=tuple(names))
+    return Part(
+        plate.name,
+        plate.outline,
+        tuple(circles),
+        stock.thickness,
+        body=plate.name,
+        hole_names=tuple(names),
+        fits=tuple(fits),
+    )
 
 
 def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
@@ -110,9 +120,9 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     towards = start / abs(start)
     holes = stock.hole(towards, narrowest, "stock")
     if not stock.timing_mark:
-        return Part("cam", cut.outline, holes, stock.thickness, body="cam")
+        return Part("cam", cut.outline, holes, stock.thickness, body="cam", fits=stock.fits)
     marks = _timing_marks(towards, stock.hole_reach, narrowest / 2, cam.sense)
-    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam")
+    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam", fits=stock.fits)
 
 
 def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> tuple[AbstractCurve, ...]:

@@ -7,10 +7,10 @@ from typing import Any, Literal
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_down
-from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
+from .bore import SMALLEST, bore, clearance, fits_of, flattened_bore, keyed_bore, shaft, widened
 from .motors import MOTORS, MotorName, motor_plate
 from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
 
@@ -100,6 +100,19 @@ class AbstractBored:
     def hole_diameter(self) -> float:
         """Diameter, mm, 0 for none, of a round hole that the shaft runs in, as in a base plate."""
         return widened(self.bore, self.clearance)
+
+    @property
+    def running_fits(self) -> tuple[HoleFit, ...]:
+        """The fit of such a round hole; none for diameter 0."""
+        return fits_of(self.bore, self.clearance)
+
+    @property
+    def fits(self) -> tuple[HoleFit, ...]:
+        """The fit of the bore; none for diameter 0."""
+        if not self.bore:
+            return ()
+        flat = 0.0 if self.across_flat is None else self.across_flat + self.play
+        return (HoleFit(self.bore, self.play, flat, self.keyway),)
 
     @property
     def hole_reach(self) -> float:

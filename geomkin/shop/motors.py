@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import Positive, checked
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex
 from ..sizes import Length
@@ -55,6 +55,10 @@ class Motor:
         screws = (Circle(complex(place + z), self.hole / 2) for z in self.apart / 2 * CORNERS)
         return Circle(place, (self.pilot + clearance) / 2), *screws
 
+    def fits(self, clearance: float) -> tuple[HoleFit, ...]:
+        """How boss and screws sit in these holes."""
+        return HoleFit(self.pilot, clearance), *(len(CORNERS) * (HoleFit(self.thread, self.hole - self.thread),))
+
     def corners(self, place: complex = 0j, inset: float = 0.0) -> Complex:
         """Of the face about a place, mm, moved in from both sides by the inset."""
         return place + (self.side / 2 - inset) * CORNERS
@@ -88,4 +92,5 @@ def motor_plate(motor: MotorName, thickness: Positive, clearance: Length = 0.0) 
     """
     face = MOTORS[motor]
     outline = rounded_hull(face.corners(inset=CORNER), CORNER)
-    return Part("motor_plate", outline, face.holes(clearance), thickness, body="motor")
+    holes, fits = face.holes(clearance), face.fits(clearance)
+    return Part("motor_plate", outline, holes, thickness, body="motor", fits=fits)

@@ -13,7 +13,7 @@ from ...gear.rack import RackPair
 from ...part import Part
 from ...sizes import Length
 from ..base import BaseOpening, BaseStock, RackBaseStock, standing_plate
-from ..bore import bore
+from ..bore import bore, fits_of
 from ..motors import MotorName
 
 # Least distance of a rack's two guide pins in thicknesses of its bar under the teeth. Nearer, the play of the pins in
@@ -90,7 +90,8 @@ def rack_base(
     wide = max(pinion.tip_radius, last - left + half, right - first + half)
     back = pair.distance + bar.root_depth + bar.solid_rim
     box = complex(-wide, -back), complex(wide, pinion.tip_radius)
-    guided = replace(rack, holes=(*rack.holes, *pins), hole_names=("B", "B"))
+    fits = 2 * fits_of(stock.guide_pin, stock.clearance)
+    guided = replace(rack, holes=(*rack.holes, *pins), hole_names=("B", "B"), fits=fits)
     return guided, standing_plate(box, openings, stock, rack.thickness)
 
 
@@ -120,6 +121,7 @@ def planetary_base(
     # Their heads and nuts are at most twice as wide.
     screw = "a screw of the ring", "base.screw", stock.screw
     openings += [BaseOpening(*screw, (complex(z),), "B", head=2 * stock.screw) for z in places]
-    held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)))
+    fits = (*(None for _ in ring.holes), *(RING_SCREWS * fits_of(stock.screw, stock.clearance)))
+    held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
     corner = complex(outer, outer)
     return held, standing_plate((-corner, corner), openings, stock, ring.thickness)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ...arguments import checked
 from ...brief import one_line
@@ -13,7 +13,7 @@ from ...gear.contract import AbstractGear
 from ...part import Part
 from ...plane.primitives import Circle
 from ...sizes import FARTHEST, quantity
-from ..bore import clearance, shaft
+from ..bore import clearance, fits_of, shaft
 from .gears import plate_of
 from .mated import AbstractMated
 
@@ -43,7 +43,8 @@ class LanternStock(AbstractMated):
 def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
     """The gear and the mate that it has shaped, each about its own axis; flat or keyway of a bore lie towards +y."""
     holes = stock.hole(1j, gear.hole_room, "stock")
-    return plate_of(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
+    plate = plate_of(gear, "gear", holes, stock.thickness, stock.rim)
+    return replace(plate, fits=() if gear.is_ring else stock.fits), _mate(mate, stock)
 
 
 @checked
@@ -64,11 +65,13 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     first = pinion.circles[0].centre
     middle = stock.hole(first / abs(first), 2 * (pinion.pitch_radius - hole), "stock")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
-    return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
+    fits = (*stock.fits, *(len(pins) * fits_of(pinion.pin_diameter, stock.clearance)))
+    disc = Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion", fits=fits)
+    return disc, _mate(mate, stock)
 
 
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     if mate.is_ring:
         return plate_of(mate, "ring", (), stock.thickness, stock.rim)
     hole = stock.mate_hole(1j, mate.hole_room, "stock")
-    return plate_of(mate, "mate", hole, stock.thickness, stock.rim)
+    return replace(plate_of(mate, "mate", hole, stock.thickness, stock.rim), fits=stock.mate.fits)

@@ -13,7 +13,7 @@ from ...errors import DesignError
 from ...gear.contract import AbstractGear
 from ...gear.helix import Helix
 from ...gear.planetary import PlanetarySet
-from ...part import Part, Twist
+from ...part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
@@ -47,6 +47,10 @@ class GearStock(AbstractBored):
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
         return (*hole, *cut)
 
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """Of the bore, which is the first of the holes; none in a rack."""
+        return self.fits if gear.hole_room else ()
+
 
 @dataclass(frozen=True)
 class RingStock:
@@ -68,6 +72,10 @@ class RingStock:
             raise DesignError(key, "found that of a ring for a wheel", "give a GearStock")
         return ()
 
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """None."""
+        return ()
+
 
 @checked
 def gear_parts(
@@ -85,7 +93,7 @@ def gear_parts(
     web go straight through. Raises DesignError where bore, keyway or web leave no plate.
     """
     plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
-    return (replace(plate, twist=_twist(gear, helix, stock.thickness)),)
+    return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
 
 
 def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:

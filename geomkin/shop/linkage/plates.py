@@ -13,7 +13,7 @@ from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
-from ...part import Part
+from ...part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.hulls import separation
 from ...plane.primitives import Circle, convex_hull, rounded_hull, slot
@@ -102,16 +102,19 @@ class Plate:
             shared[ends] = shared.get(ends, "") + letters.get(pin, "")
         holes: list[AbstractCurve] = []
         named: list[str] = []
+        fits: list[HoleFit] = []
         for ends, letter in shared.items():
             if self.seat and ends == self.openings.get(self.seat.pin):
                 # Of a motor's holes the one round its shaft has the letter.
                 holes += self.seat.holes
                 named += [letter, *("" for _ in self.seat.holes[1:])]
+                fits += self.seat.fits
             else:
                 holes.append(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius))
                 named.append(letter)
+                fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=abs(ends[-1] - ends[0])))
         outline, told = rounded_hull(self.centres, stock.bar_width / 2), tuple(named) if any(named) else ()
-        return Part(name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=told)
+        return Part(name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=told, fits=tuple(fits))
 
 
 @dataclass(frozen=True, eq=False)

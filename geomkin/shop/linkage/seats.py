@@ -10,6 +10,7 @@ import numpy as np
 from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.linkage import Linkage
+from ...part import HoleFit
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Polyline
 from ...plane.vec import Complex
@@ -21,12 +22,13 @@ from .stock import LinkStock
 class Seat:
     """What a motor has of a plate, in the frame of the plate's body.
 
-    pin: the joint of its shaft. holes: cut there instead of a pin's. corners: what keeps other openings off, complex
-    mm, with `radius`, mm, round them. rim: where the plate's edge goes round, complex mm.
+    pin: the joint of its shaft. holes: cut there instead of a pin's; fits: of each. corners: what keeps other openings
+    off, complex mm, with `radius`, mm, round them. rim: where the plate's edge goes round, complex mm.
     """
 
     pin: str
     holes: tuple[AbstractCurve, ...]
+    fits: tuple[HoleFit, ...]
     corners: Complex
     radius: float
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
@@ -62,11 +64,12 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
             # Nuts under the ground must clear the motor; rods are cut flush.
             beside = max(stock.fastener_used.across, stock.hole_diameter) - stock.hole_diameter
             rim = face.corners(place, min(CORNER, stock.bar_width / 2))
-            found[body] = Seat(name, face.holes(stock.clearance, place), face.corners(place), beside / 2, rim)
+            holes, fits = face.holes(stock.clearance, place), face.fits(stock.clearance)
+            found[body] = Seat(name, holes, fits, face.corners(place), beside / 2, rim)
         elif body == crank:
             away = next((complex(z) - place for z in on_crank.values() if complex(z) != place), 1 + 0j)
-            holes = tuple(_moved(hole, place) for hole in shaft.hole(away / abs(away), stock.bar_width, "stock"))
-            found[body] = Seat(name, holes, np.array([place]), (shaft.bore + shaft.play) / 2)
+            bores = tuple(_moved(hole, place) for hole in shaft.hole(away / abs(away), stock.bar_width, "stock"))
+            found[body] = Seat(name, bores, shaft.fits, np.array([place]), (shaft.bore + shaft.play) / 2)
         else:
             raise DesignError(
                 "stock.motor",

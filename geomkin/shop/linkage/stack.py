@@ -16,6 +16,7 @@ from ...errors import DesignError
 from ...linkage.motion import Motion
 from ...part import Bought, Part
 from ...plane.primitives import Circle
+from ..bore import fits_of
 from ..fasteners import Fastener, gathered
 from ..shafts import Bill, shaft_bill
 from .bridge import Way, pile_places, split, ways
@@ -188,7 +189,8 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
+        fits = fits_of(stock.pin_diameter, stock.clearance)
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
     return tuple(parts)
 
 
