@@ -287,6 +287,7 @@ def test_values_are_put_in_their_places():
         ({"linkge.crank": [1]}, [], "linkge: unknown key"),
         ({"linkage.crank": [30]}, ["transmission_angle:least"], "did you mean transmission_angle_deg"),
         ({"linkage.crank": [30]}, ["grashof"], "did you mean grashof_type"),
+        ({"linkage.crank": [30]}, ["transmission_angle_deg:lest"], "give COLUMN:"),
         ({"linkage.crank": [float("nan")]}, [], "linkage.crank: found nan"),
         ({"linkage.crank": range(10**9)}, [], "linkage.crank: found 1,000,000,000 values"),
         ({"linkage.crank": []}, [], "linkage.crank: found no value"),
