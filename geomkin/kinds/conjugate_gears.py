@@ -25,11 +25,12 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
+from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.fasteners import gathered
+from ..shop.fits import AbstractBored
+from ..shop.gear.assemblies import Wheel, lantern_assembly, pair_assembly
 from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
-from ..shop.shafts import Bill, pin_bill, screw_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -96,7 +97,7 @@ class AbstractShapedRecipe(AbstractRecipe):
                 # The other side of the tooth is alike.
                 if u.start < 1
             ],
-            "bought": [one.told for one in self.bought],
+            **self.joined,
         }
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
@@ -112,13 +113,17 @@ class AbstractShapedRecipe(AbstractRecipe):
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
     @property
-    def through(self) -> float:
-        """Thickness, mm, of a wheel and of the base under it, where there is one."""
-        return self.stock.thickness * (1 if self.base is None else 2)
+    @abstractmethod
+    def assembly(self) -> Assembly:
+        """Shafts and pins, what holds the base, and how all of it goes together."""
 
-    def held(self, bill: list[tuple[str, Bill]]) -> tuple[Bought, ...]:
-        """What is bought, with the base's screws."""
-        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, self.stock.thickness))])
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""
@@ -179,13 +184,15 @@ class ToothedRecipe(AbstractShapedRecipe):
         self.check_points([self.gear.outline])
         return self.on_base(pair_parts(self.gear, self.design, self.stock), self.gear.tip_radius)
 
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        """Both shafts; a ring has none."""
-        stock = self.stock
-        mate = 0.0 if self.design.is_ring else stock.mate_bore
-        on = (("gear", stock.bore), ("mate", mate))
-        return self.held([(name, pin_bill(bore, self.through, what="shaft")) for name, bore in on])
+    @cached_property
+    def assembly(self) -> Assembly:
+        stock, is_ring = self.stock, self.design.is_ring
+        own, other = (
+            AbstractBored(stock.thickness, bore, clearance=stock.clearance) for bore in (stock.bore, stock.mate_bore)
+        )
+        mate = Wheel("ring", "", None) if is_ring else Wheel("mate", "B", other)
+        plate = None if self.base is None else stock.thickness
+        return pair_assembly(Wheel("gear", "A", own), mate, self.design.distance, plate, self.base)
 
     @cached_property
     def scene(self) -> Scene:
@@ -246,18 +253,10 @@ class LanternGearsRecipe(AbstractShapedRecipe):
         disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
         return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
 
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        """Both shafts, and the pins, which stand in both discs with the wheel between them."""
-        stock, pinion = self.stock, self.pinion
-        wheel = 0.0 if self.design.is_ring else stock.mate_bore
-        return self.held(
-            [
-                ("disc", pin_bill(stock.bore, self.through + 2 * stock.thickness, what="shaft")),
-                ("disc", pin_bill(pinion.pin_diameter, 3 * stock.thickness, pinion.pins)),
-                ("mate", pin_bill(wheel, self.through, what="shaft")),
-            ]
-        )
+    @cached_property
+    def assembly(self) -> Assembly:
+        pinion, mate = self.pinion, self.design
+        return lantern_assembly(self.stock, pinion.pin_diameter, pinion.pins, mate.is_ring, mate.distance, self.base)
 
     @cached_property
     def scene(self) -> Scene:

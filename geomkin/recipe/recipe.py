@@ -72,6 +72,12 @@ class AbstractRecipe(ABC):
         return ()
 
     @property
+    def joined(self) -> Mapping[str, object]:
+        """What is bought and the steps, as entries of summary.json; those that a kind does not tell are left out."""
+        told = {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
+        return {name: lines for name, lines in told.items() if lines}
+
+    @property
     @abstractmethod
     def judged(self) -> tuple[Check, ...]:
         """Whether the mechanism is good; the walls of its parts come besides."""

@@ -1,0 +1,165 @@
+"""How a mechanism of gears or a cam goes together: what is bought, and the steps, told at once from the bottom up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..brief import one_line
+from ..part import Bought
+from .base import BaseStock
+from .fasteners import SIZES, Fastener, gathered
+from .fits import AbstractBored
+from .motors import MOTORS
+from .shafts import Bill, collar_bill, collar_width, pin_bill, screw_bill, shaft_bill, tube_bill
+
+# mm left free under what turns under a base, so that it does not rub on what the base stands on.
+FREE = 2.0
+# mm along a shaft or between two discs, so that what is held between them turns. Less jams when the sheet is thicker
+# than it says; more lets wheels lean.
+PLAY = 0.5
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """What a mechanism takes besides its parts, and how all of it is put together, a line for each layer."""
+
+    bought: tuple[Bought, ...]
+    steps: tuple[str, ...]
+
+    __repr__ = one_line
+
+
+class Assembling:
+    """An assembly while it is told.
+
+    plate: name of the plate that shafts run in, "" where there is none; thickness: of it, mm. base: its screws, where
+    it has any. lettered: whether letters are engraved at the holes. motor: what turns the lowest wheel, on a plate of
+    its own under all others.
+    """
+
+    def __init__(
+        self,
+        plate: str = "",
+        thickness: float = 0.0,
+        base: BaseStock | None = None,
+        lettered: bool = False,
+        motor: str | None = None,
+    ):
+        self.plate, self.thickness, self.base, self.lettered, self.motor = plate, thickness, base, lettered, motor
+        self._lines: list[tuple[str, Bill]] = []
+        self._layers: dict[int, list[str]] = {}
+        self._on_top: list[tuple[int, str]] = []
+        self._last: list[str] = []
+        self._under = 0.0
+        if motor is not None:
+            held = f"screw motor_plate from above on motor {MOTORS[motor].called}, its shaft up, by 4 screws"
+            self._layers[0] = [held]
+        if plate:
+            self.tell(0, f"lay {plate}{'' if motor is None else ' on the heads of its screws'}")
+
+    @property
+    def lowest(self) -> int:
+        """The layer of the lowest wheel, over the plate where there is one."""
+        return int(bool(self.plate))
+
+    def tell(self, layer: int, words: str) -> None:
+        """Add to what is done in a layer, 0 that of the plate or, without one, the lowest."""
+        self._layers.setdefault(layer + (self.motor is not None), []).append(words)
+
+    def end(self, words: str) -> None:
+        """Add to what is done or left at last."""
+        self._last.append(words)
+
+    def mark(self, letter: str, part: str) -> str:
+        """What the bill calls a joint: the letter at its holes or, where none is engraved, a part's name."""
+        return letter if self.lettered else part
+
+    def buy(self, mark: str, bill: Bill) -> None:
+        """Add what a joint takes."""
+        self._lines.append((mark, bill))
+
+    def shaft(self, letter: str, part: str, stock: AbstractBored, grip: float, top: int, gap: float = 0.0) -> None:
+        """The shaft of a wheel, through plates and gaps of a height together, mm, and a collar at either end.
+
+        It goes in with the plate, its upper collar on last in the layer `top`. gap: between plate and wheel, mm, kept
+        by a tube. A motor holds its shaft itself.
+        """
+        mark, named = self.mark(letter, part), letter if self.lettered else f"the shaft of {part}"
+        if not stock.bore or stock.motor is not None:
+            self.buy(mark, shaft_bill(stock, grip))
+            return
+        wide = collar_width(stock.bore)
+        self.buy(mark, shaft_bill(stock, grip + 2 * wide))
+        self.buy(mark, collar_bill(stock.bore, 2))
+        if self.plate:
+            self.tell(0, f"put {named} through from above; a collar on {named} from below")
+            self.room(wide)
+        if gap:
+            self.buy(mark, tube_bill(stock.bore, gap))
+            self.tell(1, f"a tube of {gap:g} mm on {named}")
+        self._on_top.append((top, f"a collar on {named}" if self.plate else f"a collar on {named} at either end"))
+
+    def room(self, height: float) -> None:
+        """Keep so much free under the plate, mm."""
+        self._under = max(self._under, height)
+
+    def pins(self, letter: str, part: str, diameter: float, grip: float, count: int = 1, under: bool = False) -> None:
+        """Pins glued into a part that they move with, and a collar on the other end of each.
+
+        grip: thickness of all plates on them, mm. under: the collars are under the base.
+        """
+        if diameter:
+            mark = self.mark(letter, part)
+            self.buy(mark, pin_bill(diameter, grip + collar_width(diameter), count))
+            self.buy(mark, collar_bill(diameter, count))
+            if under:
+                self.room(collar_width(diameter))
+
+    def planet_shafts(self, mark: str, stock: AbstractBored, grip: float, count: int, collars: bool) -> None:
+        """The shafts of planets, with their keys, and a collar on each where it turns in its carrier."""
+        self.buy(mark, shaft_bill(stock, grip + collars * collar_width(stock.bore), count))
+        if collars:
+            self.buy(mark, collar_bill(stock.bore, count))
+
+    def screws(self, letter: str, diameter: float, grip: float, count: int) -> None:
+        """Screws with their nuts, which are under the plate, through a thickness, mm."""
+        if diameter in SIZES:
+            held = Fastener(diameter, "screw", 0.0)
+            each = held.bill(grip)
+            self.room(held.ends(grip)[1])
+        else:
+            each = ((f"screw {diameter:g} mm with nut, at least {grip + 2 * diameter:g} mm long", 1),)
+            self.room(2 * diameter)
+        self.buy(letter, tuple((name, number * count) for name, number in each))
+
+    def told(self, feet: int = 4) -> Assembly:
+        """The assembly, the plate's own screws and feet at last."""
+        if self.plate and self._under:
+            free = self._under + FREE
+            if self.base is not None and self.base.screw:
+                self.buy(self.plate, screw_bill(self.base, self.thickness + free, feet))
+                self.buy(self.plate, tube_bill(self.base.screw, free, feet))
+                ends = f"screw {self.plate} down by its corners, a tube of {free:g} mm under each"
+                self._last.insert(0, f"{ends}, so that nothing rubs under it")
+            else:
+                self._last.insert(0, f"keep {free:g} mm free under {self.plate}")
+        elif self.base is not None and self.base.screw:
+            self.buy(self.plate, screw_bill(self.base, self.thickness, feet))
+            self._last.insert(0, f"screw {self.plate} down by its corners")
+        for layer, words in self._on_top:
+            self.tell(layer, words)
+        layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
+        return Assembly(gathered(self._lines), (*layers, *self._last))
+
+
+def seated(part: str, letter: str, stock: AbstractBored) -> str:
+    """How a wheel or cam is put on its shaft; letter: "" where none is engraved."""
+    on = letter or ("its motor's shaft" if stock.motor else "its shaft")
+    how, (width, _) = ("press" if stock.fit == "press" else "lay"), stock.keyway
+    if not stock.bore:
+        return f"lay {part}"
+    if stock.across_flat is not None:
+        return f"{how} {part} on {on}, flat on flat"
+    if width:
+        return f"{how} {part} on {on} with its key, for which the shaft has a keyway {width:g} mm wide"
+    return f"{how} {part} on {on}" if stock.fit == "press" else f"lay {part} on {on}, where it turns unless it is glued"
