@@ -118,9 +118,18 @@ class Stack:
                 ("put {} through from below", [of[pin.name] for pin in self.pins if pin.first == layer]),
                 ("lay {}", plates),
                 ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
+                (
+                    "nothing on {}, which a plate here passes",
+                    [of[pin.name] for pin in self.pins if layer in self._bare(pin)],
+                ),
                 ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer]),
             ]
             yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
+
+    def _bare(self, pin: PinSpan) -> set[int]:
+        """Layers that a pin crosses with neither plate nor spacer."""
+        held = {self.layers[name] for name in pin.holes + pin.slots}.union(pin.spacers)
+        return set(range(pin.first, pin.last + 1)) - held
 
     def summary(self) -> dict[str, object]:
         """The same as plain lists for a file, layers from the bottom up."""
@@ -248,14 +257,20 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     gaps = heads.gaps()
     places = placed(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
-    spans, joints = [], {pin.name for pin in meetings.assembly.pins}
-    for span in stack.pins:
+    joints = {pin.name for pin in meetings.assembly.pins}
+    spans: list[PinSpan] = []
+    discs_in: dict[int, list[Pin]] = {}
+    for pin, span in zip(pins, stack.pins):
         first, last = places[span.first], places[span.last]
         own = {layers[name] for name in span.holes + span.slots}
-        # A pile fills all between its plates; another pin what is empty: elsewhere a plate may be in the way.
-        pile = span.name not in joints
-        crossed = range(first + 1, last)
-        discs = [n for n in crossed if n not in own and (pile or n not in places)]
+        discs = [n for n in range(first + 1, last) if n not in own]
+        if span.name in joints:
+            # A pile fills all between its plates; another pin only where no plate comes in the disc's way.
+            empty, held = [n for n in discs if n not in places], [n for n in discs if n in places]
+            clear = (n for n in held if heads.disc_clears(pin, places.index(n), discs_in.get(n, ()), gaps))
+            discs = sorted([*empty, *clear])
+        for n in discs:
+            discs_in.setdefault(n, []).append(pin)
         length = (last - first + 1) * meetings.stock.thickness
         spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
     found = replace(stack, layers=layers, pins=tuple(spans))
