@@ -114,15 +114,21 @@ class Stack:
         of = self.letters
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, at in self.layers.items() if at == layer]
+            from_above = [pin for pin in self.pins if pin.first == 0 and self.fastener.length(pin.length)]
             told = [
-                ("put {} through from below", [of[pin.name] for pin in self.pins if pin.first == layer]),
+                (
+                    "put {} through from below",
+                    [of[pin.name] for pin in self.pins if pin.first == layer and pin not in from_above],
+                ),
                 ("lay {}", plates),
                 ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
                 (
                     "nothing on {}, which a plate here passes",
                     [of[pin.name] for pin in self.pins if layer in self._bare(pin)],
                 ),
-                ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer]),
+                ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer and pin not in from_above]),
+                # Where their nuts are out of the way, and room is left for heads alone.
+                ("put {} through from above, nuts below", [of[pin.name] for pin in from_above if pin.last == layer]),
             ]
             yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
 
