@@ -139,6 +139,13 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     def parts(self) -> tuple[Part, ...]:
         return (*link_parts(self.fine_motion, self.stock, self.stack), *self._counterweight())
 
+    @property
+    def steps(self) -> tuple[str, ...]:
+        if all(part.name != "counterweight" for part in self.parts):
+            return self.stack.steps
+        shaft = "a shaft of yours that turns with crank, instead of the screw"
+        return (*self.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
+
     def _counterweight(self) -> list[Part]:
         """An eccentric disc with the best product: its shaft hole at half its radius, opposite the crank pin."""
         product = self.best.product.real
@@ -150,12 +157,21 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if radius <= 4 * hole:
             return []
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
-        return [Part("counterweight", Circle(complex(-radius / 2), radius), holes, stock.thickness, body="crank")]
+        return [
+            Part(
+                "counterweight",
+                Circle(complex(-radius / 2), radius),
+                holes,
+                stock.thickness,
+                body="crank",
+                hole_names=("A", ""),
+            )
+        ]
 
     @property
     def notes(self) -> Mapping[str, object]:
         return {
             "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
             "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
-            "stack": self.stack.summary(),
+            "stack": {**self.stack.summary(), "steps": list(self.steps)},
         }

@@ -159,7 +159,10 @@ class AbstractGoal(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return self.design.steps
+        """Those of the recipe found; drawings that the goal adds are joined to nothing."""
+        held = {part.name for part in self.design.parts}
+        drawn = [part.name for part in self.parts if part.name not in held]
+        return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
 
     @property
     def judged(self) -> tuple[Check, ...]:
@@ -171,4 +174,6 @@ class AbstractGoal(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return self.design.notes
+        notes = self.design.notes
+        stack = notes.get("stack")
+        return {**notes, "stack": {**stack, "steps": list(self.steps)}} if isinstance(stack, Mapping) else notes
