@@ -52,11 +52,11 @@ def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack
             words = (
                 f"back to back, {room:g} mm between their grounds: one rod {stack.letters[pivot]}, {length:g} mm long"
             )
-            yield Shared(pivot, length, f"{pair} {words}, glued into both cranks {apart:g} deg apart")
+            yield Shared(pivot, length, f"{pair} {words} for both screws, glued into both cranks {apart:g} deg apart")
         elif two.mirrored and not one.mirrored and common is not None and apart == 0:
             room = 2 * _beyond(stack, thickness, top, common.name)
             length = 2 * common.length + room
-            rod = f"one rod {stack.letters[common.name]}, {length:g} mm long, glued into both cranks"
+            rod = f"one rod {stack.letters[common.name]}, {length:g} mm long for both screws, glued into both cranks"
             yield Shared(common.name, length, f"{pair} face to face, {room:g} mm between them: {rod}")
         else:
             yield Shared("", 0.0, f"{pair}: no rod of theirs joins their cranks, so turn both by a shaft of yours")
