@@ -23,8 +23,8 @@ from ..recipe.settings import Files, Turn
 from ..scene import Scene, SceneMark
 from ..scenes.linkage import linkage_scene
 from ..shop.drawing import PlateStock, engraved, skeleton
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..shop.linkage.stock import LinkStock
 from ..sizes import entry
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

@@ -27,7 +27,6 @@ from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
 from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.fits import AbstractBored
 from ..shop.gear.assemblies import Wheel, lantern_assembly, pair_assembly
 from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
@@ -103,13 +102,13 @@ class AbstractShapedRecipe(AbstractRecipe):
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
         """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
         if self.base is None:
-            return parts
+            return *parts, *self.stock.motor_parts
         mate, stock = self.design, self.stock
         if mate.is_ring:
             raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
-        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys)
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
     @property
@@ -187,12 +186,9 @@ class ToothedRecipe(AbstractShapedRecipe):
     @cached_property
     def assembly(self) -> Assembly:
         stock, is_ring = self.stock, self.design.is_ring
-        own, other = (
-            AbstractBored(stock.thickness, bore, clearance=stock.clearance) for bore in (stock.bore, stock.mate_bore)
-        )
-        mate = Wheel("ring", "", None) if is_ring else Wheel("mate", "B", other)
+        mate = Wheel("ring", "", None) if is_ring else Wheel("mate", "B", stock.mate)
         plate = None if self.base is None else stock.thickness
-        return pair_assembly(Wheel("gear", "A", own), mate, self.design.distance, plate, self.base)
+        return pair_assembly(Wheel("gear", "A", stock), mate, self.design.distance, plate, self.base)
 
     @cached_property
     def scene(self) -> Scene:

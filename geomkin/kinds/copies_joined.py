@@ -12,7 +12,7 @@ from ..linkage.linkage import AbstractLinkage
 from ..part import Bought
 from ..shop.fasteners import gathered
 from ..shop.linkage.stack import Stack
-from .copies import Copy, shaft_pin
+from .copies import Copy
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack
     """
     if not copies:
         return
-    pivot, whole = shaft_pin(linkage), linkage.linkage
+    whole = linkage.linkage
+    pivot = whole.driver_pivot
     assert pivot is not None
     all_copies = (Copy(0.0), *copies)
     top = max(stack.layers.values())
@@ -80,7 +81,7 @@ def joining(stack: Stack, shared: Sequence[Shared], count: int) -> tuple[Bought,
     for pin in stack.pins:
         rods = [one for one in shared if one.pin == pin.name]
         own = count - 2 * len(rods)
-        each = stack.fastener.bill(pin.length) if own else ()
+        each = stack.bill(pin) if own else ()
         cut = tuple((f"rod {stack.fastener.diameter:g} mm, cut to {one.length:g} mm", 1) for one in rods)
         lines.append((stack.letters[pin.name], (*((name, own * number) for name, number in each), *cut)))
     return gathered(lines)

@@ -36,7 +36,7 @@ from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
 from ..shop.assembling import Assembly
-from ..shop.base import BaseStock, check_no_motor
+from ..shop.base import BaseStock
 from ..shop.cam import CamStock, cam_parts
 from ..shop.cam_assembly import cam_assembly
 from ..sizes import entry
@@ -74,7 +74,6 @@ class DiskCamRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         self.drive.check_rows()
-        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @property
     def design(self) -> Cam:

@@ -21,7 +21,7 @@ from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
 from ..shop.assembling import Assembly
-from ..shop.base import BaseStock, check_no_motor
+from ..shop.base import BaseStock
 from ..shop.gear.assemblies import Wheel, pair_assembly
 from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
@@ -59,7 +59,6 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if self.second_stock.motor is not None:
             raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
-        check_no_motor(self.base, self.first_stock.motor, "first_stock.motor")
 
     @cached_property
     def design(self) -> GearPair:
@@ -103,7 +102,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
                 (pair.first.tip_radius, pair.second.tip_radius),
                 (self.first_stock.bore, self.second_stock.bore),
             )
-            plate = pair_base(pair.centre_distance, reaches, shafts, self.first_stock.thickness, self.base)
+            first = self.first_stock
+            plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):

@@ -20,7 +20,7 @@ from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
 from ..shop.assembling import Assembly
-from ..shop.base import BaseStock, check_no_motor
+from ..shop.base import BaseStock
 from ..shop.gear.assemblies import planetary_assembly
 from ..shop.gear.bases import planetary_base
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
@@ -51,7 +51,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if self.planet_stock.motor is not None:
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
-        check_no_motor(self.base, self.sun_stock.motor, "sun_stock.motor")
 
     @property
     def design(self) -> PlanetarySet:
@@ -95,11 +94,12 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         )
         if self.base is not None:
             first, planets, ring = parts
-            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base)
+            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
             # Planets that run on no shafts have no holes to name.
             named = ("C",) if planet.bore else ()
             parts = (replace(first, hole_names=("A",)), replace(planets, hole_names=named), *held)
-        parts += sun.motor_parts
+        else:
+            parts += sun.motor_parts
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter

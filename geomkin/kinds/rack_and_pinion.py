@@ -17,7 +17,7 @@ from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
 from ..shop.assembling import Assembly
-from ..shop.base import RackBaseStock, check_no_motor
+from ..shop.base import RackBaseStock
 from ..shop.gear.assemblies import rack_assembly
 from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
@@ -49,7 +49,6 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.design  # noqa: B018  refuses gears that cannot mesh
-        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @cached_property
     def design(self) -> RackPair:
@@ -73,7 +72,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         (rack,) = gear_parts(self.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
-        return replace(pinion, hole_names=("A",)), *rack_base(self.design, rack, self.stock.bore, self.base)
+        held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        return replace(pinion, hole_names=("A",)), *held
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -12,7 +12,7 @@ from ..errors import DesignError
 from ..plane.vec import rounded
 from ..recipe.settings import Drive, Files
 from ..scene import Choice
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
 from ..synthesis.rockers.double_rockers import DoubleRocker, double_rocker

@@ -27,8 +27,8 @@ from ..recipe.settings import Files, Turn
 from ..scene import Limit, Plot, Role, Scene
 from ..scenes.linkage import linkage_scene
 from ..scenes.vectors import force_scene
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
+from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -156,6 +156,9 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
         if radius <= 4 * hole:
             return []
+        if stock.motor is not None:
+            problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
+            raise DesignError("stock.motor", problem, "leave it out")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         return [
             Part(

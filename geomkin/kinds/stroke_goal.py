@@ -10,7 +10,7 @@ from typing import Literal
 from ..check import Check
 from ..recipe.settings import Drive, Files
 from ..scene import Choice
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers.strokes import StrokeCrank, check_turn, slider_crank_stroke
 from .families import family_choice

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from .gear.gears import lantern_parts as lantern_parts
     from .gear.gears import pair_parts as pair_parts
     from .gear.spokes import Web as Web
-    from .linkage.plates import LinkStock as LinkStock
     from .linkage.stack import Stack as Stack
     from .linkage.stack import link_parts as link_parts
     from .linkage.stack import stack_links as stack_links
+    from .linkage.stock import LinkStock as LinkStock
     from .motors import motor_plate as motor_plate
 else:
     from ..lazy import attach

@@ -9,7 +9,7 @@ from ..part import Bought
 from .base import BaseStock
 from .fasteners import SIZES, Fastener, gathered
 from .fits import AbstractBored
-from .motors import MOTORS
+from .motors import MOTORS, Motor, MotorName, fixed_under
 from .shafts import Bill, collar_bill, collar_width, pin_bill, screw_bill, shaft_bill, tube_bill
 
 # mm left free under what turns under a base, so that it does not rub on what the base stands on.
@@ -33,8 +33,8 @@ class Assembling:
     """An assembly while it is told.
 
     plate: name of the plate that shafts run in, "" where there is none; thickness: of it, mm. base: its screws, where
-    it has any. lettered: whether letters are engraved at the holes. motor: what turns the lowest wheel, on a plate of
-    its own under all others.
+    it has any. lettered: whether letters are engraved at the holes. motor: what turns the lowest wheel, under a base
+    or, without one, on a plate of its own under all others.
     """
 
     def __init__(
@@ -43,19 +43,22 @@ class Assembling:
         thickness: float = 0.0,
         base: BaseStock | None = None,
         lettered: bool = False,
-        motor: str | None = None,
+        motor: MotorName | None = None,
     ):
-        self.plate, self.thickness, self.base, self.lettered, self.motor = plate, thickness, base, lettered, motor
+        self.plate, self.thickness, self.base, self.lettered = plate, thickness, base, lettered
         self._lines: list[tuple[str, Bill]] = []
         self._layers: dict[int, list[str]] = {}
         self._on_top: list[tuple[int, str]] = []
         self._last: list[str] = []
         self._under = 0.0
-        if motor is not None:
-            held = f"screw motor_plate from above on motor {MOTORS[motor].called}, its shaft up, by 4 screws"
+        self._face = None if motor is None else MOTORS[motor]
+        # Layers of a motor's own plate.
+        self._below = int(motor is not None and base is None)
+        if self._face and self._below:
+            held = f"screw motor_plate from above on motor {self._face.called}, its shaft up, by 4 screws"
             self._layers[0] = [held]
         if plate:
-            self.tell(0, f"lay {plate}{'' if motor is None else ' on the heads of its screws'}")
+            self.tell(0, f"lay {plate}{' on the heads of its screws' if self._below else ''}")
 
     @property
     def lowest(self) -> int:
@@ -64,7 +67,7 @@ class Assembling:
 
     def tell(self, layer: int, words: str) -> None:
         """Add to what is done in a layer, 0 that of the plate or, without one, the lowest."""
-        self._layers.setdefault(layer + (self.motor is not None), []).append(words)
+        self._layers.setdefault(layer + self._below, []).append(words)
 
     def end(self, words: str) -> None:
         """Add to what is done or left at last."""
@@ -78,18 +81,24 @@ class Assembling:
         """Add what a joint takes."""
         self._lines.append((mark, bill))
 
-    def shaft(self, letter: str, part: str, stock: AbstractBored, grip: float, top: int, gap: float = 0.0) -> None:
+    def shaft(
+        self, letter: str, part: str, stock: AbstractBored, grip: float, top: int, gap: float = 0.0, keys: int = 1
+    ) -> None:
         """The shaft of a wheel, through plates and gaps of a height together, mm, and a collar at either end.
 
         It goes in with the plate, its upper collar on last in the layer `top`. gap: between plate and wheel, mm, kept
-        by a tube. A motor holds its shaft itself.
+        by a tube. keys: how many discs have one. A motor holds its shaft itself.
         """
         mark, named = self.mark(letter, part), letter if self.lettered else f"the shaft of {part}"
-        if not stock.bore or stock.motor is not None:
-            self.buy(mark, shaft_bill(stock, grip))
+        if stock.motor is not None:
+            self.buy(mark, shaft_bill(stock, grip, base=0.0 if self._below else self.thickness, keys=keys))
+            if not self._below:
+                self.tell(0, fixed_under(self.plate, letter))
+            return
+        if not stock.bore:
             return
         wide = collar_width(stock.bore)
-        self.buy(mark, shaft_bill(stock, grip + 2 * wide))
+        self.buy(mark, shaft_bill(stock, grip + 2 * wide, keys=keys))
         self.buy(mark, collar_bill(stock.bore, 2))
         if self.plate:
             self.tell(0, f"put {named} through from above; a collar on {named} from below")
@@ -134,7 +143,9 @@ class Assembling:
 
     def told(self, feet: int = 4) -> Assembly:
         """The assembly, the plate's own screws and feet at last."""
-        if self.plate and self._under:
+        if self._face and not self._below:
+            self._stand_over(self._face, self._under + FREE, feet)
+        elif self.plate and self._under:
             free = self._under + FREE
             if self.base is not None and self.base.screw:
                 self.buy(self.plate, screw_bill(self.base, self.thickness + free, feet))
@@ -150,6 +161,19 @@ class Assembling:
             self.tell(layer, words)
         layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
         return Assembly(gathered(self._lines), (*layers, *self._last))
+
+    def _stand_over(self, motor: Motor, free: float, feet: int) -> None:
+        """Feet over a motor, which is made in several lengths; free: needed by what else is under the base, mm."""
+        under = f"as motor {motor.called} is long, and at least {free:g} mm"
+        if self.base is None or not self.base.screw:
+            self._last.insert(0, f"keep as much free under {self.plate} {under}")
+            return
+        screw = self.base.screw
+        self.buy(self.plate, ((f"screw {screw:g} mm, at least {self.thickness:g} mm longer than its tube", feet),))
+        longer = f"{FREE:g} mm longer than the motor, and at least {free:g} mm"
+        self.buy(self.plate, ((f"tube {screw:g} mm inside, cut {longer}", feet),))
+        ends = f"screw {self.plate} down by its corners, a tube of the motor's length and {FREE:g} mm under each"
+        self._last.insert(0, f"{ends}, at least {free:g} mm")
 
 
 def seated(part: str, letter: str, stock: AbstractBored) -> str:

@@ -14,11 +14,14 @@ from ..sizes import FARTHEST, quantity
 SMALLEST = 0.01
 
 
-def shaft(what: str, default: float) -> Any:
-    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on."""
-    return quantity(
-        f"diameter of {what}, 0 for no hole; its hole is wider by the clearance", "mm", default=default, at_least=0
-    )
+def shaft(what: str, default: float, fitted: bool = False) -> Any:
+    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on.
+
+    fitted: the stock says whether the hole is pressed on.
+    """
+    pressed = ", or narrower by the interference" if fitted else ""
+    words = f"diameter of {what}, 0 for no hole; its hole is wider by the clearance{pressed}"
+    return quantity(words, "mm", default=default, at_least=0)
 
 
 def clearance(default: float) -> Any:

@@ -38,7 +38,7 @@ class CamStock(AbstractBored):
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the cam shaft", 8.0)
+    bore: float = shaft("the cam shaft", 8.0, fitted=True)
     roller_bore: float = shaft("the roller's pin", 4.0)
     timing_mark: bool = entry(
         "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
@@ -74,10 +74,10 @@ def cam_parts(
 
     They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
     fit and gets no plate. With a base, such a roller has a `follower` too, whose two pins slide in the base's slot, and
-    holes that belong together have the same letter. Last comes the `motor_plate`, where the stock has a motor, or the
-    base. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that costs. cut:
-    what it found, where that is known already. Raises DesignError, its field a size of the stock, where holes or bars
-    do not fit.
+    holes that belong together have the same letter. Last comes the base, which then has the holes of the stock's motor,
+    or the `motor_plate`. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that
+    costs. cut: what it found, where that is known already. Raises DesignError, its field a size of the stock, where
+    holes or bars do not fit.
 
         gk.write(gk.shop.cam_parts(cam, gk.shop.CamStock(thickness=6, bore=10)), "cam.dxf")
 
@@ -91,7 +91,7 @@ def cam_parts(
     plates = follower.guided_plates(*bars)
     parts = [replace(plate, hole_names=("A",)), *(_cut(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
-    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base)]
+    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
 
 
 def _cut(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:

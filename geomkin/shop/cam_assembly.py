@@ -44,7 +44,9 @@ def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
             told.tell(told.lowest, words)
     if any(plate.name == "roller" for plate in plates):
         _roller(told, plates, stock, layer)
-    told.tell(layer, seated("cam", "A" if told.lettered else "", stock) + ", as it is drawn and not turned over")
+    # A tube keeps a shaft's cam over the follower; a motor's is held by the shaft.
+    over = f", {gap:g} mm above base" if gap and stock.motor else ""
+    told.tell(layer, seated("cam", "A" if told.lettered else "", stock) + f"{over}, as it is drawn and not turned over")
     if stock.timing_mark:
         told.tell(layer, "its line is under the follower at cam angle 0, and its arrow the way it turns")
     told.end(f"a spring or a weight of yours holds {plates[0].name if plates else 'the follower'} to cam")

@@ -16,6 +16,8 @@ from ..plane.flatten import flatten
 from ..plane.vec import Complex
 from ..sizes import rounded_down
 from .base import BaseOpening, BaseStock, standing_plate
+from .motors import MotorName
+from .shafts import collar_across
 
 # Letters at the holes that belong together, by what the stock calls their diameters; the cam's own shaft is A.
 LETTERS = {"bore": "A", "pivot_bore": "B", "roller_bore": "C"}
@@ -27,12 +29,19 @@ CHORDS = 1e-3
 
 
 def cam_base(
-    cam: Cam, cut: Undercut, plates: Sequence[Plate], shafts: Mapping[str, float], thickness: float, base: BaseStock
+    cam: Cam,
+    cut: Undercut,
+    plates: Sequence[Plate],
+    shafts: Mapping[str, float],
+    thickness: float,
+    base: BaseStock,
+    motor: MotorName | None = None,
 ) -> Part:
     """The base under a cam and its follower, in the ground's frame, the cam's axis at the origin.
 
     plates: as `guided_plates` gives them; holes `pivot_bore` in them are over that of the pivot, or over the slot in
-    which the pins slide. shafts: diameters, mm, of `bore` and `pivot_bore`. Raises DesignError where there is no room.
+    which the pins slide. shafts: diameters, mm, of `bore` and `pivot_bore`. motor: what turns the cam; the base has its
+    holes there. Raises DesignError where there is no room.
     Derived here.
     """
     lifts = np.linspace(*_lifts(cam), PLACES)
@@ -40,19 +49,18 @@ def cam_base(
     origin, direction = np.asarray(pose.origin)[:, None], np.asarray(pose.direction)[:, None]
     pins = np.array([hole.centre for plate in plates for hole in plate.holes if hole.key == "pivot_bore"])
     ways = origin + direction * pins
-    openings = [BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"])]
+    shaft = BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)
+    openings = [shaft]
+    pin = shafts["pivot_bore"]
+    held, collar = ("stock.pivot_bore", pin), collar_across(pin)
     if cam.follower.oscillates:
         pivot = complex(ways[0, 0])
-        openings.append(
-            BaseOpening("the arm's pivot", "stock.pivot_bore", shafts["pivot_bore"], (pivot,), LETTERS["pivot_bore"])
-        )
+        openings.append(BaseOpening("the arm's pivot", *held, (pivot,), LETTERS["pivot_bore"], head=collar))
     elif len(pins) < 2:
         raise DesignError("base", "the follower has no stem that it could guide", "leave it out")
     else:
         ends = (complex(ways[0, 0]), complex(ways[-1, -1]))
-        openings.append(
-            BaseOpening("the guide pins", "stock.pivot_bore", shafts["pivot_bore"], ends, LETTERS["pivot_bore"])
-        )
+        openings.append(BaseOpening("the guide pins", *held, ends, LETTERS["pivot_bore"], head=collar))
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
     if cam.follower.knife_edge is not None:

@@ -14,21 +14,27 @@ Bill = tuple[tuple[str, int], ...]
 # Narrowest and widest that room is kept for a shaft's collar, mm. Smaller ones, and a collar of DIN 705 stands out
 # beyond its shaft or under the feet of a base; larger ones only lengthen shafts.
 COLLARS = 8.0, 20.0
+# Least width across, mm: the collar for a pin of 3 mm is 7 mm wide, and a smaller one would meet what is beside it.
+NARROWEST = 8.0
 
 
-def shaft_bill(stock: AbstractBored, length: float, count: int = 1) -> Bill:
+def shaft_bill(
+    stock: AbstractBored, length: float, count: int = 1, base: float = 0.0, keys: int = 1, is_cut: bool = False
+) -> Bill:
     """The shaft of a part, through plates of a length together, mm, and the key where the part has a keyway.
 
-    A motor brings its own shaft, and screws. count: how many parts are made, each with its own. Nothing where the part
-    has neither bore nor motor.
+    A motor brings its own shaft, and screws: countersunk ones in a base, mm thick, on which others turn, 0 for none.
+    count: how many such shafts there are, each with a motor of its own; keys: on each of them. is_cut: the shaft over a
+    base is no longer than that. Nothing where the part has neither bore nor motor.
     """
     across, (width, _) = stock.across_flat, stock.keyway
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
-    key = ((_key(stock.bore, width, stock.thickness), count),) if width else ()
+    key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
         face = MOTORS[stock.motor]
-        held = f"motor {face.called}, {form}" if stock.bore else f"motor {face.called}"
-        return (held, count), (face.screw(stock.thickness), 4 * count), *key
+        long = f"cut to {_shown(length)} mm from its face" if is_cut else _least(length)
+        held = ", ".join([f"motor {face.called}", *([form] if stock.bore else []), *([long] if base else [])])
+        return (held, count), (face.screw(base or stock.thickness, sunk=base > 0), 4 * count), *key
     return ((f"{form}, {_least(length)}", count), *key) if stock.bore else ()
 
 
@@ -50,6 +56,11 @@ def collar_width(diameter: float) -> float:
     return float(min(max(ceil(diameter), COLLARS[0]), COLLARS[1]))
 
 
+def collar_across(diameter: float) -> float:
+    """Room across a shaft or pin, mm, for its set collar. Those of DIN 705 A for 3 to 50 mm are no wider."""
+    return max(2 * diameter, NARROWEST)
+
+
 def collar_bill(diameter: float, count: int = 1) -> Bill:
     """Collars that are clamped on a shaft or pin by their own screws."""
     return ((f"shaft collar DIN 705 A, {diameter:g} mm", count),)
@@ -62,7 +73,11 @@ def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
 
 def _least(length: float) -> str:
     # How far it stands out is known by who holds it.
-    return f"at least {float(f'{length:.10g}'):g} mm long"
+    return f"at least {_shown(length)} mm long"
+
+
+def _shown(length: float) -> str:
+    return f"{float(f'{length:.10g}'):g}"
 
 
 def _key(shaft: float, width: float, room: float) -> str:

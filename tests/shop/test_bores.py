@@ -85,7 +85,7 @@ def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
 
 def test_all_stock_tables_mean_the_same_by_clearance():
     from geomkin.shop.gear.gears import LanternStock, PairStock
-    from geomkin.shop.linkage.plates import LinkStock
+    from geomkin.shop.linkage.stock import LinkStock
 
     words = {
         field.metadata["description"]

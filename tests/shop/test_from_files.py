@@ -8,18 +8,45 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 import geomkin as gk
 from tests.shop.virtual import read
 
+from .test_bases import PAIR, PLANETARY, RACK
+from .test_mated import LANTERN
+
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
-QUICK = ["gear-pair", "planetary", "rocker-cam", "scotch-yoke", "walker", "shaking-force", "motor-gear", "lantern"]
+# A motor over a base, for which the gallery has no recipe.
+ROLLER_CAM = (RECIPES / "roller-cam.toml").read_text()
+DRIVEN = 'bore = 5, bore_form = "D", motor = "nema17"'
+OVER = {
+    "motor-over-pair": PAIR.replace("bore = 8", DRIVEN) + "[base]\n",
+    "motor-over-rack": RACK.replace("bore = 8", DRIVEN) + "[base]\n",
+    "motor-over-planetary": PLANETARY.replace("bore = 8", DRIVEN) + "[base]\n",
+    "motor-over-cam": ROLLER_CAM.replace("\nbore = 10\n", "\n" + DRIVEN.replace(", ", "\n") + "\n"),
+    "motor-over-lantern": f'{LANTERN}stock = {{{DRIVEN}, fit = "press", mate_bore = 12, mate_bore_form = "keyed"}}\n[base]\n',
+}
+MOTORS = [*OVER, "motor-crank"]
+QUICK = [
+    "gear-pair",
+    "planetary",
+    "rocker-cam",
+    "scotch-yoke",
+    "walker",
+    "shaking-force",
+    "motor-gear",
+    "lantern",
+    "motor-crank",
+]
 NAMES = [
-    name if name in QUICK else pytest.param(name, marks=pytest.mark.campaign)
-    for name in sorted(path.stem for path in RECIPES.glob("*.toml"))
+    name if name in (*QUICK, *OVER) else pytest.param(name, marks=pytest.mark.campaign)
+    for name in sorted([*OVER, *(path.stem for path in RECIPES.glob("*.toml"))])
 ]
 # Widths of set collars by DIN 705 A for shafts of these diameters, mm.
 COLLARS = {3: 5, 4: 5, 5: 6, 6: 8, 8: 8, 10: 10, 12: 12, 20: 14}
+# How a bill tells the flat of a D-shaft, mm.
+FLAT = r"D-shaft [\d.]+ mm, ([\d.]+) mm across its flat"
 # What else a bill may name, by a word that the steps have for it.
 WORDS = {"shaft collar": "collar", "key": "key", "tube": "tube", "motor": "motor", "nut": "nut", "washer": "nut"}
 
@@ -31,7 +58,11 @@ def made(tmp_path_factory):
     def make(name):
         if name not in found:
             out = tmp_path_factory.mktemp("made")
-            gk.make(RECIPES / f"{name}.toml", out, ["dxf", "bom"])
+            recipe = RECIPES / f"{name}.toml"
+            if name in OVER:
+                recipe = out / f"{name}.toml"
+                recipe.write_text(OVER[name])
+            gk.make(recipe, out, ["dxf", "bom"])
             found[name] = read(out / name)
         return found[name]
 
@@ -98,6 +129,23 @@ def lines(folder, letter):
     return [(item, count, joints) for item, count, joints in folder.bought if letter in joints]
 
 
+def only(found):
+    (one,) = found
+    return one
+
+
+def disc(middle, wide):
+    return shapely.Point(middle.real, middle.imag).buffer(wide / 2)
+
+
+def fixed(folder):
+    """(plate, letter) of each motor under a plate that others turn on."""
+    told = (
+        re.match(r"fix the motor under (\w+), its shaft up through ([A-Z]),", clause) for _, clause in clauses(folder)
+    )
+    return [one.groups() for one in told if one]
+
+
 def length(item):
     told = re.search(r"at least ([\d.]+) mm long|cut to ([\d.]+) mm|M[\d.]+ x ([\d.]+)", item)
     return float(next(filter(None, told.groups()))) if told else None
@@ -145,8 +193,12 @@ def test_what_is_bought_is_in_the_steps_and_fits_its_holes(name, made):
         sizes = {d for item, _, _ in lines(folder, letter) if (d := diameter(item)) is not None}
         sizes -= {3.0} if any("motor" in item for item, *_ in lines(folder, letter)) else set()
         assert len(sizes) == 1
+        flats = [float(told[1]) for item, *_ in lines(folder, letter) if (told := re.search(FLAT, item))]
         for piece, k in opened(folder, letter):
-            assert -0.11 <= across(piece, k) - min(sizes) <= 0.45 or f"{piece.name} on {letter} with its key" in words
+            if (piece.name, letter) in fixed(folder):
+                continue
+            (wide,) = flats if flats and k >= len(piece.holes) else sizes
+            assert -0.11 <= across(piece, k) - wide <= 0.45 or f"{piece.name} on {letter} with its key" in words
     collars = Counter()
     for _, clause in clauses(folder):
         if told := re.match(r"(a|\d+) collars? on (?:the shaft of )?(\w+)( at either end)?", clause):
@@ -156,6 +208,48 @@ def test_what_is_bought_is_in_the_steps_and_fits_its_holes(name, made):
     assert sum(count for item, count, _ in folder.bought if item.startswith("tube")) == sum(
         4 if "under each" in clause else 1 for _, clause in clauses(folder) if "tube of" in clause
     )
+
+
+@pytest.mark.parametrize("name", MOTORS)
+def test_a_motor_is_bought_once_and_fixed_before_what_turns_on_it(name, made):
+    """Its shaft, for which nothing else is bought, is as long as plates and gaps; one part has the flat's bore."""
+    folder = made(name)
+    ((plate, letter),) = fixed(folder)
+    (motor, *_), (screws, *_) = lines(folder, letter)
+    assert [count for item, count, _ in folder.bought if item in (motor, screws)] == [1, 4]
+    assert motor.startswith("motor NEMA 17") and re.fullmatch(r"M3 x \d+ countersunk screw ISO 7046", screws)
+    done = list(clauses(folder))
+    at = next(k for k, (_, clause) in enumerate(done) if clause.startswith("fix the motor"))
+    assert done[at - 1] == (0, f"lay {plate}") and done[at][0] == 0 and "by its 4 countersunk screws" in done[at][1]
+    later = [(layer, clause) for layer, clause in done[at + 1 :] if letter in marks(clause)]
+    wheel = next(clause for _, clause in later if "flat on flat" in clause)
+    turning = only({one.name for one, k in opened(folder, letter) if k >= len(one.holes)})
+    assert all(layer > 0 for layer, _ in later)
+    assert re.match(rf"(lay|press|fix) {'it' if turning == 'disc' else turning} on ", wheel)
+    gaps = sum(float(told) for _, clause in done for told in re.findall(r"([\d.]+) mm (?:above|over) ", clause))
+    assert length(motor) == sum(thick(folder, one.name) for one, _ in opened(folder, letter)) + gaps
+
+
+@pytest.mark.parametrize("name", MOTORS)
+def test_a_motor_s_plate_has_its_face_and_holds_nothing_under_which_it_lies(name, made):
+    """Collars, twice as wide as what they are on and at least 8 mm, and screws' heads and nuts are clear of it."""
+    folder = made(name)
+    ((plate, letter),) = fixed(folder)
+    (piece,) = folder.of(plate)
+    shaft = only(piece.lettered[letter])
+    boss, wide = piece.holes[shaft]
+    screws = [k for k, (_, size) in enumerate(piece.holes) if abs(size - 3.4) < 1e-6]
+    places = np.array([piece.holes[k][0] for k in screws])
+    assert wide == pytest.approx(22, abs=0.21) and abs(places - boss) == pytest.approx([43.84 / 2] * 4, abs=5e-3)
+    across_corners = places - boss
+    face = shapely.Polygon(np.column_stack([across_corners.real, across_corners.imag])).convex_hull
+    face = shapely.affinity.translate(shapely.affinity.scale(face, 42.3 / 31, 42.3 / 31), boss.real, boss.imag)
+    letters = {k: other for other, numbers in piece.lettered.items() for k in numbers}
+    for k in set(range(len(piece.holes) + len(piece.slots))) - {shaft, *screws}:
+        named = lines(folder, letters[k]) if k in letters else []
+        held = [diameter(item) for item, *_ in named if re.match(r"(shaft|pin) \d", item)]
+        opening = piece.slots[k - len(piece.holes)] if k >= len(piece.holes) else disc(*piece.holes[k])
+        assert face.distance(opening) >= max([4.0, *held]) - across(piece, k) / 2 - 1e-3
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -251,6 +345,10 @@ def test_plates_of_a_linkage_close_by_their_letters(name, made):
             for k in numbers:
                 if k < len(piece.holes):
                     holes[letter, plate] = piece.holes[k][0]
+                elif any("motor" in item for item, *_ in lines(folder, letter)):
+                    # More than half of a D-shaft is round.
+                    circle = shapely.minimum_bounding_circle(piece.slots[k - len(piece.holes)])
+                    holes[letter, plate] = complex(circle.centroid.x, circle.centroid.y)
                 else:
                     slots[letter, plate] = middle(piece.slots[k - len(piece.holes)])
     assert closed(list(plates), holes, slots) < 5e-3

@@ -11,10 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
+from geomkin.plane.hulls import separation
+from geomkin.shop.linkage.bridge import pile_places
 from geomkin.shop.linkage.layers import Meetings, Passing, order
-from geomkin.shop.linkage.plates import LinkStock, assemble
-from geomkin.shop.linkage.stack import link_parts, pile_places, stack_links
-from geomkin.shop.linkage.sweep import Sweep, separation
+from geomkin.shop.linkage.plates import assemble
+from geomkin.shop.linkage.stack import link_parts, stack_links
+from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.linkage.sweep import Sweep
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 

@@ -171,21 +171,28 @@ def lantern_assembly(
 ) -> Assembly:
     """A lantern pinion and its wheel, or ring, between the two discs. pin: diameter, mm; count: of pins."""
     thick = stock.thickness
-    told = Assembling("" if base is None else "base", thick, base, base is not None)
+    told = Assembling("" if base is None else "base", thick, base, base is not None, stock.motor)
     layer, under = told.lowest, 0.0 if base is None else thick
-    pinion = AbstractBored(thickness=thick, bore=stock.bore, clearance=stock.clearance)
-    wheel = AbstractBored(thickness=thick, bore=0.0 if ring else stock.mate_bore, clearance=stock.clearance)
     on_disc, on_mate, mate = ("A", "B", "mate") if base is not None else ("", "", "ring" if ring else "mate")
-    told.shaft("A", "disc", pinion, under + 3 * thick + PLAY, layer + 2)
+    told.shaft("A", "disc", stock, under + 3 * thick + PLAY, layer + 2, keys=2)
     told.buy("disc", pin_bill(pin, 3 * thick + PLAY, count))
-    told.tell(layer, f"glue {count} pins into the first disc, flush below; {seated('it', on_disc, pinion)}")
-    gap = thick if told.plate else 0.0
-    told.shaft("B", mate, wheel, under + gap + thick, layer + 1, gap)
-    seat = f"{seated(mate, on_mate, wheel)}, its teeth between the pins"
-    words = f"lay ring round the pins, {MESH}" if ring else seat
-    told.tell(layer + 1, words)
+    told.tell(layer, f"glue {count} pins into the first disc, flush below")
+    told.tell(layer, seated("it", on_disc, stock) + _clear(stock, told.plate))
+    if ring:
+        told.tell(layer + 1, f"lay ring round the pins, {MESH}")
+    else:
+        gap = thick if told.plate else 0.0
+        told.shaft("B", mate, stock.mate, under + gap + thick, layer + 1, gap)
+        told.tell(layer + 1, f"{seated(mate, on_mate, stock.mate)}, its teeth between the pins")
     room = f"{thick + PLAY:g} mm over the first, so that {mate} turns between them"
-    told.tell(layer + 2, f"glue the second disc on the pins, {room}")
+    told.tell(layer + 2, f"glue the second disc on the pins{_alike(stock)}, {room}")
     if base is None:
         told.end(f"hold the axes {distance:.6g} mm apart: no plate here does")
     return told.told()
+
+
+def _alike(stock: AbstractBored) -> str:
+    """How a second disc on a shaft is turned."""
+    if stock.across_flat is not None:
+        return ", its flat on that of the shaft"
+    return ", with a key of its own" if stock.keyway[0] else ""

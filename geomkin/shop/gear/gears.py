@@ -21,6 +21,7 @@ from ...plane.primitives import Circle, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..bore import bore, clearance, shaft
 from ..fits import AbstractBored
+from .mated import AbstractMated
 from .spokes import Web, openings
 
 
@@ -72,32 +73,24 @@ class RingStock:
 
 
 @dataclass(frozen=True)
-class PairStock:
-    """What a gear and its mate are cut from."""
+class PairStock(AbstractMated):
+    """What a gear and its mate are cut from, and how they sit on their shafts."""
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the gear's shaft", 8.0)
-    mate_bore: float = shaft("the mate's shaft", 8.0)
-    clearance: float = clearance(0.0)
-    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
+    __repr__ = one_line
 
 
 @dataclass(frozen=True)
-class LanternStock:
-    """What a lantern pinion's discs and its wheel are cut from; the pins are rods."""
+class LanternStock(AbstractMated):
+    """What a lantern pinion's discs and its wheel are cut from, and how they sit on their shafts; the pins are rods.
 
-    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the pinion's shaft", 8.0)
-    mate_bore: float = shaft("the wheel's shaft", 8.0)
+    The wheel is the pinion's mate.
+    """
+
+    bore: float = shaft("the pinion's shaft", 8.0, fitted=True)
     clearance: float = clearance(0.1)
     edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
-    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
+    __repr__ = one_line
 
 
 @checked
@@ -140,14 +133,17 @@ def _plate(
 
 @checked
 def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
-    """The gear and the mate that it has shaped, each about its own axis."""
-    holes = bore(stock.bore, stock.clearance, gear.hole_room, "stock.bore")
+    """The gear and the mate that it has shaped, each about its own axis; flat or keyway of a bore lie towards +y."""
+    holes = stock.hole(1j, gear.hole_room, "stock")
     return _plate(gear, "gear", holes, stock.thickness, stock.rim), _mate(mate, stock)
 
 
 @checked
 def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -> tuple[Part, ...]:
-    """The pinion's two discs with holes for its pins, and the wheel."""
+    """The pinion's two discs with holes for its pins, and the wheel.
+
+    Flat or keyway of the discs' bores lie towards a pin, that of the wheel's towards +y.
+    """
     hole = pinion.pin_diameter / 2 + stock.clearance / 2
     apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
     if apart <= 0:
@@ -157,7 +153,8 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
             f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
         )
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
-    middle = bore(stock.bore, stock.clearance, 2 * (pinion.pitch_radius - hole), "stock.bore")
+    first = pinion.circles[0].centre
+    middle = stock.hole(first / abs(first), 2 * (pinion.pitch_radius - hole), "stock")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
     return Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion"), _mate(mate, stock)
 
@@ -165,7 +162,7 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     if mate.is_ring:
         return _plate(mate, "ring", (), stock.thickness, stock.rim)
-    hole = bore(stock.mate_bore, stock.clearance, mate.hole_room, "stock.mate_bore")
+    hole = stock.mate_hole(1j, mate.hole_room, "stock")
     return _plate(mate, "mate", hole, stock.thickness, stock.rim)
 
 

@@ -83,7 +83,7 @@ class Heads:
         if (pin.name, name) not in self._met:
             stock, plate = self.meetings.stock, self.plates[name]
             path = path_in(self.meetings.motion, plate.body, pin.body, pin.place)
-            near = stock.bar_width / 2 + stock.fastener_used.across / 2 + self.meetings.play
+            near = stock.bar_width / 2 + self._across(pin) / 2 + self.meetings.play
             self._met[pin.name, name] = runs(path, path.gap(plate.centres) < near)
         return self._met[pin.name, name]
 
@@ -92,19 +92,38 @@ class Heads:
         key = f"pin {one.name}", two.name
         if key not in self._met:
             path = path_in(self.meetings.motion, one.body, two.body, two.place)
-            near = self.meetings.stock.fastener_used.across + self.meetings.play
+            near = (self._across(one) + self._across(two)) / 2 + self.meetings.play
             self._met[key] = runs(path, path.gap(np.array([one.place])) < near)
         return self._met[key]
 
     def _ends(self, reach: Reach, places: list[int]) -> tuple[float, float]:
-        """How far a pin stands out below and above, in layers: the nut is where it is out of the way."""
+        """How far a pin stands out below and above, in layers: the nut is where it is out of the way.
+
+        A motor's shaft ends with its plates.
+        """
+        if reach.pin.shaft:
+            return 0.0, 0.0
         stock = self.meetings.stock
         grip = (places[reach.last] - places[reach.first] + 1) * stock.thickness
         head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
         return (nut, head) if reach.first == 0 else (head, nut)
 
+    def _across(self, pin: Pin) -> float:
+        """Diameter of what is round about a pin, mm."""
+        return max(self.meetings.stock.fastener_used.across, pin.shaft)
+
+    def is_open(self, shaft: Reach) -> bool:
+        """Whether a motor's shaft may be longer than its plates: no plate and no pin above would meet it."""
+        plates = (name for name, layer in self.layers.items() if layer > shaft.last)
+        pins = (reach.pin for reach in self.reaches if reach is not shaft and reach.last >= shaft.last)
+        met = any(self._runs(shaft.pin, name) for name in plates)
+        return not met and not any(self._discs_meet(pin, shaft.pin) for pin in pins)
+
     def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
-        """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart."""
+        """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart.
+
+        A motor's shaft needs none, for its crank is fixed on it, but stands there itself.
+        """
         places = placed(gaps)
         for reach in self.reaches:
             for k in range(reach.first, reach.last):
@@ -138,7 +157,7 @@ class Heads:
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """What still meets: a pin, by name, that and what its head or ring meets, and when."""
         places = placed(gaps)
-        discs = [Disc(pin, "ring", layer, layer + 1) for pin, layer in self.rings(gaps)]
+        discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
         for reach in self.reaches:
             below, above = self._ends(reach, places)
             low, high = places[reach.first], places[reach.last] + 1

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...linkage.motion import Motion
 from ...plane.vec import Mask
-from .plates import Assembly, LinkStock
+from .plates import Assembly
+from .stock import LinkStock
 from .sweep import Sweep, path_in
 
 # Least distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift on its pins. Less
@@ -64,9 +65,9 @@ class Meetings:
     @cached_property
     def pin_and_plate(self) -> dict[tuple[str, str], list[Run]]:
         """Pins and the moving plates that they meet, and when."""
-        near = self.stock.bar_width / 2 + self.stock.pin_diameter / 2 + self.play
         found = {}
         for pin in self.assembly.pins:
+            near = self.stock.bar_width / 2 + (pin.shaft or self.stock.pin_diameter) / 2 + self.play
             for name in self.moving:
                 if name not in pin.plates:
                     plate = self.assembly.plates[name]
