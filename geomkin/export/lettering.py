@@ -24,6 +24,8 @@ ALONG, ACROSS = 41, 13
 ROUND = 32
 # Chords, mm, of the part for finding room: far finer than the margin.
 CHORDS = 0.05
+# The same round a hole whose letter has found no room: so fine that its chords face every way.
+FINER = 1e-4
 # Of the font: from its baseline to the top of its capitals, and the baseline, in its own units, y down.
 CAPITAL, BASELINE = 21.0, 9.0
 # How little longer than wide a part may be and count as round, with no direction of its own: as a share of its spread.
@@ -45,7 +47,9 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
     room = _Room(part)
     strokes: list[Complex] = []
     for hole, letter in zip(part.holes, part.hole_names):
-        strokes += room.beside(flatten(hole, CHORDS), letter) if letter else ()
+        if letter:
+            # The few chords of a small hole may all face aside where a narrow bar has room along it alone.
+            strokes += room.beside(flatten(hole, CHORDS), letter) or room.beside(flatten(hole, FINER), letter)
     for words in (_plain(part.name), str(number)):
         if words and (found := room.anywhere(words)):
             return words, (*strokes, *found)

@@ -189,7 +189,8 @@ def joined(job: Job) -> str:
         f"<li>{one.count} \N{MULTIPLICATION SIGN} {text(one.name)}: {text(' '.join(one.joints))}</li>" for one in bought
     )
     order = "".join(f"<li>{text(step)}</li>" for step in steps)
-    told = f"<p>Letters are at the holes. Bottom up:</p><ul>{order}</ul>" if steps else ""
+    lettered = any(any(part.hole_names) for part in job.source.parts)
+    told = f"<p>{'Letters are at the holes. ' * lettered}Bottom up:</p><ul>{order}</ul>" if steps else ""
     return section("joined", "How it goes together" if steps else "What is bought", f"<ul>{rows}</ul>{told}")
 
 
@@ -197,7 +198,7 @@ def notes(held: Mapping[str, object]) -> str:
     """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
     inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
     # How the plates lie on each other, and what is bought, have sections of their own.
-    held = {name: value for name, value in held.items() if name not in ("stack", "bought")}
+    held = {name: value for name, value in held.items() if name not in ("stack", "bought", "steps")}
     inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
     return section("notes", "About it", inside) if inside else ""
 

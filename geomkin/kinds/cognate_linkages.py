@@ -84,7 +84,7 @@ class CognatesRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return self.stack.steps
+        return (*self.stack.steps, "drawing is joined to nothing")
 
     @cached_property
     def table(self) -> Table:
@@ -135,7 +135,7 @@ class CognatesRecipe(AbstractRecipe):
     @property
     def notes(self) -> Mapping[str, object]:
         three = {name: _sizes(c.linkage) for name, c in zip(NAMES, cognates(self.linkage))}
-        return {"cognates": three, "stack": self.stack.summary()}
+        return {"cognates": three, "stack": {**self.stack.summary(), "steps": list(self.steps)}}
 
 
 def _sizes(linkage: FourBar) -> Mapping[str, object]:

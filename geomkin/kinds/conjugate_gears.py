@@ -25,11 +25,11 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
+from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.fasteners import gathered
+from ..shop.gear.assemblies import Wheel, lantern_assembly, pair_assembly
 from ..shop.gear.bases import pair_base
 from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
-from ..shop.shafts import Bill, pin_bill, screw_bill, shaft_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .tooth_points import check_tooth_points
@@ -96,7 +96,7 @@ class AbstractShapedRecipe(AbstractRecipe):
                 # The other side of the tooth is alike.
                 if u.start < 1
             ],
-            "bought": [one.told for one in self.bought],
+            **self.joined,
         }
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
@@ -111,20 +111,18 @@ class AbstractShapedRecipe(AbstractRecipe):
         plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
-    def held(self, name: str, discs: int = 1, between: Bill = ()) -> tuple[Bought, ...]:
-        """What is bought: both shafts, of which a ring has none, and the base's screws.
+    @property
+    @abstractmethod
+    def assembly(self) -> Assembly:
+        """Shafts and pins, what holds the base, and how all of it goes together."""
 
-        name: of the part on the first shaft, and how many discs it has, with as much room between them as each is
-        thick. between: what stands in them.
-        """
-        stock, base = self.stock, 0.0 if self.base is None else self.stock.thickness
-        through = base + stock.thickness
-        bill = [
-            (name, shaft_bill(stock, through + 2 * (discs - 1) * stock.thickness, base=base, keys=discs)),
-            (name, between),
-            ("mate", () if self.design.is_ring else shaft_bill(stock.mate, through)),
-        ]
-        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, base))])
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""
@@ -185,10 +183,12 @@ class ToothedRecipe(AbstractShapedRecipe):
         self.check_points([self.gear.outline])
         return self.on_base(pair_parts(self.gear, self.design, self.stock), self.gear.tip_radius)
 
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        """Both shafts and their keys."""
-        return self.held("gear")
+    @cached_property
+    def assembly(self) -> Assembly:
+        stock, is_ring = self.stock, self.design.is_ring
+        mate = Wheel("ring", "", None) if is_ring else Wheel("mate", "B", stock.mate)
+        plate = None if self.base is None else stock.thickness
+        return pair_assembly(Wheel("gear", "A", stock), mate, self.design.distance, plate, self.base)
 
     @cached_property
     def scene(self) -> Scene:
@@ -249,11 +249,10 @@ class LanternGearsRecipe(AbstractShapedRecipe):
         disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
         return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
 
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        """Both shafts, and the pins, which stand in both discs with the wheel between them."""
-        pinion = self.pinion
-        return self.held("disc", 2, pin_bill(pinion.pin_diameter, 3 * self.stock.thickness, pinion.pins))
+    @cached_property
+    def assembly(self) -> Assembly:
+        pinion, mate = self.pinion, self.design
+        return lantern_assembly(self.stock, pinion.pin_diameter, pinion.pins, mate.is_ring, mate.distance, self.base)
 
     @cached_property
     def scene(self) -> Scene:

@@ -35,9 +35,10 @@ from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
+from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
 from ..shop.cam import CamStock, cam_parts
-from ..shop.cam_bill import cam_bought
+from ..shop.cam_assembly import cam_assembly
 from ..sizes import entry
 from ..table import Table
 
@@ -96,10 +97,18 @@ class DiskCamRecipe(AbstractRecipe):
         """Cam and follower, and their base."""
         return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
 
+    @cached_property
+    def assembly(self) -> Assembly:
+        """What cam and follower turn on and are held by, and how all of it goes together."""
+        return cam_assembly(self.cam, self.stock, self.base)
+
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The cam's shaft and key, the pins of its follower, and the base's screws."""
-        return cam_bought(self.cam, self.stock, self.base)
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:
@@ -136,7 +145,7 @@ class DiskCamRecipe(AbstractRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
-        notes["bought"] = [one.told for one in self.bought]
+        notes |= self.joined
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _undercut(self) -> Mapping[str, object]:

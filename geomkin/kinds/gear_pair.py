@@ -20,11 +20,11 @@ from ..part import Bought, Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.fasteners import gathered
+from ..shop.gear.assemblies import Wheel, pair_assembly
 from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
-from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, helices_notes, mesh_notes
@@ -109,19 +109,25 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if all(holes):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
-            plate = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
-            parts.append(replace(plate, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits)))
+            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
+            bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
+            parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
         return *parts, *self.first_stock.motor_parts
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shafts and keys, what holds them in the base plate and that to the ground, and how it goes together."""
+        first, second = (Wheel(name, letter, stock) for (name, _, stock, _), letter in zip(self.gears, "AB"))
+        plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
+        return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The gears' shafts and keys, held by the base plate, too, where there is one; and its screws."""
-        stocks = [(name, stock) for name, _, stock, _ in self.gears]
-        thick = self.first_stock.thickness
-        held = thick if all(stock.bore for _, stock in stocks) else 0.0
-        base = 0.0 if self.base is None else thick
-        bill = [(name, shaft_bill(stock, stock.thickness + held, base=base)) for name, stock in stocks]
-        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, thick))])
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:
@@ -141,5 +147,5 @@ class GearPairRecipe(AbstractHelicalRecipe):
             "pair": mesh_notes(self.design, self.helix, width),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            "bought": [one.told for one in self.bought],
+            **self.joined,
         }

@@ -34,6 +34,7 @@ from ..shop.linkage.stock import LinkStock
 from ..sizes import entry
 from ..table import Table
 from .copies import Copy, check_copies, copied, copies_entry
+from .copies_joined import Shared, copying, joining, shared_rods
 from .linkage_tables import (
     WITH_SLIDER,
     BodyList,
@@ -103,9 +104,14 @@ class AbstractLinkageRecipe(AbstractRecipe):
         """How the plates lie on each other."""
         return stack_links(self.fine_motion, self.stock)
 
+    @cached_property
+    def shared(self) -> tuple[Shared, ...]:
+        """The rods by which neighbouring copies drive each other."""
+        return tuple(shared_rods(self.copies, self.linkage, self.stack, self.stock.thickness))
+
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return tuple(dataclasses.replace(one, count=self.count * one.count) for one in self.stack.bought)
+        return joining(self.stack, self.shared, self.count)
 
     @property
     def count(self) -> int:
@@ -114,8 +120,7 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        told = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(self.copies, 2))
-        return (*self.stack.steps, *([f"{self.count} of these on one shaft, {told}"] if told else []))
+        return (*self.stack.steps, *copying(self.copies, self.shared))
 
     @cached_property
     def table(self) -> Table:

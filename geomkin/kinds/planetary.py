@@ -19,11 +19,11 @@ from ..part import Bought, Part
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
+from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.fasteners import gathered
-from ..shop.gear.bases import RING_SCREWS, planetary_base
+from ..shop.gear.assemblies import planetary_assembly
+from ..shop.gear.bases import planetary_base
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
-from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_notes import gear_notes, helices_notes, mesh_notes, shown
@@ -95,26 +95,33 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if self.base is not None:
             first, planets, ring = parts
             held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
-            parts = (replace(first, hole_names=("A",)), planets, *held)
+            # Planets that run on no shafts have no holes to name.
+            named = ("C",) if planet.bore else ()
+            parts = (replace(first, hole_names=("A",)), replace(planets, hole_names=named), *held)
         else:
             parts += sun.motor_parts
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter
         fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
-        return (*parts, replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits))
+        plate = replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits)
+        if self.base is not None:
+            plate = replace(plate, hole_names=("A", *"C" * gears.planets))
+        return (*parts, plate)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
+        stocks = self.sun_stock, self.planet_stock, self.ring_stock
+        return planetary_assembly(self.gears, stocks, self.base, self.helix)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Shafts and keys of sun and planets, all through the carrier where there is one, and the base's screws."""
-        sun, planet, ring = self.sun_stock, self.planet_stock, self.ring_stock
-        held = planet.thickness if planet.bore else 0.0
-        each = shaft_bill(planet, planet.thickness + held, self.gears.planets)
-        if self.base is None:
-            return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
-        bill = [("sun", shaft_bill(sun, sun.thickness + held + ring.thickness, base=ring.thickness)), ("planet", each)]
-        bill += [("ring", screw_bill(self.base, 2 * ring.thickness, RING_SCREWS))]
-        return gathered([*bill, ("base", screw_bill(self.base, ring.thickness))])
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:
@@ -141,5 +148,5 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            "bought": [one.told for one in self.bought],
+            **self.joined,
         }

@@ -16,11 +16,11 @@ from ..part import Bought, Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
+from ..shop.assembling import Assembly
 from ..shop.base import RackBaseStock
-from ..shop.fasteners import gathered
+from ..shop.gear.assemblies import rack_assembly
 from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
-from ..shop.shafts import pin_bill, screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
 from .gear_notes import gear_notes, helices_notes, overlap_notes, shown
@@ -75,20 +75,18 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
         return replace(pinion, hole_names=("A",)), *held
 
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The pinion's shaft, the rack's pins, what the base takes, and how all of it goes together."""
+        return rack_assembly(self.stock, self.design.distance, self.base, self.helix)
+
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The pinion's shaft and key, and what the base takes."""
-        thick, base = self.stock.thickness, self.base
-        if base is None:
-            return gathered([("pinion", shaft_bill(self.stock, thick))])
-        pins = pin_bill(base.guide_pin, 2 * thick, 2)
-        return gathered(
-            [
-                ("pinion", shaft_bill(self.stock, 2 * thick, base=thick)),
-                ("rack", pins),
-                ("base", screw_bill(base, thick)),
-            ]
-        )
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:
@@ -116,5 +114,4 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         }
         sizes = {"pinion": (self.pinion, self.helix, width)}
         measures = {"pinion": gear_notes(*sizes["pinion"])}
-        bought = [one.told for one in self.bought]
-        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, "bought": bought}
+        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.joined}

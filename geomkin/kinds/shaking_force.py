@@ -139,6 +139,13 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     def parts(self) -> tuple[Part, ...]:
         return (*link_parts(self.fine_motion, self.stock, self.stack), *self._counterweight())
 
+    @property
+    def steps(self) -> tuple[str, ...]:
+        if all(part.name != "counterweight" for part in self.parts):
+            return self.stack.steps
+        shaft = "a shaft of yours that turns with crank, instead of the screw"
+        return (*self.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
+
     def _counterweight(self) -> list[Part]:
         """An eccentric disc with the best product: its shaft hole at half its radius, opposite the crank pin."""
         product = self.best.product.real
@@ -149,15 +156,18 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
         if radius <= 4 * hole:
             return []
+        if stock.motor is not None:
+            problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
+            raise DesignError("stock.motor", problem, "leave it out")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
-        disc = Circle(complex(-radius / 2), radius)
-        return [Part("counterweight", disc, holes, stock.thickness, body="crank", fits=fits)]
+        disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
+        return [Part("counterweight", disc, holes, stock.thickness, body="crank", hole_names=letters, fits=fits)]
 
     @property
     def notes(self) -> Mapping[str, object]:
         return {
             "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
             "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
-            "stack": self.stack.summary(),
+            "stack": {**self.stack.summary(), "steps": list(self.steps)},
         }

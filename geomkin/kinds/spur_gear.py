@@ -16,9 +16,9 @@ from ..part import Bought, Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
-from ..shop.fasteners import gathered
+from ..shop.assembling import Assembly
+from ..shop.gear.assemblies import single_assembly
 from ..shop.gear.gears import GearStock, gear_parts
-from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Table
 from .gear_notes import gear_notes, helix_notes
@@ -58,10 +58,18 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         check_tooth_points(self.files, [self.design.outline])
         return *gear_parts(self.design, self.stock, helix=self.helix), *self.stock.motor_parts
 
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The gear's shaft and what holds it there."""
+        return single_assembly("gear", self.stock)
+
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The gear's shaft and key."""
-        return gathered([("gear", shaft_bill(self.stock, self.stock.thickness))])
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:
@@ -72,4 +80,4 @@ class SpurGearRecipe(AbstractHelicalRecipe):
     def notes(self) -> Mapping[str, object]:
         measures = gear_notes(self.design, self.helix, self.stock.thickness)
         helix = helix_notes(self.design, self.helix, self.stock.thickness)
-        return {**helix, "measures_mm": measures, "bought": [one.told for one in self.bought]}
+        return {**helix, "measures_mm": measures, **self.joined}

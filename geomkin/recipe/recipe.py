@@ -72,6 +72,12 @@ class AbstractRecipe(ABC):
         return ()
 
     @property
+    def joined(self) -> Mapping[str, object]:
+        """What is bought and the steps, as entries of summary.json; those that a kind does not tell are left out."""
+        told = {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
+        return {name: lines for name, lines in told.items() if lines}
+
+    @property
     @abstractmethod
     def judged(self) -> tuple[Check, ...]:
         """Whether the mechanism is good; the walls of its parts come besides."""
@@ -167,7 +173,10 @@ class AbstractGoal(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return self.design.steps
+        """Those of the recipe found; drawings that the goal adds are joined to nothing."""
+        held = {part.name for part in self.design.parts}
+        drawn = [part.name for part in self.parts if part.name not in held]
+        return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
 
     @property
     def judged(self) -> tuple[Check, ...]:
@@ -179,4 +188,6 @@ class AbstractGoal(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return self.design.notes
+        notes = self.design.notes
+        stack = notes.get("stack")
+        return {**notes, "stack": {**stack, "steps": list(self.steps)}} if isinstance(stack, Mapping) else notes

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from .base import RackBaseStock as RackBaseStock
     from .cam import CamStock as CamStock
     from .cam import cam_parts as cam_parts
-    from .cam_bill import cam_bought as cam_bought
+    from .cam_assembly import cam_bought as cam_bought
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
     from .gear.bases import pair_base as pair_base

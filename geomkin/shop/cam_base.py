@@ -17,6 +17,7 @@ from ..plane.vec import Complex
 from ..sizes import rounded_down
 from .base import BaseOpening, BaseStock, standing_plate
 from .motors import MotorName
+from .shafts import collar_across
 
 # Letters at the holes that belong together, by what the stock calls their diameters; the cam's own shaft is A.
 LETTERS = {"bore": "A", "pivot_bore": "B", "roller_bore": "C"}
@@ -50,18 +51,16 @@ def cam_base(
     ways = origin + direction * pins
     shaft = BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)
     openings = [shaft]
+    pin = shafts["pivot_bore"]
+    held, collar = ("stock.pivot_bore", pin), collar_across(pin)
     if cam.follower.oscillates:
         pivot = complex(ways[0, 0])
-        openings.append(
-            BaseOpening("the arm's pivot", "stock.pivot_bore", shafts["pivot_bore"], (pivot,), LETTERS["pivot_bore"])
-        )
+        openings.append(BaseOpening("the arm's pivot", *held, (pivot,), LETTERS["pivot_bore"], head=collar))
     elif len(pins) < 2:
         raise DesignError("base", "the follower has no stem that it could guide", "leave it out")
     else:
         ends = (complex(ways[0, 0]), complex(ways[-1, -1]))
-        openings.append(
-            BaseOpening("the guide pins", "stock.pivot_bore", shafts["pivot_bore"], ends, LETTERS["pivot_bore"])
-        )
+        openings.append(BaseOpening("the guide pins", *held, ends, LETTERS["pivot_bore"], head=collar))
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
     if cam.follower.knife_edge is not None:

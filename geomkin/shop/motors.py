@@ -84,6 +84,12 @@ MOTORS: dict[str, Motor] = {"nema17": Motor("NEMA 17", 42.3, 31.0, 22.0, 2.0, 5.
 CORNER = 4.0
 
 
+def fixed_under(plate: str, letter: str) -> str:
+    """The step that puts a motor under a plate that others turn on, before any is laid; letter: of its shaft."""
+    sunk = "by its 4 countersunk screws from above, their heads sunk in it"
+    return f"fix the motor under {plate}, its shaft up through {letter}, {sunk}"
+
+
 @checked
 def motor_plate(motor: MotorName, thickness: Positive, clearance: Length = 0.0) -> Part:
     """The plate that a motor is screwed to, as large as its face, about its shaft.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 from .base import BaseStock
 from .fits import AbstractBored
 from .motors import MOTORS
@@ -9,6 +11,11 @@ from .parallel_keys import PARALLEL_KEYS, key_of
 
 # What one joint takes, each with its number.
 Bill = tuple[tuple[str, int], ...]
+# Narrowest and widest that room is kept for a shaft's collar, mm. Smaller ones, and a collar of DIN 705 stands out
+# beyond its shaft or under the feet of a base; larger ones only lengthen shafts.
+COLLARS = 8.0, 20.0
+# Least width across, mm: the collar for a pin of 3 mm is 7 mm wide, and a smaller one would meet what is beside it.
+NARROWEST = 8.0
 
 
 def shaft_bill(
@@ -39,6 +46,29 @@ def pin_bill(diameter: float, length: float, count: int = 1, what: str = "pin") 
 def screw_bill(base: BaseStock, length: float, count: int = 4) -> Bill:
     """Screws of a base, those of its corners where no count is given, through plates of a length together, mm."""
     return ((f"screw {base.screw:g} mm, {_least(length)}", count),) if base.screw else ()
+
+
+def collar_width(diameter: float) -> float:
+    """Room along a shaft or pin, mm, for its set collar: as much as the shaft is thick, in whole mm, within limits.
+
+    Collars by DIN 705 A are no wider for shafts of 3 to 50 mm.
+    """
+    return float(min(max(ceil(diameter), COLLARS[0]), COLLARS[1]))
+
+
+def collar_across(diameter: float) -> float:
+    """Room across a shaft or pin, mm, for its set collar. Those of DIN 705 A for 3 to 50 mm are no wider."""
+    return max(2 * diameter, NARROWEST)
+
+
+def collar_bill(diameter: float, count: int = 1) -> Bill:
+    """Collars that are clamped on a shaft or pin by their own screws."""
+    return ((f"shaft collar DIN 705 A, {diameter:g} mm", count),)
+
+
+def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
+    """Pieces of tube that keep plates on a shaft or screw apart; cut, printed or made of washers."""
+    return ((f"tube {diameter:g} mm inside, cut to {float(f'{height:.10g}'):g} mm", count),)
 
 
 def _least(length: float) -> str:

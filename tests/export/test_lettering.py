@@ -107,3 +107,13 @@ def test_letters_agree_from_plate_to_plate():
         letter = stack.letters[pin.name]
         for plate in (*pin.holes, *pin.slots):
             assert sum(letter in names for names in parts[plate].hole_names) == 1
+
+
+def test_a_small_hole_in_a_narrow_bar_has_its_letter_along_the_bar():
+    """Whichever way the few chords of so small a hole face."""
+    outline, holes = gk.plane.rounded_hull([0, 15], 2.5), (gk.plane.Circle(0, 1.1), gk.plane.Circle(15, 1.1))
+    for turn in np.exp(1j * np.radians(np.arange(0, 90, 15))):
+        turned = gk.plane.rounded_hull(np.array([0, 15]) * turn, 2.5), (holes[0], gk.plane.Circle(15 * turn, 1.1))
+        _, strokes = lettered(gk.Part("crank", *turned, 2.5, hole_names=("A", "C")), 2)
+        assert len(strokes) == sum(len(strokes_of(sign)) for sign in "AC2")
+    assert lettered(gk.Part("crank", outline, holes, 2.5, hole_names=("A", "C")), 2)[0] == "2"

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import ezdxf
@@ -90,13 +91,51 @@ def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
     assert len(outlines) == 3 * sum(part.count for part in alone.parts)
     bill = (tmp_path / "walker" / "walker-bom.csv").read_text("utf-8").splitlines()
     rows = {row["item"]: int(row["count"]) for row in csv.DictReader(bill)}
-    assert rows["leg"] == 3 and [b.count for b in walker.bought] == [3 * b.count for b in alone.bought]
+    assert rows["leg"] == 3
     told = json.loads((tmp_path / "walker" / "summary.json").read_text("utf-8"))
     assert {part["name"]: part["count"] for part in told["parts"]}["crank"] == 3
     assert told["stack"]["bought"] == [
         {"name": b.name, "count": b.count, "joints": list(b.joints)} for b in walker.bought
     ]
-    assert walker.steps[-1].startswith("3 of these") and "turned over" in walker.steps[-1]
+    (told,) = [step for step in walker.steps if step.startswith("3 of these")]
+    assert "turned over" in told and walker.steps[: len(alone.steps)] == alone.steps
+
+
+@pytest.mark.parametrize(
+    ("phases", "rods"),
+    [
+        ([(0, True)], {"C": 1}),
+        ([(0, True), (180, False)], {"A": 1, "C": 1}),
+        ([(0, True), (90, False), (90, True)], {"A": 1, "C": 2}),
+        # A crank pin that stands elsewhere is not common, and no shaft goes through the plates over a crank.
+        ([(90, True)], {}),
+        ([(90, False)], {}),
+    ],
+)
+def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases, rods):
+    """Face to face with cranks alike the pin of both cranks, back to back the shaft; else each has its own screws."""
+    copies = "".join(f"[[copies]]\nphase_deg = {p}\nmirrored = {str(m).lower()}\n" for p, m in phases)
+    alone, recipe = gk.load(LEG), gk.load(LEG + copies)
+    count = 1 + len(phases)
+
+    def screws(of):
+        return sum(one.count for one in of.bought if "screw" in one.name)
+
+    found = {joint: one.count for one in recipe.bought if one.name.startswith("rod") for joint in one.joints}
+    assert found == rods
+    assert screws(recipe) == count * screws(alone) - 2 * sum(rods.values())
+    told = [step for step in recipe.steps if step.startswith("copies ")]
+    assert len(told) == len(phases) and sum("one rod" in step for step in told) == sum(rods.values())
+    # A rod goes through both stacks and what is kept free between them.
+    for one in recipe.bought:
+        if one.name.startswith("rod"):
+            (pin,) = [pin for pin in recipe.stack.pins if recipe.stack.letters[pin.name] == one.joints[0]]
+            ((room, length),) = {
+                re.search(r"([\d.]+) mm between.* ([\d.]+) mm long", s).groups()
+                for s in told
+                if f"rod {one.joints[0]}" in s
+            }
+            assert float(length) == pytest.approx(2 * pin.length + float(room)) and f"cut to {length} mm" in one.name
 
 
 def test_copies_lie_over_each_other_along_the_shaft(walker):

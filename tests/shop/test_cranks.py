@@ -134,7 +134,12 @@ def test_the_bill_has_the_motor_for_its_joint_and_no_screw_of_a_pin():
     assert 2 <= reach <= 4.5
     before, after = (sum(one.count for one in r.bought if "nut" in one.name) for r in (plain, recipe))
     assert after == before - 1 == 3
-    assert f"screw the motor below, its shaft at {letter}" in recipe.steps[0]
+    below, above = (f"fix {what}" for what in ("the motor under ground", "crank on the motor's shaft"))
+    (first,), (last,) = ([s for s in recipe.steps if words in s] for words in (below, above))
+    assert f"lay ground; {below}, its shaft up through {letter}, by its 4 countersunk screws" in first
+    # Of the sheets of 3 mm one layer is empty under the crank.
+    assert f"{above} {letter}, flat on flat, 3 mm above ground" in last and "lay crank" in last
+    assert not any(re.search(rf"(close|nothing|spacer|put) [^;]*\b{letter}\b", step) for step in recipe.steps)
     # Under the crank is the hole for the boss, into which a spacer would fall.
     (shaft,) = [pin for pin in recipe.stack.pins if pin.motor]
     assert shaft.last - shaft.first > 1 and shaft.spacers == ()
@@ -199,3 +204,11 @@ def test_copies_on_one_shaft_have_no_motor_in_each():
     assert gk.load(text).parts
     with pytest.raises(gk.GeomkinError, match=r"stock\.motor: found nema17, whose shaft ends in its own crank"):
         gk.load(text + "[[copies]]\nphase_deg = 180\n")
+
+
+def test_a_counterweight_below_the_ground_leaves_no_room_for_a_motor():
+    recipe = gk.load("recipes/shaking-force.toml")
+    assert any(part.name == "counterweight" for part in recipe.parts)
+    with pytest.raises(gk.DesignError) as caught:
+        _ = driven("shaking-force").parts
+    assert caught.value.field == "stock.motor" and "counterweight" in caught.value.problem

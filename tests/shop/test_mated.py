@@ -1,6 +1,7 @@
 """Bores of a gear and the mate it shapes, each by its own name: read back from the drawings of their plates."""
 
 import dataclasses
+import re
 
 import ezdxf
 import ezdxf.path
@@ -73,16 +74,30 @@ def test_flats_of_a_lantern_s_discs_face_a_pin_and_both_discs_are_alike(tmp_path
     assert disc.count == 2 and len(pins) == 12 and min(abs(a) for a in angles) < 1e-2
 
 
-@pytest.mark.parametrize(("text", "keys"), [(STRAIGHT, 1), (LANTERN, 2)])
-def test_the_bill_has_both_shafts_and_a_key_for_each_plate(text, keys):
+@pytest.mark.parametrize(("text", "keys", "high"), [(STRAIGHT, 1, 8), (LANTERN, 2, 3 * 8 + 0.5)])
+def test_the_bill_has_both_shafts_and_a_key_for_each_plate_and_the_steps_tell_them(text, keys, high):
+    """Shafts stand out by a collar of 8 mm at either end; between a lantern's discs there is half a mm of play."""
     recipe = gk.load(
         text + '[stock]\nthickness = 8\nbore = 8\nbore_form = "keyed"\nmate_bore = 6\nmate_bore_form = "D"\n'
     )
     told = {one.name: (one.count, one.joints[0]) for one in recipe.bought}
     first = recipe.parts[0].name
     assert told["parallel key DIN 6885-1 A 2 x 2 x 8"] == (keys, first)
-    assert told[f"shaft 8 mm, at least {8 * (2 * keys - 1)} mm long"] == (1, first)
-    assert told["D-shaft 6 mm, 5.5 mm across its flat, at least 8 mm long"] == (1, "mate")
+    assert told[f"shaft 8 mm, at least {high + 2 * 8:g} mm long"] == (1, first)
+    assert told["D-shaft 6 mm, 5.5 mm across its flat, at least 24 mm long"] == (1, "mate")
+    steps = "; ".join(recipe.steps)
+    assert steps.count("with its key") + steps.count("with a key of its own") == keys
+    assert "lay mate on its shaft, flat on flat" in steps
+
+
+@pytest.mark.parametrize("text", [STRAIGHT, LANTERN])
+def test_steps_press_what_is_pressed_and_bills_agree(text):
+    recipe = gk.load(text + BOTH + 'thickness = 8\nmate_fit = "press"\n[base]\n')
+    steps = "; ".join(recipe.steps)
+    assert re.search(r"press (gear|it) on A, flat on flat", steps) and "press mate on B with its key" in steps
+    told = {one.name: one.joints for one in recipe.bought}
+    assert told["parallel key DIN 6885-1 A 4 x 4 x 8"] == ("B",)
+    assert any(name.startswith("D-shaft 5 mm") and on == ("A",) for name, on in told.items())
 
 
 @pytest.mark.parametrize("text", [STRAIGHT, LANTERN])

@@ -77,14 +77,14 @@ def test_what_is_driven_by_another_gear_has_no_motor(tmp_path, kind, key):
 
 
 # Where a base stands: how it is asked for, the stock of what drives, where its holes for others are, by what the bill
-# tells of their diameters, and how long the motor's shaft is at least.
+# tells of their diameters, and how long the motor's shaft is at least: under a cam lies what carries the roller.
 OVER = {
     "pair": (lambda: gk.load(PAIR + "[base]\n"), "first_stock", {10.2: 1, 4.2: 4}, 12),
     "rack": (lambda: gk.load(RACK + "[base]\n"), "stock", {4.2: 4}, 12),
     "planetary": (lambda: gk.load(PLANETARY + "[base]\n"), "sun_stock", {4.2: 10}, 18),
-    "arm": (lambda: cam("arm"), "stock", {6.2: 1, 4.2: 4}, 10),
-    "straight roller": (lambda: cam("roller"), "stock", {4.2: 4}, 10),
-    "small cam": (lambda: cam("undercut"), "stock", {4.2: 4}, 10),
+    "arm": (lambda: cam("arm"), "stock", {6.2: 1, 4.2: 4}, 15),
+    "straight roller": (lambda: cam("roller"), "stock", {4.2: 4}, 15),
+    "small cam": (lambda: cam("undercut"), "stock", {4.2: 4}, 15),
 }
 
 
@@ -157,6 +157,7 @@ def test_what_else_a_base_holds_stays_where_it_was(name):
 
 
 SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module = 3", "module = 1") + "[base]\n"
+NEAR = SMALL.replace("module = 1", "module = 1.5")
 
 
 @pytest.mark.parametrize(
@@ -165,6 +166,8 @@ SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module =
         (lambda: over_a_base("pair", thickness=1.9), "first_stock.motor", "at least 2 mm"),
         (lambda: over_a_base("pair", bore=0, bore_form="round"), "first_stock.bore", "at least 0.01 mm"),
         (lambda: gk.load(SMALL), "first_stock.motor", "under what the base has for a gear's shaft"),
+        # 28.25 mm apart, the hole of 10.2 mm would be clear of the face, but its collar of 20 mm is not.
+        (lambda: gk.load(NEAR), "first_stock.motor", "reaches 2.9 mm under"),
     ],
 )
 def test_what_would_meet_the_motor_is_refused(recipe, field, words):

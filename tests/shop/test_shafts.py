@@ -27,17 +27,15 @@ def test_every_round_hole_has_a_shaft_or_pin_as_thick_and_no_shaft_is_without_a_
     plays = {getattr(getattr(recipe, "stock", None), "clearance", 0.0)}
     if getattr(recipe, "base", None):
         plays.add(recipe.base.clearance)
-    wide, thickness = set(), {}
+    wide = set()
     for part in recipe.parts:
         wide |= {2 * h.radius for h in part.holes if isinstance(h, gk.plane.Circle)}
         if part.name != "base":
             wide |= {2 * abs(h.vertices[0]) for h in part.holes if len(getattr(h, "vertices", ())) == 4}
-        thickness[part.name] = part.thickness
     found = set()
     for one in recipe.bought:
-        if sizes := re.fullmatch(r"(?:shaft|pin|screw) ([\d.]+) mm, at least ([\d.]+) mm long", one.name):
-            found.add(float(sizes[1]))
-            assert all(float(sizes[2]) >= thickness[part] for part in one.joints)
+        if sizes := re.fullmatch(r"(?:(?:shaft|pin|screw) ([\d.]+) mm, at least .*|M(\d) x .* screw .*)", one.name):
+            found.add(float(sizes[1] or sizes[2]))
 
     def fits(hole, bought):
         return any(abs(hole - play - bought) < 1e-9 for play in plays)
@@ -52,32 +50,46 @@ def test_the_bill_of_a_pair_names_shafts_through_the_base_and_the_key(tmp_path):
     rows = list(csv.DictReader((tmp_path / "gear-pair" / "gear-pair-bom.csv").read_text().splitlines()))
     told = [(row["item"], row["count"], row["joints"]) for row in rows if not row["thickness_mm"]]
     assert told == [
-        ("shaft 8 mm, at least 12 mm long", "1", "first"),
-        ("shaft 10 mm, at least 12 mm long", "1", "second"),
-        ("parallel key DIN 6885-1 A 3 x 3 x 6", "1", "second"),
-        ("screw 4 mm, at least 6 mm long", "4", "base"),
+        ("shaft 8 mm, at least 28 mm long", "1", "A"),
+        ("shaft collar DIN 705 A, 8 mm", "2", "A"),
+        ("shaft 10 mm, at least 32 mm long", "1", "B"),
+        ("parallel key DIN 6885-1 A 3 x 3 x 6", "1", "B"),
+        ("shaft collar DIN 705 A, 10 mm", "2", "B"),
+        ("screw 4 mm, at least 18 mm long", "4", "base"),
+        ("tube 4 mm inside, cut to 12 mm", "4", "base"),
     ]
     summary = json.loads((tmp_path / "gear-pair" / "summary.json").read_text())
     assert [(b["name"], str(b["count"]), *b["joints"]) for b in summary["bought"]] == told
     page = (tmp_path / "gear-pair" / "gear-pair.html").read_text()
-    assert made and all(page.count(name) == 1 for name, *_ in told) and "Letters are at the holes" not in page
+    assert made and all(page.count(name) == 1 for name, *_ in told) and "Letters are at the holes" in page
 
 
-def test_what_goes_through_the_base_is_as_long_as_both():
+def test_what_goes_through_the_base_is_as_long_as_all_that_is_on_it():
+    """Of a roller's cam a plate lies between it and the base; collars take as much as shafts are thick, at least 8."""
+
     def told(name):
         return [(one.name, one.count) for one in gk.load(f"recipes/{name}.toml").bought]
 
     assert told("roller-cam") == [
-        ("shaft 10 mm, at least 10 mm long", 1),
-        ("pin 5 mm, at least 10 mm long", 1),
-        ("pin 6 mm, at least 10 mm long", 2),
-        ("screw 4 mm, at least 5 mm long", 4),
+        (f"shaft 10 mm, at least {5 + 5 + 5 + 2 * 10} mm long", 1),
+        ("shaft collar DIN 705 A, 10 mm", 2),
+        ("tube 10 mm inside, cut to 5 mm", 1),
+        (f"pin 6 mm, at least {5 + 5 + 8} mm long", 2),
+        ("shaft collar DIN 705 A, 6 mm", 2),
+        (f"pin 5 mm, at least {5 + 5 + 8} mm long", 1),
+        ("shaft collar DIN 705 A, 5 mm", 1),
+        (f"screw 4 mm, at least {5 + 12} mm long", 4),
+        ("tube 4 mm inside, cut to 12 mm", 4),
     ]
     assert told("planetary") == [
-        ("shaft 8 mm, at least 18 mm long", 1),
+        (f"shaft 8 mm, at least {6 + 6 + 6 + 2 * 8} mm long", 1),
+        ("shaft collar DIN 705 A, 8 mm", 2),
+        ("M4 x 20 button head screw ISO 7380-1", 6),
+        ("M4 washer ISO 7089", 6),
+        ("M4 lock nut ISO 7040", 6),
         ("shaft 8 mm, at least 12 mm long", 3),
-        ("screw 4 mm, at least 12 mm long", 6),
-        ("screw 4 mm, at least 6 mm long", 4),
+        (f"screw 4 mm, at least {6 + 10} mm long", 4),
+        ("tube 4 mm inside, cut to 10 mm", 4),
     ]
 
 
@@ -86,8 +98,9 @@ def test_each_planet_has_its_own_shaft_and_key():
     gears = gk.load("recipes/planetary.toml").gears
     recipe = gk.kinds.PlanetaryRecipe(gears=gears, planet_stock=stock)
     assert [(one.name, one.count) for one in recipe.bought] == [
-        ("shaft 10 mm, at least 24 mm long", 3),
+        (f"shaft 10 mm, at least {12 + 12 + 10} mm long", 3),
         ("parallel key DIN 6885-1 A 3 x 3 x 12", 3),
+        ("shaft collar DIN 705 A, 10 mm", 3),
     ]
 
 
@@ -117,8 +130,10 @@ def test_pins_of_a_follower_pass_all_its_plates():
     cam = CAMS["roller on arm, clockwise"]
     bought = gk.shop.cam_bought(cam, gk.shop.CamStock(thickness=3, bore=6, roller_bore=5, pivot_bore=5))
     assert [(one.name, one.count, one.joints) for one in bought] == [
-        ("shaft 6 mm, at least 3 mm long", 1, ("cam",)),
-        ("pin 5 mm, at least 6 mm long", 1, ("roller",)),
+        ("shaft 6 mm, at least 19 mm long", 1, ("cam",)),
+        ("shaft collar DIN 705 A, 6 mm", 2, ("cam",)),
         ("pin 5 mm, at least 3 mm long", 1, ("arm",)),
+        ("pin 5 mm, at least 14 mm long", 1, ("roller",)),
+        ("shaft collar DIN 705 A, 5 mm", 1, ("roller",)),
     ]
     assert not gk.shop.cam_bought(CAMS["knife, clockwise"], gk.shop.CamStock(bore=0))

@@ -32,7 +32,9 @@ class Model:
         self.motion = gk.move(linkage, drive, branch)
         self.stack, self.stock = stack, stock
         self.pins = {pin.name: pin for pin in assemble(self.motion, stock).pins}
-        self.plates = {p.name: self.placed(stack.plates[p.name].body, self.solid(p)) for p in parts if p.count == 1}
+        self.plates = {
+            p.name: self.placed(stack.plates[p.name].body, self.solid(p)) for p in parts if p.name in stack.plates
+        }
 
     @staticmethod
     def solid(part):
@@ -72,15 +74,18 @@ class Model:
             for name, shapes in self.plates.items():
                 if spans[pin.name][0] <= layers[name] <= spans[pin.name][1]:
                     found[pin.name, name] = shapely.intersects(discs, shapes)
-            if pin.name not in self.pins:
-                pile = self.discs(pin.name, self.stock.bar_width / 2)
-                for name, shapes in self.plates.items():
-                    if pin.first < layers[name] < pin.last:
-                        found[f"pile of {pin.name}", name] = shapely.intersects(pile, shapes)
+            spacers = self.discs(pin.name, self.stock.bar_width / 2)
+            for name, shapes in self.plates.items():
+                if layers is self.stack.layers and layers[name] in pin.spacers:
+                    found[f"spacer of {pin.name}", name] = shapely.intersects(spacers, shapes)
         for one, two in combinations(spans, 2):
             if spans[one][0] <= spans[two][1] and spans[two][0] <= spans[one][1]:
                 a, b = (self.discs(name, self.stock.pin_diameter / 2) for name in (one, two))
                 found[one, two] = shapely.intersects(a, b)
+        for one, two in combinations(self.stack.pins, 2):
+            if layers is self.stack.layers and set(one.spacers) & set(two.spacers):
+                a, b = (self.discs(pin.name, self.stock.bar_width / 2) for pin in (one, two))
+                found[f"spacer of {one.name}", two.name] = shapely.intersects(a, b)
         return {pair: hit for pair, hit in found.items() if hit.any()}
 
 
@@ -98,7 +103,7 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
     assert model.motion.closed.all()
     assert model.troubles() == {}
     assert 1 + max(stack.layers.values()) == layers
-    assert ("bridge" in stack.layers) == bridge == (stack.spacers > 0)
+    assert ("bridge" in stack.layers) == bridge == any(pin.name == "spacer_1" for pin in stack.pins)
     assert (stack.layers["ground"] == 0 and not bridge) or stack.layers["bridge"] == layers - 1
 
 

@@ -284,11 +284,11 @@ def test_every_part_tells_its_wall_in_the_summary_and_on_the_page(tmp_path):
     gk.make("recipes/three-poses.toml", tmp_path, only=["page"])
     told = json.loads((tmp_path / "three-poses" / "summary.json").read_text())
     walls = {one["name"]: one["thinnest_wall_mm"] for one in told["parts"]}
-    assert walls == {"ground": 4.9, "crank": 4.9, "coupler": 4.9, "rocker": 4.9, "poses": None}
+    assert walls == {"ground": 4.9, "crank": 4.9, "coupler": 4.9, "rocker": 4.9, "poses": None, "spacer": 4.9}
     table = re.search(r'<section id="parts">.*?</table>', (tmp_path / "three-poses" / "three-poses.html").read_text())[
         0
     ]
-    assert "Thinnest wall, mm" in table and table.count("<td>4.9</td></tr>") == 4 and "<td>none</td></tr>" in table
+    assert "Thinnest wall, mm" in table and table.count("<td>4.9</td></tr>") == 5 and "<td>none</td></tr>" in table
 
 
 def test_walls_are_worked_out_once(monkeypatch, tmp_path):

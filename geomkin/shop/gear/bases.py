@@ -15,6 +15,7 @@ from ...sizes import Length
 from ..base import BaseOpening, BaseStock, RackBaseStock, standing_plate
 from ..bore import bore, fits_of
 from ..motors import MotorName
+from ..shafts import collar_across
 
 # Least distance of a rack's two guide pins in thicknesses of its bar under the teeth. Nearer, the play of the pins in
 # their slot lets the rack tilt; farther asks for longer racks.
@@ -41,7 +42,7 @@ def pair_base(
     """
     axes = (0j, complex(distance))
     openings = [
-        BaseOpening("a gear's shaft", key, shaft, (axis,), letter, motor=below)
+        BaseOpening("a gear's shaft", key, shaft, (axis,), letter, head=collar_across(shaft), motor=below)
         for key, shaft, axis, letter, below in zip(keys, shafts, axes, "AB", (motor, None))
     ]
     # Of wheels within each other the larger one counts.
@@ -83,7 +84,12 @@ def rack_base(
     openings = [
         BaseOpening("the pinion's shaft", key, shaft, (0j,), "A", motor=motor),
         BaseOpening(
-            "the guide pins", "base.guide_pin", stock.guide_pin, (slide + left - last, slide + right - first), "B"
+            "the guide pins",
+            "base.guide_pin",
+            stock.guide_pin,
+            (slide + left - last, slide + right - first),
+            "B",
+            head=collar_across(stock.guide_pin),
         ),
     ]
     half = stock.guide_pin / 2 + stock.clearance / 2

@@ -158,6 +158,30 @@ class Heads:
             for k in range(reach.first, reach.last):
                 yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
 
+    def disc_clears(self, pin: Pin, layer: int, others: Iterable[Pin], gaps: list[int]) -> bool:
+        """Whether a disc on a pin meets nothing in a layer, counted without gaps: plates, heads, discs of other pins.
+
+        Discs are as wide as bars.
+        """
+        stock, play = self.meetings.stock, self.meetings.play
+        half = stock.bar_width / 2
+        # Of plates the middle lines count, from which they reach half a bar.
+        around = [(plate.body, self._hulls[n], half) for n, plate in self.plates.items() if self.layers[n] == layer]
+        around += [(other.body, np.array([other.place]), half) for other in others]
+        heads = [one for one in self._heads_in(placed(gaps), placed(gaps)[layer]) if one is not pin]
+        around += [(head.body, np.array([head.place]), stock.fastener_used.across / 2) for head in heads]
+        place = np.array([pin.place])
+        pairs = [Pair(body, corners, pin.body, place, half + wide + play) for body, corners, wide in around]
+        return not meeting(self.meetings.motion, pairs).any()
+
+    def _heads_in(self, places: list[int], at: int) -> Iterator[Pin]:
+        """Pins of which a head or nut stands in a layer, counted with gaps."""
+        for reach in self.reaches:
+            below, above = self._ends(reach, places)
+            low, high = places[reach.first], places[reach.last] + 1
+            if low - below < at + 1 - HAIR < low or high <= at < high + above - HAIR:
+                yield reach.pin
+
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """What still meets: a pin, by name, that and what its head or ring meets, and when."""
         places = placed(gaps)

@@ -18,6 +18,7 @@ from ...part import Bought, Part
 from ...plane.primitives import Circle
 from ..bore import fits_of
 from ..fasteners import Fastener, gathered
+from ..motors import fixed_under
 from ..shafts import Bill, shaft_bill
 from .bridge import Way, pile_places, split, ways
 from .heads import Heads, Reach, placed
@@ -102,7 +103,11 @@ class Stack:
     @property
     def bought(self) -> tuple[Bought, ...]:
         """What is bought to join the plates, for joints by their letters."""
-        return gathered([(self.letters[pin.name], pin.motor or self.fastener.bill(pin.length)) for pin in self.pins])
+        return gathered([(self.letters[pin.name], self.bill(pin)) for pin in self.pins])
+
+    def bill(self, pin: PinSpan) -> Bill:
+        """What one of its pins takes."""
+        return pin.motor or self.fastener.bill(pin.length)
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -114,15 +119,37 @@ class Stack:
         motors, pins = ([pin for pin in self.pins if bool(pin.motor) == turns] for turns in (True, False))
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, at in self.layers.items() if at == layer]
+            from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
             told = [
-                ("put {} through from below", [of[pin.name] for pin in pins if pin.first == layer]),
+                (
+                    "put {} through from below",
+                    [of[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
+                ),
                 ("lay {}", plates),
-                ("screw the motor below, its shaft at {}", [of[pin.name] for pin in motors if pin.first == layer]),
+                ("{}", [fixed_under(plates[0], of[pin.name]) for pin in motors if pin.first == layer]),
                 ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
-                ("close {}", [of[pin.name] for pin in pins if pin.last == layer]),
-                ("fix the crank on the shaft at {}", [of[pin.name] for pin in motors if pin.last == layer]),
+                (
+                    "nothing on {}, which a plate here passes",
+                    [of[pin.name] for pin in pins if layer in self._bare(pin)],
+                ),
+                ("close {}", [of[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
+                # Where their nuts are out of the way, and room is left for heads alone.
+                ("put {} through from above, nuts below", [of[pin.name] for pin in from_above if pin.last == layer]),
+                ("fix {}", [self._on_motor(pin) for pin in motors if pin.last == layer]),
             ]
             yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
+
+    def _on_motor(self, pin: PinSpan) -> str:
+        """How the crank is put on a motor's shaft, which alone holds it where layers under it are empty."""
+        low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
+        crossed = pin.last - pin.first - 1
+        height = f", {crossed * pin.length / (crossed + 2):.6g} mm above {low}" if crossed else ""
+        return f"{crank} on the motor's shaft {self.letters[pin.name]}, flat on flat{height}"
+
+    def _bare(self, pin: PinSpan) -> set[int]:
+        """Layers that a pin crosses with neither plate nor spacer."""
+        held = {self.layers[name] for name in pin.holes + pin.slots}.union(pin.spacers)
+        return set(range(pin.first, pin.last + 1)) - held
 
     def summary(self) -> dict[str, object]:
         """The same as plain lists for a file, layers from the bottom up."""
@@ -251,17 +278,21 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     gaps = heads.gaps()
     places = placed(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
-    spans, joints = [], {pin.name for pin in meetings.assembly.pins}
-    shafts = {pin.name for pin in pins if pin.shaft}
-    for span in stack.pins:
+    joints = {pin.name for pin in meetings.assembly.pins}
+    spans: list[PinSpan] = []
+    discs_in: dict[int, list[Pin]] = {}
+    for pin, span in zip(pins, stack.pins):
         first, last = places[span.first], places[span.last]
         own = {layers[name] for name in span.holes + span.slots}
-        # A pile fills all between its plates; another pin what is empty: elsewhere a plate may be in the way.
-        pile = span.name not in joints
-        crossed = range(first + 1, last)
         # Under a crank on a motor's shaft is the hole for the motor's boss, so that it is held by the shaft alone.
-        free = () if span.name in shafts else crossed
-        discs = [n for n in free if n not in own and (pile or n not in places)]
+        discs = [] if pin.shaft else [n for n in range(first + 1, last) if n not in own]
+        if span.name in joints:
+            # A pile fills all between its plates; another pin only where no plate comes in the disc's way.
+            empty, held = [n for n in discs if n not in places], [n for n in discs if n in places]
+            clear = (n for n in held if heads.disc_clears(pin, places.index(n), discs_in.get(n, ()), gaps))
+            discs = sorted([*empty, *clear])
+        for n in discs:
+            discs_in.setdefault(n, []).append(pin)
         length = (last - first + 1) * meetings.stock.thickness
         spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
     spans = [
