@@ -12,7 +12,7 @@ from .brief import one_line
 from .display import still
 from .names import check_names
 from .plane.curve import AbstractCurve
-from .plane.pose import Pose
+from .plane.vec import Pose
 
 
 @dataclass(frozen=True)

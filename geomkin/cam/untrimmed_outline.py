@@ -10,8 +10,7 @@ import numpy as np
 from ..plane.curve import AbstractCurve, just_before
 from ..plane.derived import Stretch
 from ..plane.joined import Path
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from .cam import Cam
 from .maxima import samples
 

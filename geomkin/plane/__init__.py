@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from .measure import centroid as centroid
     from .measure import convexity as convexity
     from .measure import signed_area as signed_area
-    from .pose import Pose as Pose
     from .primitives import Arc as Arc
     from .primitives import Circle as Circle
     from .primitives import Polyline as Polyline
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from .roulettes import Involute as Involute
     from .roulettes import Trochoid as Trochoid
     from .spline import Spline as Spline
+    from .vec import Pose as Pose
     from .vec import xy as xy
 else:
     from ..lazy import attach

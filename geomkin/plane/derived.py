@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import check_fields
 from .curve import AbstractCurve, just_before
-from .pose import Pose
-from .vec import Complex, Real, unit
+from .vec import Complex, Pose, Real, unit
 
 
 @dataclass(frozen=True, eq=False, repr=False)

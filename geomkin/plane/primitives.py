@@ -13,8 +13,7 @@ from ..errors import DesignError
 from .curve import AbstractCurve
 from .derived import Moved
 from .joined import Path
-from .pose import Pose
-from .vec import Complex, Real, Whole, cross
+from .vec import Complex, Pose, Real, Whole, cross
 
 
 @dataclass(frozen=True, eq=False, repr=False)

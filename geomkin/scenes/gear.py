@@ -12,9 +12,8 @@ from ..gear.pair import GearPair
 from ..gear.planetary import PlanetarySet
 from ..gear.rack import RackPair
 from ..part import Part
-from ..plane.pose import Pose
 from ..plane.primitives import Circle, Segment
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Pose, Real
 from ..scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Column, Table, finite
 from .dimensions import centre_distance, gear_dimensions

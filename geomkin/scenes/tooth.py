@@ -10,9 +10,9 @@ from ..gear.contract import AbstractInvoluteGear
 from ..gear.involute import roll_at
 from ..plane.curve import AbstractCurve
 from ..plane.derived import Moved
-from ..plane.pose import Pose
 from ..plane.primitives import Arc
 from ..plane.roulettes import Involute
+from ..plane.vec import Pose
 from ..scene import Role, SceneCurve
 
 

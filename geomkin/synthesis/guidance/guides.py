@@ -14,7 +14,7 @@ from ...linkage.named.double_sliders import EllipticTrammel
 from ...linkage.named.four_bar import FourBar
 from ...linkage.named.slider_crank import SliderCrank
 from ...plane.vec import Complex, Mask, Real, dot, unit
-from . import transmission
+from ..guidance import transmission
 from .defects import Defects, four_bar_defects, slider_crank_defects, trammel_defects
 
 # Least angle between a trammel's slots, deg, that EllipticTrammel takes.
