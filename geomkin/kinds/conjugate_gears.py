@@ -17,7 +17,7 @@ from ..gear.conjugate.conjugate import Conjugate, conjugate
 from ..gear.conjugate.flank_gears import AbstractFlankGear, PointToothGear, StraightSidedGear
 from ..gear.conjugate.lantern import LanternPinion
 from ..gear.contract import AbstractShaper
-from ..gear.tables import flank_table, pin_table
+from ..gear.measures import flank_table, pin_table
 from ..judge.gear import conjugate_checks, touch_check
 from ..part import Bought, Part
 from ..plane.curve import AbstractCurve

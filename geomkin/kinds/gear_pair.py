@@ -11,10 +11,10 @@ from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Helix
+from ..gear.measures import contact_table
 from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
-from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
 from ..recipe.settings import Files

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.measures import contact_table
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
-from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
 from ..recipe.settings import Files

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.measures import tooth_table
 from ..gear.ring import RingGear
-from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
 from ..part import Part
 from ..recipe.settings import Files

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.measures import tooth_table
 from ..gear.profile_shifts import undercut_free_shift
 from ..gear.spur import SpurGear
-from ..gear.tables import tooth_table
 from ..judge.gear import gear_checks
 from ..part import Bought, Part
 from ..recipe.settings import Files
