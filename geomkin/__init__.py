@@ -50,10 +50,10 @@ if TYPE_CHECKING:
     from .gear.pair import GearPair as GearPair
     from .gear.ring import RingGear as RingGear
     from .gear.spur import SpurGear as SpurGear
-    from .linkage.coupler.curves import CouplerCurve as CouplerCurve
-    from .linkage.limits import driver_limits as driver_limits
+    from .linkage.coupler_curve import CouplerCurve as CouplerCurve
     from .linkage.linkage import Linkage as Linkage
     from .linkage.linkage import Slider as Slider
+    from .linkage.measures import driver_limits as driver_limits
     from .linkage.measures import least_transmission_angle as least_transmission_angle
     from .linkage.named.double_sliders import EllipticTrammel as EllipticTrammel
     from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling

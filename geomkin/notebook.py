@@ -29,10 +29,9 @@ from .judge.gear import mesh_checks
 from .judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, linkage_checks
 from .kinds.disk_cam import DiskCamRecipe
 from .kinds.planetary import PlanetaryRecipe
-from .kinds.ring_gear import RingGearRecipe
-from .kinds.spur_gear import SpurGearRecipe
-from .linkage.limits import TURN, driver_limits
+from .kinds.single_gears import RingGearRecipe, SpurGearRecipe
 from .linkage.linkage import AbstractLinkage
+from .linkage.measures import TURN, driver_limits
 from .linkage.motion import Motion, motion_table
 from .linkage.solve.branch import Branch
 from .linkage.solve.move import move
@@ -45,7 +44,7 @@ from .scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from .scenes.gear import pair_scene
 from .scenes.linkage import linkage_scene
 from .shop.cam import CamStock
-from .shop.gear.gears import GearStock, RingStock, gear_parts
+from .shop.gear import GearStock, RingStock, gear_parts
 from .synthesis.found import Found
 from .table import Column, Table, finite, xy_columns
 

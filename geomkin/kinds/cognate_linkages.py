@@ -11,8 +11,8 @@ import numpy as np
 
 from ..check import Check
 from ..judge.linkage import SAME_CURVE, collision_check, reached
-from ..linkage.coupler.cognates import cognates, roberts_linkage, third_pivot
-from ..linkage.coupler.curves import CouplerCurve
+from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
+from ..linkage.coupler_curve import CouplerCurve
 from ..linkage.motion import Motion
 from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.move import move

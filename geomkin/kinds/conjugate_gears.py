@@ -27,12 +27,12 @@ from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
 from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
-from ..shop.gear.bases import pair_base
-from ..shop.gear.gears import LanternStock, PairStock, lantern_parts, pair_parts
+from ..shop.gear import LanternStock, PairStock, lantern_parts, pair_parts
+from ..shop.gear_base import pair_base
 from ..shop.shafts import Bill, pin_bill, screw_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
-from .tooth_points import check_tooth_points
+from .gear_recipes import check_tooth_points
 
 
 @dataclass(frozen=True)

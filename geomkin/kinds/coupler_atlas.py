@@ -12,7 +12,7 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import reached
-from ..linkage.coupler.curves import coupler_curves, coupler_grid, dashes
+from ..linkage.coupler_curve import coupler_curves, coupler_grid, dashes
 from ..linkage.motion import Motion
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.slider_crank import SliderCrank

@@ -36,8 +36,7 @@ from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
 from ..shop.base import BaseStock, check_no_motor
-from ..shop.cam import CamStock, cam_parts
-from ..shop.cam_bill import cam_bought
+from ..shop.cam import CamStock, cam_bought, cam_parts
 from ..sizes import entry
 from ..table import Table
 

@@ -22,14 +22,12 @@ from ..scene import Scene
 from ..scenes.gear import pair_scene
 from ..shop.base import BaseStock, check_no_motor
 from ..shop.fasteners import gathered
-from ..shop.gear.bases import pair_base
-from ..shop.gear.gears import GearStock, base_plate, gear_parts
+from ..shop.gear import GearStock, base_plate, gear_parts
+from ..shop.gear_base import pair_base
 from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, helices_notes, mesh_notes
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,9 +13,8 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
-from ..linkage.limits import driver_limits
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.measures import grashof_type
+from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
 from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.named.four_bar import FourBar

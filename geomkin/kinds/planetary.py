@@ -21,14 +21,12 @@ from ..scene import Scene
 from ..scenes.gear import planetary_scene
 from ..shop.base import BaseStock, check_no_motor
 from ..shop.fasteners import gathered
-from ..shop.gear.bases import RING_SCREWS, planetary_base
-from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
+from ..shop.gear import GearStock, RingStock, carrier, gear_parts
+from ..shop.gear_base import RING_SCREWS, planetary_base
 from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
-from .gear_notes import gear_notes, helices_notes, mesh_notes, shown
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes, shown
 
 
 @dataclass(frozen=True, kw_only=True)

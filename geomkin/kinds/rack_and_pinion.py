@@ -18,14 +18,12 @@ from ..scene import Scene
 from ..scenes.gear import pair_scene
 from ..shop.base import RackBaseStock, check_no_motor
 from ..shop.fasteners import gathered
-from ..shop.gear.bases import rack_base
-from ..shop.gear.gears import GearStock, gear_parts
+from ..shop.gear import GearStock, gear_parts
+from ..shop.gear_base import rack_base
 from ..shop.shafts import pin_bill, screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, helices_notes, overlap_notes, shown
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, overlap_notes, shown
 
 
 @dataclass(frozen=True, kw_only=True)

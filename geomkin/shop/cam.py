@@ -1,4 +1,4 @@
-"""Parts of a cam and its follower: cam plate, roller, and the plate that carries roller or face."""
+"""Parts of a cam and its follower: cam plate, roller, the plate that carries roller or face, and what is bought."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from ..cam.cam import Cam
 from ..cam.followers.plates import Bars, Plate
 from ..cam.maxima import samples
 from ..cam.undercut import Undercut, undercut
-from ..part import Part
+from ..part import Bought, Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..sizes import FARTHEST, entry, quantity
 from .base import BaseStock
 from .bore import bore, shaft
 from .cam_base import LETTERS, cam_base
+from .fasteners import gathered
 from .fits import AbstractBored
+from .shafts import pin_bill, screw_bill, shaft_bill
 
 # Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
 # runs across it.
@@ -128,3 +130,26 @@ def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> t
     back = -1j * sense * tip / abs(tip) * HEAD * ring
     barbs = np.array([tip + back * np.exp(0.5j), tip, tip + back * np.exp(-0.5j)])
     return Segment(start, end), arrow, Polyline(barbs, is_closed=False)
+
+
+@checked
+def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
+    """The cam's shaft and key, the pins of its follower and the base's screws, for the parts by their names.
+
+    A shaft or pin is as long as all plates on it are thick, with the base that holds or guides it. Bearings are not
+    told. Derived here.
+    """
+    follower, thick = cam.follower, stock.thickness
+    plates = follower.plates if base is None else follower.guided_plates
+    # Holes of one name in two plates are on one pin; two in one plate are on a pin each.
+    pins: dict[tuple[str, int], list[tuple[str, float]]] = {}
+    for plate in plates(stock.bars, cam.program, cam.base_radius, cam.sense):
+        keys = [hole.key for hole in plate.holes]
+        for k, hole in enumerate(plate.holes):
+            pins.setdefault((hole.key, keys[:k].count(hole.key)), []).append((plate.name, hole.diameter))
+    held = 0.0 if base is None else thick
+    lines = [("cam", shaft_bill(stock, thick + held))]
+    for (key, _), on in pins.items():
+        in_base = held if key == "pivot_bore" else 0.0
+        lines.append((on[0][0], pin_bill(on[0][1], len(on) * thick + in_base)))
+    return gathered(lines if base is None else [*lines, ("base", screw_bill(base, thick))])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.coupler.curves import coupler_curves, coupler_grid, dashes
+from geomkin.linkage.coupler_curve import coupler_curves, coupler_grid, dashes
 from geomkin.linkage.named.slider_crank import SliderCrank
 
 CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)

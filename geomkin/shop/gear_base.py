@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arguments import Positive, checked
-from ...errors import DesignError
-from ...gear.planetary import PlanetarySet
-from ...gear.rack import RackPair
-from ...part import Part
-from ...sizes import Length
-from ..base import BaseOpening, BaseStock, RackBaseStock, standing_plate
-from ..bore import bore
+from ..arguments import Positive, checked
+from ..errors import DesignError
+from ..gear.planetary import PlanetarySet
+from ..gear.rack import RackPair
+from ..part import Part
+from ..sizes import Length
+from .base import BaseOpening, BaseStock, RackBaseStock, standing_plate
+from .bore import bore
 
 # Least distance of a rack's two guide pins in thicknesses of its bar under the teeth. Nearer, the play of the pins in
 # their slot lets the rack tilt; farther asks for longer racks.

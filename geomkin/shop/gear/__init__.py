@@ -1,1 +1,0 @@
-"""Plates of gears, their bores, spokes, carriers and base plates."""
