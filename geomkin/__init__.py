@@ -55,15 +55,15 @@ if TYPE_CHECKING:
     from .linkage.linkage import Slider as Slider
     from .linkage.measures import driver_limits as driver_limits
     from .linkage.measures import least_transmission_angle as least_transmission_angle
-    from .linkage.named.double_sliders import EllipticTrammel as EllipticTrammel
-    from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
-    from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
     from .linkage.named.four_bar import FourBar as FourBar
     from .linkage.named.six_bars import Shaper as Shaper
     from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
     from .linkage.named.six_bars import WattSixBar as WattSixBar
-    from .linkage.named.slider_crank import InvertedSliderCrank as InvertedSliderCrank
-    from .linkage.named.slider_crank import SliderCrank as SliderCrank
+    from .linkage.named.sliders import EllipticTrammel as EllipticTrammel
+    from .linkage.named.sliders import InvertedSliderCrank as InvertedSliderCrank
+    from .linkage.named.sliders import OldhamCoupling as OldhamCoupling
+    from .linkage.named.sliders import ScotchYoke as ScotchYoke
+    from .linkage.named.sliders import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move
     from .notebook import show as show

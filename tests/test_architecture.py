@@ -79,7 +79,7 @@ ALONE = {
     "shapely": {"plane/region.py"},
     "ezdxf": {"export/dxf.py"},
     "trimesh": {"export/glb.py"},
-    "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/schema.py", "recipe/settings.py", "sizes.py"},
+    "pydantic": {"recipe/load.py", "recipe/explain.py", "recipe/template.py", "recipe/settings.py", "sizes.py"},
     "pydantic_core": {"sizes.py", "cam/program/program.py", "recipe/settings.py", "kinds/path_files.py"},
     "click": {"commands.py", "__main__.py"},
     "numba": {"linkage/solve/compiled.py"},

@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..plane.curve import AbstractCurve, just_before
-from ..plane.derived import Stretch
+from ..plane.curve import AbstractCurve, Stretch, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Pose, Real, Whole, cross
 from .cam import Cam

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Moved
+from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring
 from ..plane.primitives import Arc, Polyline, Segment
 from ..plane.roulettes import Involute

@@ -10,8 +10,7 @@ import numpy as np
 from ..arguments import Positive, checked
 from ..brief import one_line
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Reversed
+from ..plane.curve import AbstractCurve, Reversed
 from ..plane.flatten import flatten
 from ..plane.vec import Real
 from ..sizes import Length, rounded_down, rounded_up

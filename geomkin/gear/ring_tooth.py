@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..brief import one_line
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Mirrored, Moved, Reversed
+from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.roulettes import Involute
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth

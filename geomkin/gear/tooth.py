@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..brief import one_line
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Mirrored, Moved, Reversed
+from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid

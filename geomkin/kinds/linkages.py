@@ -16,10 +16,9 @@ from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
-from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
 from ..linkage.named.four_bar import FourBar
 from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
-from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
+from ..linkage.named.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, SliderCrank
 from ..linkage.solve.branch import Branch, chosen
 from ..linkage.solve.move import move
 from ..part import Bought, Part

@@ -12,7 +12,7 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.named.sliders import SliderCrank
 from ..linkage.shaking import (
     Counterbalance,
     SliderCrankMasses,

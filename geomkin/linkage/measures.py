@@ -12,7 +12,7 @@ from ..plane.vec import Mask, Real, Whole, dot
 from .linkage import OneLinkage
 from .motion import Motion, goes_without_turning
 from .named.four_bar import FourBar
-from .named.slider_crank import SliderCrank
+from .named.sliders import SliderCrank
 from .solve.branch import Branch, chosen
 from .solve.drive_range import DriveRange
 from .solve.driver_dyads import Driven

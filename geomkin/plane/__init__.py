@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .derived import Mirrored as Mirrored
-    from .derived import Moved as Moved
-    from .derived import Offset as Offset
-    from .derived import Reversed as Reversed
+    from .curve import Mirrored as Mirrored
+    from .curve import Moved as Moved
+    from .curve import Offset as Offset
+    from .curve import Reversed as Reversed
     from .joined import Path as Path
     from .joined import Ring as Ring
     from .measure import centroid as centroid

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Points, Positive, RealRow, Row, check_fields, checked
 from ..errors import DesignError
-from .curve import AbstractCurve
-from .derived import Moved
+from .curve import AbstractCurve, Moved
 from .joined import Path
 from .vec import Complex, Pose, Real, Whole, cross
 

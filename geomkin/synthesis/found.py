@@ -10,9 +10,8 @@ import numpy as np
 from ..brief import one_line
 from ..display import moving
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.named.double_sliders import EllipticTrammel
 from ..linkage.named.four_bar import FourBar
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.named.sliders import EllipticTrammel, SliderCrank
 from ..plane.vec import Real
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.named.slider_crank import SliderCrank
+from geomkin.linkage.named.sliders import SliderCrank
 from geomkin.linkage.shaking import SliderCrankMasses, best_counterbalance, judged_counterbalance, shaking_force
 
 ENGINE = SliderCrank(crank=30, coupler=90)

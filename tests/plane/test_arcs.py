@@ -9,7 +9,7 @@ from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.arcs import to_arcs
-from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy

@@ -5,7 +5,7 @@ import pytest
 
 from geomkin.errors import DesignError
 from geomkin.plane import measure
-from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
 from geomkin.plane.roulettes import Involute

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.parallel import parallel

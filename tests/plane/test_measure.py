@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.derived import Mirrored, Moved, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, slot

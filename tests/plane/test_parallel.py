@@ -6,7 +6,7 @@ import shapely
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.derived import Moved, Offset, Reversed, Stretch
+from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.parallel import parallel

@@ -114,7 +114,7 @@ def geometry():
 
 
 def gears():
-    from geomkin.plane.derived import Moved, Stretch
+    from geomkin.plane.curve import Moved, Stretch
     from geomkin.plane.flatten import smooth_runs
     from geomkin.plane.joined import Path as Joined
     from geomkin.plane.vec import Pose

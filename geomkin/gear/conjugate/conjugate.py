@@ -11,8 +11,7 @@ import numpy as np
 from ...arguments import RealsOrNan, checked, whole_between
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Reversed
+from ...plane.curve import AbstractCurve, Reversed
 from ...plane.joined import Path, Ring
 from ...plane.primitives import Arc
 from ...plane.vec import Pose, Real

@@ -12,8 +12,7 @@ import numpy as np
 from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Moved
+from ...plane.curve import AbstractCurve, Moved
 from ...plane.flatten import flatten
 from ...plane.joined import Ring
 from ...plane.primitives import Segment

@@ -8,8 +8,7 @@ import numpy as np
 
 from ...arguments import checked
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Mirrored, Moved, Reversed
+from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.joined import Path
 from ...plane.primitives import Arc, Circle, Segment
 from ...plane.vec import Pose
