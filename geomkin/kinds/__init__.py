@@ -58,7 +58,7 @@ KINDS = Kinds({
     "shaking-force": "shaking_force:ShakingForceRecipe",
     "crank-rocker": "rocker_goals:CrankRockerRecipe",
     "double-rocker": "rocker_goals:DoubleRockerRecipe",
-    "slider-crank-stroke": "stroke_goal:SliderCrankStrokeRecipe",
+    "slider-crank-stroke": "rocker_goals:SliderCrankStrokeRecipe",
     "burmester-curves": "burmester_curves:BurmesterCurvesRecipe",
     "body-guidance": "body_guidance:BodyGuidanceRecipe",
     "function-generator": "function_generators:FunctionGeneratorRecipe",
