@@ -14,9 +14,9 @@ from ..errors import DesignError
 from ..judge.linkage import SAME_CURVE, collision_check, reached
 from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..linkage.coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
+from ..linkage.four_bar import FourBar
 from ..linkage.motion import Motion
-from ..linkage.named.four_bar import FourBar
-from ..linkage.named.sliders import SliderCrank
+from ..linkage.sliders import SliderCrank
 from ..linkage.solve.move import move
 from ..part import Bought, Part
 from ..plane.curve import AbstractCurve

@@ -12,11 +12,11 @@ from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LARGEST_DRAWN, reached
 from ..linkage.coupler_curve import CouplerCurve
+from ..linkage.four_bar import FourBar
 from ..linkage.instant.centrodes import CentrodeCurve, Centrodes
 from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle
 from ..linkage.motion import Motion
-from ..linkage.named.four_bar import FourBar
 from ..linkage.solve.branch import Branch
 from ..linkage.solve.move import move
 from ..part import Part

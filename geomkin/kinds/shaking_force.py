@@ -12,7 +12,6 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
-from ..linkage.named.sliders import SliderCrank
 from ..linkage.shaking import (
     Counterbalance,
     SliderCrankMasses,
@@ -20,6 +19,7 @@ from ..linkage.shaking import (
     judged_counterbalance,
     shaking_force,
 )
+from ..linkage.sliders import SliderCrank
 from ..linkage.solve.branch import Branch
 from ..part import Part
 from ..plane.primitives import Circle

@@ -9,10 +9,10 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Mask, Real, Whole, dot
+from .four_bar import FourBar
 from .linkage import OneLinkage
 from .motion import Motion, goes_without_turning
-from .named.four_bar import FourBar
-from .named.sliders import SliderCrank
+from .sliders import SliderCrank
 from .solve.branch import Branch, chosen
 from .solve.drive_range import DriveRange
 from .solve.driver_dyads import Driven

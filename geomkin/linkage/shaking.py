@@ -14,7 +14,7 @@ from ..errors import DesignError
 from ..plane.vec import Complex, Real, cross
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from .motion import Motion
-from .named.sliders import SliderCrank
+from .sliders import SliderCrank
 from .solve.branch import Branch
 from .solve.move import move
 

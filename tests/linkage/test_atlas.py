@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.coupler_curve import coupler_curves, coupler_grid, dashes
-from geomkin.linkage.named.sliders import SliderCrank
+from geomkin.linkage.sliders import SliderCrank
 
 CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)
 STEPS = np.radians(np.arange(0, 361, 5))

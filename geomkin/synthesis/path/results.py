@@ -11,7 +11,7 @@ import numpy as np
 from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.cognate_linkages import Cognate, cognates
-from ...linkage.named.four_bar import FourBar
+from ...linkage.four_bar import FourBar
 from ...plane.vec import Complex, Real
 from ..found import Found
 

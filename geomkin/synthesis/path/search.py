@@ -9,9 +9,9 @@ import numpy as np
 
 from ...brief import one_line
 from ...errors import DesignError
+from ...linkage.four_bar import FourBar
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.sliders import SliderCrank
+from ...linkage.sliders import SliderCrank
 from ...plane.vec import Complex, Real, Whole
 from ...progress import Watch
 from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, TURN, along, points_of
