@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move
     from .notebook import show as show
+    from .part import HoleFit as HoleFit
     from .part import Part as Part
     from .part import Twist as Twist
     from .plane.arcs import to_arcs as to_arcs

@@ -208,11 +208,14 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
     if array.dtype.kind in "iu":
         return True
     # The sum of squares, in one pass: nan and infinity show in it as well.
-    return bool(np.vdot(array, array).real < LARGEST**2)
+    squares = array.dot(array) if array.ndim == 1 and array.dtype.kind == "f" else np.vdot(array, array).real
+    return bool(squares < LARGEST**2)
 
 
 def are_reals(value: Any) -> bool:
     """Whether these are finite real numbers, of any shape."""
+    if type(value) is float:
+        return -LARGEST < value < LARGEST
     return _bounded(numbers(value, "iuf"))
 
 

@@ -193,10 +193,11 @@ def _had(recipe: AbstractRecipe) -> list[str]:
 
 def _job(name: str, source: Source, files: Files) -> Job:
     held = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
-    job = dataclasses.replace(held, laser=files.style == "laser", assembly_at=files.assembly_at, sheet=files.sheet)
+    laser, at = files.style == "laser", files.assembly_at
+    job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    return dataclasses.replace(job, about=source.about(), recipe=partial(to_toml, source))
+    return dataclasses.replace(job, about=source.subtitle, recipe=partial(to_toml, source))
 
 
 def name_of(file: str, name: str) -> str:

@@ -44,7 +44,7 @@ from .scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from .scenes.gear import pair_scene
 from .scenes.linkage import linkage_scene
 from .shop.cam import CamStock
-from .shop.gear import GearStock, RingStock, gear_parts
+from .shop.gear.gears import GearStock, RingStock, gear_parts
 from .synthesis.found import Found
 from .table import Column, Table, finite, xy_columns
 
@@ -140,7 +140,7 @@ def _(recipe: AbstractRecipe) -> Job:
     name = recipe.name or recipe.kind
     if recipe.scene is None:
         return replace(_job(recipe.parts), name=name)
-    return Job(name, recipe, recipe.files.tolerance, about=recipe.about(), recipe=partial(to_toml, recipe))
+    return Job(name, recipe, recipe.files.tolerance, about=recipe.subtitle, recipe=partial(to_toml, recipe))
 
 
 @_job.register(str)

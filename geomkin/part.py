@@ -7,12 +7,14 @@ from typing import Literal
 
 import numpy as np
 
-from .arguments import RealsOrNan, check_fields, checked
+from .arguments import Positive, RealsOrNan, check_fields, checked
 from .brief import one_line
 from .display import still
+from .errors import DesignError
 from .names import check_names
 from .plane.curve import AbstractCurve
 from .plane.vec import Pose
+from .sizes import Length
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,28 @@ class Twist:
         return Pose(self.shift * way + 0j, np.exp(1j * self.turn * way))
 
 
+@dataclass(frozen=True)
+class HoleFit:
+    """What goes through a hole, and how it sits there; all in mm.
+
+    diameter: of the round thing that goes through. play: how much wider the hole is, negative where it is pressed on.
+    flat: of the hole for a D-shaft, from its flat side across to the round one; 0 for none. keyway: its width, and its
+    depth beyond the bore, along its middle; 0 for none. travel: of what slides in a slot, between the middles of its
+    ends; 0 for a hole.
+    """
+
+    diameter: Positive
+    play: float
+    flat: Length = 0.0
+    keyway: tuple[Length, Length] = (0.0, 0.0)
+    travel: Length = 0.0
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """A plate, flat or with a section that moves as it goes up.
@@ -51,6 +75,7 @@ class Part:
     open or closed curves engraved within the outline. body: whose motion it follows, by the name that the
     mechanism gives it; "" for a part that belongs to no motion, as a drawing. hole_names: what is engraved beside
     each hole, such as the letter of a joint; empty for none. twist: of a helical gear; None for what goes straight up.
+    fits: of holes, in their order, None for one that nothing goes through; as far as there are any.
     """
 
     name: str
@@ -63,12 +88,15 @@ class Part:
     body: str = ""
     hole_names: tuple[str, ...] = ()
     twist: Twist | None = None
+    fits: tuple[HoleFit | None, ...] = ()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_fields(self)
         check_names("name", [self.name], "a part")
+        if len(self.fits) > len(self.holes):
+            raise DesignError("fits", f"found {len(self.fits)} for {len(self.holes)} holes", "give one for each hole")
 
     def _repr_svg_(self) -> str | None:
         return still(self, (self.outline, *self.holes), self.marks)

@@ -40,7 +40,8 @@ class SceneBody:
 
     origin: (frames,) complex, mm; direction: (frames,) unit complex, of the body's x axis; nan where the mechanism
     cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what lies over
-    what. A body may have no parts. fixed: the ground, which is hatched.
+    what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its name, as they
+    need not for one of many that are alike.
     """
 
     name: str
@@ -49,6 +50,7 @@ class SceneBody:
     direction: Complex
     layer: int = 0
     fixed: bool = False
+    named: bool = True
 
     __repr__ = one_line
 

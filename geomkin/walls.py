@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +14,7 @@ from .plane import region
 from .plane.curve import AbstractCurve, reach
 from .plane.flatten import flatten
 from .plane.joined import Ring
-from .plane.primitives import Circle
+from .plane.primitives import Circle, slot
 from .plane.vec import Complex, cross
 
 # Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 between holes and to an edge. Less
@@ -89,12 +90,41 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
     return np.insert(z, long + 1, (z + following)[long] / 2)
 
 
-def wall_checks(parts: Iterable[Part], kerf: float) -> tuple[Check, ...]:
-    """The thinnest wall of each part that has one and is cut from a sheet, as what is twisted cannot be."""
+def thinnest_walls(parts: Iterable[Part], kerf: float) -> dict[str, float]:
+    """The same of each part, mm, by its name, with the limit that is asked of it.
+
+    Of what is twisted it is the least that any slice may have, as what turns stands otherwise over what does not.
+    """
+    return {
+        part.name: min(thinnest_wall(one, least_wall(part.thickness, kerf)) for one in _sections(part))
+        for part in parts
+    }
+
+
+def _sections(part: Part) -> tuple[Part, ...]:
+    """What no slice of a part has thinner walls than: its own section where all of it moves alike."""
+    if part.twist is None or not part.holes:
+        return (part,)
+    if part.twist.shift:
+        # As seen by the outline, which slides along x, a round hole is a slot.
+        way = -part.twist.shift
+        holes = (slot(c.centre, c.centre + way, c.radius) if isinstance(c, Circle) else c for c in part.holes)
+        return (replace(part, holes=tuple(holes), hole_names=(), fits=()),)
+    samples = flatten(part.outline, FINEST * reach(part.outline))
+    inner = replace(part, outline=Circle(0j, float(np.abs(samples).min())))
+    return (replace(part, holes=(), hole_names=(), fits=()), inner) if part.twist.moves == "outline" else (inner,)
+
+
+def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] | None = None) -> tuple[Check, ...]:
+    """The thinnest wall of each part that has one and is cut from a sheet, as what is twisted cannot be.
+
+    walls: of the parts, where they are known already.
+    """
     checks = []
-    for part in (part for part in parts if part.twist is None):
-        limit = least_wall(part.thickness, kerf)
-        wall = thinnest_wall(part, limit)
+    flat = [part for part in parts if part.twist is None]
+    walls = thinnest_walls(flat, kerf) if walls is None else walls
+    for part in flat:
+        limit, wall = least_wall(part.thickness, kerf), walls[part.name]
         if wall < np.inf:
             advice = "make openings smaller, move them apart or from the edge, or cut a thinner sheet"
             checks.append(Check(f"thinnest wall of the {part.name}", wall, "at least", limit, "mm", advice))

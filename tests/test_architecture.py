@@ -231,6 +231,12 @@ def test_help_loads_no_numpy():
     assert "numpy" not in loaded_by(code)
 
 
+def test_a_gear_alone_loads_no_mates():
+    mates = "geomkin.gear.conjugate"
+    assert mates not in loaded_by("import geomkin.kinds.single_gears", 3)
+    assert mates in loaded_by("import geomkin.kinds.conjugate_gears", 3)
+
+
 UNLOADED = {
     "dxf": {"trimesh"},
     "csv": {"trimesh", "ezdxf"},

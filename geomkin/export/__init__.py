@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .job import Job as Job
+    from .title import Title as Title
     from .writers import WRITERS as WRITERS
     from .writers import Writer as Writer
 else:

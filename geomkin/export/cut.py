@@ -58,7 +58,9 @@ class Loop:
         if isinstance(self.shape, Circle):
             centre = rounded(np.asarray(self.shape.centre * turn + shift), digits).item()
             return Loop(Circle(centre, self.shape.radius), points, self.layer)
-        vertices = rounded(np.asarray(self.shape.vertices) * turn + shift, digits)
+        # The corners of what has no arcs are its points.
+        same = self.shape.vertices is self.points
+        vertices = points if same else rounded(np.asarray(self.shape.vertices) * turn + shift, digits)
         return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
 
 

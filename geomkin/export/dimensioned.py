@@ -11,7 +11,7 @@ import numpy as np
 
 from ..brief import one_line
 from ..errors import harmless
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .cut import Cut, Loop
 from .job import Job
@@ -48,6 +48,15 @@ class Drawing:
     height: float
 
     __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class _Hole:
+    """A hole by its letter or number, its size in words, and its middle where it is round."""
+
+    name: str
+    size: str
+    centre: complex | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,14 +162,25 @@ def _title(job: Job, scale: float, wide: float) -> _Cell:
     lines = [
         f"sheet of {thicknesses} mm, scale {scale_told(scale)}",
         f"sizes in mm; parts: {len(parts)}, pieces: {pieces}",
+        "each part seen from above; drawing 1 of 1",
+        *job.title.told(),
     ]
-    name = harmless(job.name)
+    name = harmless(job.title.name or job.name)
     cell.words(name, complex(3, -3 - TITLE / 2), TITLE)
-    for number, line in enumerate(lines):
-        cell.words(line, complex(3, -7 - TITLE - LETTER / 2 - number * LINE))
-    wide = max(wide, 6 + width_of(name, TITLE), *(6 + width_of(line, LETTER) for line in lines))
-    high = -7 - TITLE - len(lines) * LINE
+    # A column for what the drawing tells, and one for what the recipe gives; each line under the one before.
+    columns = [lines[:3], lines[3:]]
+    left, rows, top = 3.0, max(map(len, columns)), -7 - TITLE
+    for column in filter(None, columns):
+        if left > 3:
+            cell.line(complex(left - 3, top + 1), complex(left - 3, top - rows * LINE))
+        for number, line in enumerate(column):
+            cell.words(line, complex(left, top - LETTER / 2 - number * LINE))
+        left += 6 + max(width_of(line, LETTER) for line in column)
+    wide = max(wide, 6 + width_of(name, TITLE), left - 3)
+    high = top - rows * LINE
     cell.shapes.append((DIM, Polyline(np.array([0, wide, complex(wide, high), complex(0, high)]))))
+    if columns[1]:
+        cell.line(complex(0, top + 1), complex(wide, top + 1))
     return cell
 
 
@@ -175,12 +195,12 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
     low, high = (corner * scale for corner in cut.box)
     cell.size(complex(low.real, low.imag), complex(high.real, low.imag), -1j * AWAY, size.real)
     cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
-    holes = _round_holes(cut)
+    holes = _holes(cut)
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
     lines = [f"{harmless(part.name)}: {pieces}, {told(part.thickness)} mm thick"]
-    lines += _diameters(holes)
+    lines += _callouts(holes)
     level = 0
-    for (one, start, _), (other, end, _) in _pairs(holes):
+    for (one, start), (other, end) in _pairs([(hole.name, hole.centre) for hole in holes if hole.centre is not None]):
         apart = end - start
         if abs(apart.imag) < SAME and level < 3 and width_of(told(abs(apart)), LETTER) < scale * abs(apart):
             left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
@@ -194,28 +214,46 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
     return cell
 
 
-def _round_holes(cut: Cut) -> list[tuple[str, complex, float]]:
-    """Name, centre and diameter of each round hole, mm; a hole without a letter has its number."""
-    names = [*cut.part.hole_names, *[""] * len(cut.loops)]
-    return [
-        (harmless(names[k]) or f"hole {k + 1}", complex(loop.shape.centre), 2 * loop.shape.radius)
-        for k, loop in enumerate(cut.loops[1:])
-        if isinstance(loop.shape, Circle)
-    ]
+def _holes(cut: Cut) -> list[_Hole]:
+    """The holes that are told: those that something goes through, and all round ones; numbered where no letter is."""
+    part, loops = cut.part, cut.loops[1:]
+    names, fits = [*part.hole_names, *[""] * len(loops)], [*part.fits, *[None] * len(loops)]
+    holes = []
+    for k, (loop, name, fit) in enumerate(zip(loops, names, fits), 1):
+        circle = loop.shape if isinstance(loop.shape, Circle) else None
+        if circle or fit:
+            size = _size_of(fit, 2 * circle.radius if circle else None)
+            holes.append(_Hole(harmless(name) or f"hole {k}", size, complex(circle.centre) if circle else None))
+    return holes
 
 
-def _diameters(holes: Sequence[tuple[str, complex, float]]) -> Iterator[str]:
-    """A line for each diameter of holes: how many, and which."""
+def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
+    """How wide a hole is, and what for. diameter: of a round one, mm, as it is drawn."""
+    if fit is None:
+        return f"dia {told(diameter or 0.0)}"
+    wide = told(fit.diameter + fit.play if diameter is None else diameter)
+    sizes = [f"dia {wide}"]
+    if fit.travel:
+        sizes = [f"slot {wide} wide", f"{told(fit.travel + fit.diameter + fit.play)} long"]
+    if fit.flat:
+        sizes = [f"D dia {wide}", f"across flat {told(fit.flat)}"]
+    if any(fit.keyway):
+        sizes.append("keyway {} wide {} deep".format(*map(told, fit.keyway)))
+    if not fit.play:
+        return ", ".join(sizes)
+    return f"{', '.join(sizes)} ({told(fit.diameter)}, {'press' if fit.play < 0 else 'clearance'} {fit.play:+.5g})"
+
+
+def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
+    """A line for each size of holes: how many, and which."""
     by_size: dict[str, list[str]] = {}
-    for name, _, diameter in holes:
-        by_size.setdefault(told(diameter), []).append(name)
+    for hole in holes:
+        by_size.setdefault(hole.size, []).append(hole.name)
     for size, names in by_size.items():
-        yield f"{len(names)} x dia {size}" + (f" at {', '.join(names)}" if 1 < len(holes) <= MOST_HOLES else "")
+        yield f"{len(names)} x {size}" + (f" at {', '.join(names)}" if 1 < len(holes) <= MOST_HOLES else "")
 
 
-def _pairs(
-    holes: Sequence[tuple[str, complex, float]],
-) -> Iterator[tuple[tuple[str, complex, float], tuple[str, complex, float]]]:
+def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
     """Pairs of holes whose distances are told: all of three, the next of more."""
     if len(holes) <= 3:
         yield from combinations(holes, 2)

@@ -133,6 +133,7 @@ class _Island:
         engraved = [self._path(part.marks) for part in body.parts if part.marks]
         told: dict[str, object] = {"name": harmless(body.name), "at": self._places(body.origin, self.digits)}
         told |= {"turn": self._angles(body.direction), "layer": body.layer, "cut": cut}
+        told |= {} if body.named else {"unnamed": True}
         return told | ({"fixed": True} if body.fixed else {}) | ({"engraved": engraved} if engraved else {})
 
     def _curve(self, curve: SceneCurve) -> dict[str, object]:

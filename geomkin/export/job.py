@@ -15,6 +15,7 @@ from ..scene import Scene
 from ..table import Table
 from .cut import Cut, cut
 from .layout import Sheet, lay_out, lay_out_on
+from .title import Title
 from .twisted import solid_cut
 
 
@@ -34,6 +35,9 @@ class Source(Protocol):
     def checks(self) -> tuple[Check, ...]: ...
 
     @property
+    def walls(self) -> Mapping[str, float]: ...
+
+    @property
     def notes(self) -> Mapping[str, object]: ...
 
     @property
@@ -51,6 +55,7 @@ class Loose:
     table: Table | None = None
     scene: Scene | None = None
     checks: tuple[Check, ...] = ()
+    walls: Mapping[str, float] = field(default_factory=dict)
     notes: Mapping[str, object] = field(default_factory=dict)
     bought: tuple[Bought, ...] = ()
     steps: tuple[str, ...] = ()
@@ -63,9 +68,9 @@ class Job:
     name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. labels:
     drawings engrave parts with their names. laser: SVG as laser cutters' programs take it. about: one line that
     introduces it; recipe: gives the text that it is made from; "" where there is none. assembly_at: where the driver
-    stands in stills, in its own unit; None for anywhere. sheet: width and height of the sheets that parts are cut
-    from, mm; None for one as large as they take. What a writer asks for and the source has not is a DesignError of
-    `write`.
+    stands in stills, in its own unit; None for anywhere. sheet: width and height of the sheets that parts are cut from,
+    mm; None for one as large as they take. title: of the drawing with sizes, as far as it is given. What a writer asks
+    for and the source has not is a DesignError of `write`.
     """
 
     name: str
@@ -79,6 +84,7 @@ class Job:
     recipe: Callable[[], str] = str
     assembly_at: float | None = None
     sheet: tuple[float, float] | None = None
+    title: Title = field(default_factory=Title)
 
     __repr__ = one_line
 

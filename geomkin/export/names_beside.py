@@ -74,6 +74,8 @@ def stand(still: Still) -> tuple[Name, ...]:
 
     lines = {mark.label for mark in still.marks if mark.sort == "line"}
     for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
+        if not body.named:
+            continue
         if body.parts and np.isfinite(body.origin[k]):
             text = _spaced(body.name)
             best(text, *_on(still, body, half_size(text, tall)), "")

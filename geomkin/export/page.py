@@ -10,7 +10,7 @@ from importlib.resources import files
 
 from .island import MOST_FRAMES, island
 from .job import Job
-from .sections import all_of, text, verdict
+from .sections import all_of, capital, text, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
 SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
@@ -30,6 +30,8 @@ def write(job: Job) -> dict[str, bytes]:
 def page(job: Job) -> bytes:
     """The page: drawing and plots by the player, all else as tables that read without it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""
+    if entries := "; ".join(job.title.told()):
+        about += f"<p>{text(capital(entries))}</p>"
     frames = len(job.scene.time)
     if frames > MOST_FRAMES:
         about += f"<p>It shows {MOST_FRAMES} of {frames} frames, evenly chosen; the CSV file of the recipe has all.</p>"

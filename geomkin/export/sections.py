@@ -101,9 +101,11 @@ def parts(job: Job) -> str:
     if not held:
         return ""
     tints = tints_of(job.scene)
-    heads = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
+    walls = job.source.walls
+    heads: tuple[str, ...] = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
+    heads += ("Thinnest wall, mm",) if walls else ()
     head = "".join(f'<th scope="col">{one}</th>' for one in heads)
-    rows = "".join(_part(part, tints.get(part.name, "t0")) for part in held[:MOST_ROWS])
+    rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     more = f"<p>And {len(held) - MOST_ROWS} more.</p>" if len(held) > MOST_ROWS else ""
     return section("parts", "What is cut", wide("Parts", table) + more + _sheets(job))
@@ -120,7 +122,7 @@ def _sheets(job: Job) -> str:
     return f"<p>{'Sheet' if len(told) == 1 else f'{len(job.sheets)} sheets'}: {'; '.join(told)}.</p>"
 
 
-def _part(part: Part, tint: str) -> str:
+def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
     curves = (part.outline, *part.holes)
     low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
     small = thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
@@ -130,6 +132,7 @@ def _part(part: Part, tint: str) -> str:
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
+        *(number(walls[name]) for name in [part.name] if name in walls),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Collection, Mapping
 from functools import cache
-from importlib.metadata import version
+from math import inf
 from pathlib import Path
 
 from ..check import Check
@@ -52,7 +53,7 @@ def summary(
             }
             for c in checks
         ],
-        "parts": [_part(part) | sizes.get(part, {}) for part in job.source.parts],
+        "parts": [_part(part) | _wall(job, part) | sizes.get(part, {}) for part in job.source.parts],
         **_sheets(job, written),
         **notes,
         "files": files,
@@ -71,6 +72,12 @@ def _part(part: Part) -> dict[str, object]:
         "area_mm2": float(f"{exact:.10g}"),
         "volume_mm3": float(f"{exact * part.thickness:.10g}"),
     }
+
+
+def _wall(job: Job, part: Part) -> dict[str, object]:
+    """The thinnest wall, null where the part has none."""
+    wall = job.source.walls.get(part.name, inf)
+    return {"thinnest_wall_mm": wall if wall < inf else None}
 
 
 def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
@@ -106,6 +113,12 @@ def _versions(written: Collection[str]) -> dict[str, str]:
 
 @cache
 def _version(package: str) -> str:
+    # What stands there; some packages warn where it is made up when asked for.
+    if (loaded := sys.modules.get(package)) and (told := vars(loaded).get("__version__", "")):
+        return str(told)
+    # Reading it from what was installed loads a parser of mail.
+    from importlib.metadata import version
+
     return version(package)
 
 

@@ -183,10 +183,13 @@ def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> Ri
     half_land: half the angle, rad, of a bottom land from tooth to tooth that `side` does not begin with.
     """
     other = [Reversed(Mirrored(curve)) for curve in reversed(side)]
-    root, tip = complex(side[0].point(side[0].breaks[0])), complex(side[-1].point(side[-1].breaks[-1]))
+    tip = complex(side[-1].point(side[-1].breaks[-1]))
     # A pointed tooth has no tip land.
     top = [Arc(0j, tip, 2 * float(np.arctan2(tip.real, tip.imag)))] if tip.real > NARROW * abs(tip) else []
-    bottom = [Arc(0j, -root.conjugate(), 2 * half_land)] if half_land > NARROW else []
+    bottom = []
+    if half_land > NARROW:
+        root = complex(side[0].point(side[0].breaks[0]))
+        bottom = [Arc(0j, -root.conjugate(), 2 * half_land)]
     return Ring(Path((*side, *top, *other, *bottom)), teeth)
 
 

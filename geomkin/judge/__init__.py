@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .cam import cam_checks as cam_checks
-    from .gear import conjugate_checks as conjugate_checks
+    from .conjugate import conjugate_checks as conjugate_checks
+    from .conjugate import touch_check as touch_check
     from .gear import gear_checks as gear_checks
     from .gear import mesh_checks as mesh_checks
     from .gear import planetary_checks as planetary_checks
-    from .gear import touch_check as touch_check
     from .linkage import collision_check as collision_check
     from .linkage import hole_check as hole_check
     from .linkage import linkage_checks as linkage_checks

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ..arguments import Positive, checked
+from ..arguments import checked
 from ..check import Check
-from ..gear.conjugate.conjugate import BEYOND, Conjugate
 from ..gear.contract import AbstractGear
 from ..gear.pair import GearPair
 from ..gear.planetary import PlanetarySet
@@ -18,8 +17,6 @@ LEAST_RIM = 1
 # Pairs of teeth in contact on the average, of involutes that may be a little apart: somewhat above 1, so that the next
 # pair takes over before the last lets go (Roloff/Matek: 1.1; Shigley's Mechanical Engineering Design: about 1.2).
 LEAST_CONTACT_RATIO = 1.1
-# The same of conjugate teeth, whose contact is found exactly: at 1 it just hands over; derived here.
-LEAST_CONJUGATE_CONTACT_RATIO = 1
 # Modules between tips and roots: the least that DIN 867 gives a basic rack.
 LEAST_CLEARANCE = 0.1
 # Modules between the tips of neighbouring planets; derived here, of play and dirt.
@@ -76,27 +73,3 @@ def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
         *mesh_checks(gears.outer, "ring"),
         Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets"),
     )
-
-
-@checked
-def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
-    """Contact ratio and tips of a mate.
-
-    module: of its gear, mm. pieces: how many of its cutter's, from the first on, are the driving side of the gear's
-    tooth. longer: what else makes the contact longer, for the advice.
-    """
-    ratio, thickness = mate.contact_ratio(0.0, pieces), mate.tip_thickness / module
-    thinner = "give a smaller mate.addendum or mate.backlash"
-    teeth = f"give longer teeth, or more of them{longer}"
-    return (
-        Check("contact ratio", ratio, "at least", LEAST_CONJUGATE_CONTACT_RATIO, "", teeth),
-        Check("mate's tip thickness", thickness, "at least", LEAST_TIP_THICKNESS, "modules", thinner),
-    )
-
-
-@checked
-def touch_check(mate: Conjugate, module: Positive) -> Check:
-    """Whether all of the gear's flank touches the mate."""
-    lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
-    advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
-    return Check("flank that cannot touch", lost / module, "at most", 0, "modules", advice)

@@ -20,7 +20,7 @@ from ..plane.vec import Complex, direction_deg, rounded
 from ..recipe.settings import Drive, Files
 from ..scene import Scene, SceneCurve, SceneRegion
 from ..shop.drawing import PlateStock, engraved, pose_axes, skeleton
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ..synthesis.guidance.filemon_waldron import Rectification, rectification

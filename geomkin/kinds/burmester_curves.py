@@ -166,16 +166,23 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """A pivot that wanders along the centre-point curve, with its pin at each of the poses."""
+        """A pivot that wanders along the centre-point curve, with its pin at each of the poses.
+
+        Pins beyond the reach, where the circle-point curve is not drawn, are not shown: they may be anywhere.
+        """
         fixed, count = self.dyads[1], len(self.dyads[1])
+        origins, directions = placed(self.wanted.pairs, 4, 4)
+        # The curve is drawn so far from the middle of the poses' own as the body sees it.
+        middle = ((origins.mean() - origins) / directions).mean()
+        shown = np.where(np.abs(self.dyads[2] - middle) <= self.reach * (1 + 1e-9), self.pins, np.nan)
         curves = [
             SceneCurve(curve, "traced", "centre points" if not k else "") for k, curve in enumerate(self.design.fixed)
         ]
         moving = [Moved(piece, self.at_first) for piece in self.design.moving]
         curves += [SceneCurve(c, "pitch", "circle points, at pose 1" if not k else "") for k, c in enumerate(moving)]
         curves += [SceneCurve(curve, "wanted", f"pose {k + 1}") for k, curve in enumerate(self.axes)]
-        marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in self.pins]
-        marks += [SceneMark("pin", pins, "construction") for pins in self.pins]
+        marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in shown]
+        marks += [SceneMark("pin", pins, "construction") for pins in shown]
         marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
         names = {column.name: column.header for column in self.table.columns}
         plots = (

@@ -16,9 +16,9 @@ from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate
 from ..gear.conjugate.flank_gears import AbstractFlankGear, PointToothGear, StraightSidedGear
 from ..gear.conjugate.lantern import LanternPinion
+from ..gear.conjugate.tables import flank_table, pin_table
 from ..gear.contract import AbstractShaper
-from ..gear.measures import flank_table, pin_table
-from ..judge.gear import conjugate_checks, touch_check
+from ..judge.conjugate import conjugate_checks, touch_check
 from ..part import Bought, Part
 from ..plane.curve import AbstractCurve
 from ..recipe.recipe import AbstractRecipe
@@ -27,9 +27,9 @@ from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
 from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
-from ..shop.gear import LanternStock, PairStock, lantern_parts, pair_parts
-from ..shop.gear_base import pair_base
-from ..shop.shafts import Bill, pin_bill, screw_bill
+from ..shop.gear.bases import pair_base
+from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
+from ..shop.shafts import Bill, pin_bill, screw_bill, shaft_bill
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .gear_recipes import check_tooth_points
@@ -102,23 +102,29 @@ class AbstractShapedRecipe(AbstractRecipe):
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
         """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
         if self.base is None:
-            return parts
+            return *parts, *self.stock.motor_parts
         mate, stock = self.design, self.stock
         if mate.is_ring:
             raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
-        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys)
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
-    @property
-    def through(self) -> float:
-        """Thickness, mm, of a wheel and of the base under it, where there is one."""
-        return self.stock.thickness * (1 if self.base is None else 2)
+    def held(self, name: str, discs: int = 1, between: Bill = ()) -> tuple[Bought, ...]:
+        """What is bought: both shafts, of which a ring has none, and the base's screws.
 
-    def held(self, bill: list[tuple[str, Bill]]) -> tuple[Bought, ...]:
-        """What is bought, with the base's screws."""
-        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, self.stock.thickness))])
+        name: of the part on the first shaft, and how many discs it has, with as much room between them as each is
+        thick. between: what stands in them.
+        """
+        stock, base = self.stock, 0.0 if self.base is None else self.stock.thickness
+        through = base + stock.thickness
+        bill = [
+            (name, shaft_bill(stock, through + 2 * (discs - 1) * stock.thickness, base=base, keys=discs)),
+            (name, between),
+            ("mate", () if self.design.is_ring else shaft_bill(stock.mate, through)),
+        ]
+        return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, base))])
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""
@@ -181,11 +187,8 @@ class ToothedRecipe(AbstractShapedRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Both shafts; a ring has none."""
-        stock = self.stock
-        mate = 0.0 if self.design.is_ring else stock.mate_bore
-        on = (("gear", stock.bore), ("mate", mate))
-        return self.held([(name, pin_bill(bore, self.through, what="shaft")) for name, bore in on])
+        """Both shafts and their keys."""
+        return self.held("gear")
 
     @cached_property
     def scene(self) -> Scene:
@@ -249,15 +252,8 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     @property
     def bought(self) -> tuple[Bought, ...]:
         """Both shafts, and the pins, which stand in both discs with the wheel between them."""
-        stock, pinion = self.stock, self.pinion
-        wheel = 0.0 if self.design.is_ring else stock.mate_bore
-        return self.held(
-            [
-                ("disc", pin_bill(stock.bore, self.through + 2 * stock.thickness, what="shaft")),
-                ("disc", pin_bill(pinion.pin_diameter, 3 * stock.thickness, pinion.pins)),
-                ("mate", pin_bill(wheel, self.through, what="shaft")),
-            ]
-        )
+        pinion = self.pinion
+        return self.held("disc", 2, pin_bill(pinion.pin_diameter, 3 * self.stock.thickness, pinion.pins))
 
     @cached_property
     def scene(self) -> Scene:

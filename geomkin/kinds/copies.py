@@ -51,7 +51,7 @@ def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, way: Turn |
         return
     if len(copies) > MOST:
         raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}")
-    if _pivot(linkage) is None:
+    if linkage.linkage.driver_pivot is None:
         raise DesignError("copies", "the driver turns on no fixed shaft, which they could share", "leave them out")
     turn = way.end_deg - way.start_deg if isinstance(way, Turn) else 0.0
     if abs(turn - 360) > 360 * WHOLE:
@@ -67,7 +67,7 @@ def copied(
     moves on the same branch. Derived here.
     """
     frames, k, driver = way.frames, int(np.argmax(first.closed)), linkage.linkage.driver
-    pivot = _pivot(linkage)
+    pivot = linkage.linkage.driver_pivot
     assert pivot is not None
     shaft = complex(first.point(pivot).position[k])
     # Towards the crank's first pin besides the shaft, or along its x axis where it has none.
@@ -90,11 +90,3 @@ def _led(wanted: Real, frames: Real) -> Real:
     later = wanted + 2 * np.pi * np.ceil((frames[0] - wanted[0]) / (2 * np.pi) - WHOLE)
     before = np.arange(frames[0], later[0] - 1e-6 * step, step)
     return np.concatenate([before, later])
-
-
-def _pivot(linkage: AbstractLinkage) -> str | None:
-    """The pin on which the driver turns on the ground; None where there is none."""
-    whole = linkage.linkage
-    if whole.driven_slider is not None:
-        return None
-    return next((p for p in whole.bodies[whole.driver] if p in whole.bodies[whole.ground] and p in whole.pins), None)

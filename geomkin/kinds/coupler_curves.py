@@ -27,8 +27,8 @@ from ..recipe.settings import Files, Turn
 from ..scene import Scene, SceneMark
 from ..scenes.linkage import linkage_scene
 from ..shop.drawing import PlateStock, engraved, skeleton, strokes
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side

@@ -35,8 +35,9 @@ from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
 from ..scenes.cam import cam_scene
-from ..shop.base import BaseStock, check_no_motor
-from ..shop.cam import CamStock, cam_bought, cam_parts
+from ..shop.base import BaseStock
+from ..shop.cam import CamStock, cam_parts
+from ..shop.cam_bill import cam_bought
 from ..sizes import entry
 from ..table import Table
 
@@ -72,7 +73,6 @@ class DiskCamRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         self.drive.check_rows()
-        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @property
     def design(self) -> Cam:

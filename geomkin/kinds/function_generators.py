@@ -17,7 +17,7 @@ from ..judge.linkage import MOST_ERROR_OF_FUNCTION
 from ..plane.vec import Real
 from ..recipe.settings import Drive, Files
 from ..scene import Limit, Plot
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, SMALLEST, AsWritten, check_sizes, entry, quantity
 from ..synthesis.function.expression import NAMED, Expression, named_function
 from ..synthesis.function.function import function_generator, slider_function_generator

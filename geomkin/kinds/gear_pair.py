@@ -20,10 +20,10 @@ from ..part import Bought, Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
-from ..shop.base import BaseStock, check_no_motor
+from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
-from ..shop.gear import GearStock, base_plate, gear_parts
-from ..shop.gear_base import pair_base
+from ..shop.gear.bases import pair_base
+from ..shop.gear.gears import GearStock, base_plate, gear_parts
 from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
@@ -57,7 +57,6 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if self.second_stock.motor is not None:
             raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
         self.design  # noqa: B018  refuses gears that cannot mesh
-        check_no_motor(self.base, self.first_stock.motor, "first_stock.motor")
 
     @cached_property
     def design(self) -> GearPair:
@@ -101,13 +100,15 @@ class GearPairRecipe(AbstractHelicalRecipe):
                 (pair.first.tip_radius, pair.second.tip_radius),
                 (self.first_stock.bore, self.second_stock.bore),
             )
-            plate = pair_base(pair.centre_distance, reaches, shafts, self.first_stock.thickness, self.base)
+            first = self.first_stock
+            plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
-            parts.append(base_plate("base", axes, holes, max(holes), self.first_stock.thickness))
+            plate = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
+            parts.append(replace(plate, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits)))
         return *parts, *self.first_stock.motor_parts
 
     @property
@@ -116,7 +117,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         stocks = [(name, stock) for name, _, stock, _ in self.gears]
         thick = self.first_stock.thickness
         held = thick if all(stock.bore for _, stock in stocks) else 0.0
-        bill = [(name, shaft_bill(stock, stock.thickness + held)) for name, stock in stocks]
+        base = 0.0 if self.base is None else thick
+        bill = [(name, shaft_bill(stock, stock.thickness + held, base=base)) for name, stock in stocks]
         return gathered(bill if self.base is None else [*bill, ("base", screw_bill(self.base, thick))])
 
     @cached_property

@@ -54,6 +54,17 @@ class AbstractHelicalRecipe(AbstractRecipe):
         """Of the gear that drives."""
         return Helix(self.helix_angle_deg, self.hand, self.herringbone)
 
+    @property
+    def subtitle(self) -> str:
+        """That of the kind, with the form of the teeth where they are not straight."""
+        told = self.about()
+        if not self.helix_angle_deg:
+            return told
+        form = "herringbone" if self.herringbone else "helical"
+        if "spur gear" in told:
+            return told.replace("spur gear", f"{form} gear")
+        return f"{told} Its teeth are {'herringbones' if self.herringbone else form}."
+
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
         """Refuse a herringbone whose faces bend at different heights. thicknesses: of each stock, mm, by its key."""
         (_, first), *others = thicknesses.items()

@@ -18,7 +18,7 @@ from ..linkage.sliders import EllipticTrammel, SliderCrank
 from ..recipe.recipe import AbstractGoal
 from ..recipe.settings import Drive, Files, Stroke, Turn
 from ..scene import Choice, Plot, Scene, SceneCurve
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, quantity
 from ..synthesis.found import Found
 from .linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe

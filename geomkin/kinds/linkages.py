@@ -27,8 +27,8 @@ from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
 from ..scenes.copies import with_copies
 from ..scenes.linkage import linkage_scene
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import Stack, link_parts, stack_links
+from ..shop.linkage.stock import LinkStock
 from ..sizes import entry
 from ..table import Table
 from .copies import Copy, check_copies, copied, copies_entry
@@ -62,6 +62,9 @@ class AbstractLinkageRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         check_copies(self.copies, self.linkage, self.way)
+        if self.copies and self.stock.motor is not None:
+            problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
+            raise DesignError("stock.motor", problem, "leave out motor or copies")
         # At most so many columns come of the bodies, the slides and the points that are no pins.
         linkage = self.linkage.linkage
         points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))

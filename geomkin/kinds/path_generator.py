@@ -20,7 +20,7 @@ from ..plane.vec import Complex, Real
 from ..recipe.settings import Drive, Files
 from ..scene import SceneCurve
 from ..shop.drawing import PlateStock, engraved, skeleton
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
 from ..synthesis.found import sizes_told, ten_digits
 from ..synthesis.path.path import path_generator

@@ -19,10 +19,10 @@ from ..part import Bought, Part
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
-from ..shop.base import BaseStock, check_no_motor
+from ..shop.base import BaseStock
 from ..shop.fasteners import gathered
-from ..shop.gear import GearStock, RingStock, carrier, gear_parts
-from ..shop.gear_base import RING_SCREWS, planetary_base
+from ..shop.gear.bases import RING_SCREWS, planetary_base
+from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
 from ..shop.shafts import screw_bill, shaft_bill
 from ..sizes import entry
 from ..table import Column, Table
@@ -49,7 +49,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if self.planet_stock.motor is not None:
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
-        check_no_motor(self.base, self.sun_stock.motor, "sun_stock.motor")
 
     @property
     def design(self) -> PlanetarySet:
@@ -93,13 +92,15 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         )
         if self.base is not None:
             first, planets, ring = parts
-            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base)
+            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
             parts = (replace(first, hole_names=("A",)), planets, *held)
-        parts += sun.motor_parts
+        else:
+            parts += sun.motor_parts
         if not planet.bore:
             return parts
         holes = sun.hole_diameter, planet.hole_diameter
-        return (*parts, carrier(gears, holes, planet.hole_diameter, planet.thickness))
+        fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
+        return (*parts, replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -109,7 +110,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         each = shaft_bill(planet, planet.thickness + held, self.gears.planets)
         if self.base is None:
             return gathered([("sun", shaft_bill(sun, sun.thickness + held)), ("planet", each)])
-        bill = [("sun", shaft_bill(sun, sun.thickness + held + ring.thickness)), ("planet", each)]
+        bill = [("sun", shaft_bill(sun, sun.thickness + held + ring.thickness, base=ring.thickness)), ("planet", each)]
         bill += [("ring", screw_bill(self.base, 2 * ring.thickness, RING_SCREWS))]
         return gathered([*bill, ("base", screw_bill(self.base, ring.thickness))])
 

@@ -16,10 +16,10 @@ from ..part import Bought, Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
-from ..shop.base import RackBaseStock, check_no_motor
+from ..shop.base import RackBaseStock
 from ..shop.fasteners import gathered
-from ..shop.gear import GearStock, gear_parts
-from ..shop.gear_base import rack_base
+from ..shop.gear.bases import rack_base
+from ..shop.gear.gears import GearStock, gear_parts
 from ..shop.shafts import pin_bill, screw_bill, shaft_bill
 from ..sizes import entry, quantity
 from ..table import Table
@@ -47,7 +47,6 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.design  # noqa: B018  refuses gears that cannot mesh
-        check_no_motor(self.base, self.stock.motor, "stock.motor")
 
     @cached_property
     def design(self) -> RackPair:
@@ -71,7 +70,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         (rack,) = gear_parts(self.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
-        return replace(pinion, hole_names=("A",)), *rack_base(self.design, rack, self.stock.bore, self.base)
+        held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        return replace(pinion, hole_names=("A",)), *held
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -81,7 +81,11 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             return gathered([("pinion", shaft_bill(self.stock, thick))])
         pins = pin_bill(base.guide_pin, 2 * thick, 2)
         return gathered(
-            [("pinion", shaft_bill(self.stock, 2 * thick)), ("rack", pins), ("base", screw_bill(base, thick))]
+            [
+                ("pinion", shaft_bill(self.stock, 2 * thick, base=thick)),
+                ("rack", pins),
+                ("base", screw_bill(base, thick)),
+            ]
         )
 
     @cached_property

@@ -8,7 +8,7 @@ from typing import Literal
 from ..check import Check
 from ..errors import DesignError
 from ..recipe.settings import Drive, Files
-from ..shop.linkage.plates import LinkStock
+from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers import strokes
 from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker

@@ -21,14 +21,14 @@ from ..linkage.shaking import (
 )
 from ..linkage.sliders import SliderCrank
 from ..linkage.solve.branch import Branch
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
 from ..scene import Limit, Plot, Role, Scene
 from ..scenes.linkage import linkage_scene
 from ..scenes.vectors import force_scene
-from ..shop.linkage.plates import LinkStock
 from ..shop.linkage.stack import link_parts
+from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
 from ..table import Column, Table, xy_columns
 from .linkage_tables import Side
@@ -150,7 +150,9 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if radius <= 4 * hole:
             return []
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
-        return [Part("counterweight", Circle(complex(-radius / 2), radius), holes, stock.thickness, body="crank")]
+        fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
+        disc = Circle(complex(-radius / 2), radius)
+        return [Part("counterweight", disc, holes, stock.thickness, body="crank", fits=fits)]
 
     @property
     def notes(self) -> Mapping[str, object]:

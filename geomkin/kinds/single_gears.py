@@ -18,7 +18,7 @@ from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
 from ..shop.fasteners import gathered
-from ..shop.gear import GearStock, RingStock, gear_parts
+from ..shop.gear.gears import GearStock, RingStock, gear_parts
 from ..shop.shafts import shaft_bill
 from ..sizes import entry
 from ..table import Table

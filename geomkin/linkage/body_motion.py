@@ -20,6 +20,8 @@ class PointMotion:
 
     body: Body
     local: complex | Complex
+    # Of a point that the linkage names.
+    _name: str = field(default="", repr=False)
 
     def __repr__(self) -> str:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
@@ -28,9 +30,15 @@ class PointMotion:
     def _worked(self) -> Worked | None:
         return self.body.solution.worked_at(self.body.name, self.local)
 
-    def _told(self, what: str) -> Complex:
-        assert self._worked is not None
-        return self.body.solution.over_frames(self.body.name, self._worked.value((what, self.body.name)))
+    def _told(self, what: str) -> Complex | None:
+        """By formulas; None where there are none."""
+        body, solution = self.body.name, self.body.solution
+        if self._name:
+            return None if solution.worked is None else solution.told((what, body, self._name), body)
+        if self._worked is None:
+            return None
+        told: Complex = self._worked.value((what, body), body)
+        return solution.over_frames(body, told)
 
     @property
     def _arm(self) -> Complex:
@@ -39,23 +47,26 @@ class PointMotion:
     @cached_property
     def position(self) -> Complex:
         """mm."""
-        if self._worked is not None:
-            return self._told("position")
+        told = self._told("position")
+        if told is not None:
+            return told
         return self._arm + self.body.solution.origin(self.body.name, 0)
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient: dP/dq, mm per unit of drive."""
-        if self._worked is not None:
-            return self._told("first")
+        told = self._told("first")
+        if told is not None:
+            return told
         with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
             return first_of(self._arm, self.body.first, self.body.solution.origin(self.body.name, 1))
 
     @cached_property
     def second(self) -> Complex:
         """Second kinematic coefficient: d2P/dq2, mm per unit of drive squared."""
-        if self._worked is not None:
-            return self._told("second")
+        told = self._told("second")
+        if told is not None:
+            return told
         with np.errstate(invalid="ignore"):
             origin = self.body.solution.origin(self.body.name, 2)
             return second_of(self._arm, self.body.first, self.body.second, origin)
@@ -63,15 +74,17 @@ class PointMotion:
     @cached_property
     def velocity(self) -> Complex:
         """mm/s."""
-        if self._worked is not None:
-            return self._told("velocity")
+        told = self._told("velocity")
+        if told is not None:
+            return told
         return self.body.timing.rate(self.first)
 
     @cached_property
     def acceleration(self) -> Complex:
         """mm/s2."""
-        if self._worked is not None:
-            return self._told("acceleration")
+        told = self._told("acceleration")
+        if told is not None:
+            return told
         second = self.second  # first of all, so that the lower orders come with it
         return self.body.timing.gain(self.first, second)
 
@@ -82,34 +95,38 @@ class Body:
 
     name: str
     solution: LinkageSolution = field(repr=False)
-    timing: Timing = field(repr=False)
 
     __repr__ = one_line
 
     @property
+    def timing(self) -> Timing:
+        """Of the driver."""
+        return self.solution.timing
+
+    @property
     def direction(self) -> Complex:
         """The body's x axis, unit complex."""
-        return self.solution.direction(self.name)
+        return self.solution.told("direction", self.name)
 
     @property
     def first(self) -> Real:
         """First kinematic coefficient: d(angle)/dq, rad per unit of drive."""
-        return self.solution.turning(self.name, 1)
+        return self.solution.told("first", self.name)
 
     @property
     def second(self) -> Real:
         """Second kinematic coefficient: d2(angle)/dq2, rad per unit of drive squared."""
-        return self.solution.turning(self.name, 2)
+        return self.solution.told("second", self.name)
 
     @property
     def omega(self) -> Real:
         """Angular velocity, rad/s."""
-        return self.solution.rate(self.name, 1)
+        return self.solution.told("omega", self.name)
 
     @property
     def alpha(self) -> Real:
         """Angular acceleration, rad/s2."""
-        return self.solution.rate(self.name, 2)
+        return self.solution.told("alpha", self.name)
 
     @cached_property
     def origin(self) -> PointMotion:

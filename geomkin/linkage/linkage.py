@@ -177,6 +177,14 @@ class Linkage(AbstractLinkage):
         )
 
     @property
+    def driver_pivot(self) -> str | None:
+        """The pin on which the driver turns on the ground; None where it slides, or turns on no pin there."""
+        if self.driven_slider is not None:
+            return None
+        on_ground = self.bodies[self.ground]
+        return next((p for p in self.bodies[self.driver] if p in on_ground and p in self.pins), None)
+
+    @property
     def linkage(self) -> Linkage:
         """Itself."""
         return self

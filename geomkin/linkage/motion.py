@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -39,6 +39,8 @@ class Motion:
     drive: Real
     timing: Timing
     solution: LinkageSolution
+    # Named points that were asked for, with what is known of them: a table, a scene and checks ask anew.
+    _points: dict[str, PointMotion] = field(init=False, repr=False, default_factory=dict)
 
     _repr_html_ = moving
 
@@ -98,26 +100,22 @@ class Motion:
     @cached_property
     def bodies(self) -> Mapping[str, Body]:
         """The bodies by name, the ground first."""
-        return {name: Body(name, self.solution, self.timing) for name in self.linkage.bodies}
-
-    @cached_property
-    def _points(self) -> dict[str, PointMotion]:
-        """Named points that were asked for, with what is known of them: a table, a scene and checks ask anew."""
-        return {}
+        return {name: Body(name, self.solution) for name in self.linkage.bodies}
 
     def __getattr__(self, name: str) -> Body:
         # While a copy is being unpickled nothing is there yet.
-        linkage = self.__dict__.get("linkage")
-        if linkage is not None and name in linkage.bodies:
-            return self.bodies[name]
-        raise AttributeError(f"no body named {name!r}; there are {', '.join(linkage.bodies) if linkage else 'none'}")
+        bodies = self.bodies if self.__dict__.get("linkage") else {}
+        if name in bodies:
+            return bodies[name]
+        raise AttributeError(f"no body named {name!r}; there are {', '.join(bodies) or 'none'}")
 
     def point(self, name: str) -> PointMotion:
         """Motion of a named point; of a pin, as a point of the first body it joins."""
+        if name in self._points:
+            return self._points[name]
         for body, points in self.linkage.bodies.items():
             if name in points:
-                if name not in self._points:
-                    self._points[name] = self.bodies[body].point(points[name])
+                self._points[name] = PointMotion(self.bodies[body], points[name], name)
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
         raise KeyError(f"no point named {name!r}; there are {', '.join(named)}")

@@ -89,7 +89,7 @@ def bend(velocity: ArrayLike, acceleration: ArrayLike) -> Real:
 
 def just_before(t: Real, breaks: Real) -> Real:
     """Parameters, with those at a break moved before it: by more than the rounding that finds a piece again."""
-    at = t == breaks[0] if len(breaks) == 1 else np.isin(t, breaks)
+    at = t == breaks[np.minimum(breaks.searchsorted(t), len(breaks) - 1)]
     return np.where(at, t - 64 * np.spacing(np.abs(breaks).max()), t) if at.any() else t
 
 

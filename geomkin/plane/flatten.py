@@ -13,8 +13,8 @@ from ..sizes import rounded_up
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
-from .spread import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, turns
-from .vec import Complex, Real
+from .spread import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, towards, turns
+from .vec import Complex, Mask, Real, Whole
 
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
 # curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
@@ -67,14 +67,13 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
             return np.asarray(curve.vertices, dtype=complex)
         case _ if edges := _edges_of(curve):
             return _chain_points(curve, *edges, tolerance)
-    runs = smooth_runs(curve)
-    if len(groups := _between_corners(curve, runs)) > 1:
-        parts = [_end_to_end(group, tolerance, known) for group in groups]
-    else:
+    groups, runs = _between_corners(curve)
+    parts = [_end_to_end(group, tolerance, known) for group in groups]
+    if runs:
         parts = [curve.point(edges) for edges in spread(_chord_judge(curve), runs, tolerance, order=2)]
     if curve.closed and sum(len(part) - 1 for part in parts) < 3:
         # A tolerance as large as the curve would leave no area: keep a triangle.
-        parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in runs]
+        parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in smooth_runs(curve)]
     known[curve] = np.concatenate([part[:-1] for part in parts] + ([] if curve.closed else [parts[-1][-1:]]))
     return known[curve]
 
@@ -85,13 +84,18 @@ def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurv
     return np.append(points, points[0]) if curve.closed else points
 
 
-def _between_corners(curve: AbstractCurve, runs: list[Real]) -> list[AbstractCurve]:
-    """A path cut where its pieces meet in corners, so that what is known of a piece's form can be used."""
-    if not isinstance(curve, Path):
-        return [curve]
-    cuts = [0, *(int(run[-1]) for run in runs if run[-1] == int(run[-1]))]
-    groups = [curve.pieces[i:j] for i, j in pairwise(cuts)]
-    return [group[0] if len(group) == 1 else Path(group) for group in groups]
+def _between_corners(curve: AbstractCurve) -> tuple[list[AbstractCurve], list[Real]]:
+    """A path cut where its pieces meet in corners, so that what is known of a piece's form can be used.
+
+    Of what is not cut so, its smooth runs instead.
+    """
+    if not isinstance(curve, Path) or len(curve.pieces) == 1:
+        return [], smooth_runs(curve)
+    joints = np.arange(1, len(curve.pieces))
+    if corners := joints[_is_corner(curve, curve.breaks.searchsorted(joints))].tolist():
+        groups = [curve.pieces[i:j] for i, j in pairwise([0, *corners, len(curve.pieces)])]
+        return [group[0] if len(group) == 1 else Path(group) for group in groups], []
+    return [], [curve.breaks] if len(curve.breaks) == len(joints) + 2 else smooth_runs(curve)
 
 
 def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
@@ -127,10 +131,11 @@ def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: fl
     """
     bent, edge = sweep > 0, np.arange(len(sweep), dtype=float)
     chords = np.where(bent, np.ceil(_chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
-    smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
-    smooth[0] &= curve.closed
-    # Where one straight edge goes on in the next there is nothing to tell.
-    chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
+    if len(edge) > 1 and not bent.all():
+        smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
+        smooth[0] &= curve.closed
+        # Where one straight edge goes on in the next there is nothing to tell.
+        chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
     if curve.closed and chords.sum() < 3:
         # A tolerance as large as the curve would leave no area.
         chords = chords + 1
@@ -142,11 +147,17 @@ def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: fl
 def smooth_runs(curve: AbstractCurve) -> list[Real]:
     """The breaks, cut into stretches without a corner; a chord may well span a jump of curvature."""
     b = curve.breaks
-    if not (inner := len(b) - 2):
-        return [b]
-    after, before = direction(curve, np.tile(b[1:-1], 2), np.repeat([True, False], inner)).reshape(2, inner)
-    corners = (np.flatnonzero(~(np.abs(after - before) <= CORNER)) + 1).tolist()
-    return [b[i : j + 1] for i, j in zip([0, *corners], [*corners, inner + 1])]
+    inner = np.arange(1, len(b) - 1)
+    corners = inner[_is_corner(curve, inner)].tolist()
+    return [b[i : j + 1] for i, j in pairwise([0, *corners, len(b) - 1])]
+
+
+def _is_corner(curve: AbstractCurve, inner: Whole) -> Mask:
+    """Whether each of these breaks, told by their number, none of them the first or the last, is a corner."""
+    b = curve.breaks
+    beside = (inner[:, None] + np.array([-1, 1])).ravel()
+    ways = towards(curve, b[inner].repeat(2), b[beside])
+    return ~(np.abs(ways[1::2] - ways[::2]) <= CORNER)
 
 
 def _chord_judge(curve: AbstractCurve) -> Judge:
@@ -157,8 +168,9 @@ def _chord_judge(curve: AbstractCurve) -> Judge:
         if len(low) == len(intervals.low):
             off = _distance(inside[:, :1], inside[:, -1:], inside)
             return tops(off, inside, intervals.first), turns(inside[:, 1:] - inside[:, :-1])
-        first = owner.searchsorted(np.arange(len(intervals.low)))
-        start, end = inside[first, 0], inside[np.append(first[1:], len(low)) - 1, -1]
+        each = np.arange(len(intervals.low))
+        first = owner.searchsorted(each)
+        start, end = inside[first, 0], inside[owner.searchsorted(each, side="right") - 1, -1]
         off = _distance(start[owner, None], end[owner, None], inside)
         return np.maximum.reduceat(tops(off, inside, first[intervals.first]), first), np.add.reduceat(
             turns(inside[:, 1:] - inside[:, :-1]), first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import Count, check_fields
 from ..errors import DesignError
-from .curve import AbstractCurve
+from .curve import AbstractCurve, Mirrored, Reversed
 from .vec import Complex, Real, Whole
 
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
 # a visible gap pass as closed, smaller refuses pieces that differ by rounding.
 GAP = 1e-9
-# Start, middle and end of a piece: where they lie tells its place and its size.
+# Of a curve's parameter: the points there tell its place and its size.
 _SHARES = np.array([0.0, 0.5, 1.0])
 Number = TypeVar("Number", np.complex128, np.float64)
 
@@ -45,7 +46,7 @@ class Path(AbstractCurve):
     @cached_property
     def _samples(self) -> Complex:
         """Start, middle and end of each piece, (n, 3)."""
-        return np.array([p.point(p.breaks[0] * (1 - _SHARES) + p.breaks[-1] * _SHARES) for p in self.pieces])
+        return np.array([_start_middle_end(piece) for piece in self.pieces])
 
     @property
     def _rounding(self) -> float:
@@ -54,11 +55,11 @@ class Path(AbstractCurve):
 
     @cached_property
     def breaks(self) -> Real:
-        inner = [np.array([0.0])]
+        found = [0.0]
         for k, piece in enumerate(self.pieces):
             b = piece.breaks
-            inner.append(k + (b[1:] - b[0]) / (b[-1] - b[0]))
-        return np.concatenate(inner)
+            found += [k + 1.0] if len(b) == 2 else (k + (b[1:] - b[0]) / (b[-1] - b[0])).tolist()
+        return np.array(found)
 
     @cached_property
     def closed(self) -> bool:
@@ -81,35 +82,49 @@ class Path(AbstractCurve):
         out = np.empty(t.shape, dtype)
         if not t.size:
             return out
-        last_piece = len(self.pieces) - 1
-        least: int = min(max(int(t.min()), 0), last_piece)
-        most: int = min(max(int(t.max()), 0), last_piece)
-        # Most calls ask for one piece, or for rising parameters, of which each piece has a stretch.
-        flat = out if least == most else out.ravel()
-        places: Real = t if least == most else t.ravel()
-        masks: Iterable[Any] = [...]
-        if least < most and (places[1:] >= places[:-1]).all():
-            ends = [0, *places.searchsorted(range(least + 1, most + 1)).tolist(), t.size]
+        flat, places, (inner, firsts, lasts) = out.ravel(), t.ravel(), self._ends
+        which: Whole = inner.searchsorted(places, side="right")
+        # Most calls ask for rising parameters, of which each piece has a stretch.
+        rising = bool((which[1:] >= which[:-1]).all())
+        least: int = int(which[0] if rising else which.min())
+        most: int = int(which[-1] if rising else which.max())
+        if least == most:
+            s, (breaks, first, last, rounding) = t - least, self._domains[least]
+            s = first * (1 - s) + last * s
+            s = np.minimum(np.maximum(s, first), last) if breaks is None else _at_breaks(s, breaks, rounding)
+            out[...] = value(self.pieces[least], s, last - first)
+            return out
+        # The place of all in their pieces at once: calls cost, not places.
+        share, first_of, last_of = places - which, firsts[which], lasts[which]
+        own = first_of * (1 - share) + last_of * share
+        inside = np.minimum(np.maximum(own, first_of), last_of)
+        masks: Iterable[Any]
+        if rising:
+            ends = [0, *which.searchsorted(range(least + 1, most + 1)).tolist(), t.size]
             masks = map(slice, ends, ends[1:])
-        elif least < most:
-            which = np.minimum(np.maximum(np.floor(places), 0), last_piece)
+        else:
             masks = (which == k for k in range(least, most + 1))
         for k, mask in enumerate(masks, least):
-            s = places[mask] - k
-            if not s.size:
-                continue
-            piece, (breaks, first, last) = self.pieces[k], self._domains[k]
-            flat[mask] = value(
-                piece,
-                _at_breaks(first * (1 - s) + last * s, breaks, (last - first) * np.spacing(k + 1.0)),
-                last - first,
-            )
+            breaks, first, last, rounding = self._domains[k]
+            s = inside[mask] if breaks is None else _at_breaks(own[mask], breaks, rounding)
+            if s.size:
+                flat[mask] = value(self.pieces[k], s, last - first)
         return out
 
     @cached_property
-    def _domains(self) -> list[tuple[Real, float, float]]:
-        """Breaks of each piece, the first and the last: asked for at every point."""
-        return [(b, b[0], b[-1]) for b in (p.breaks for p in self.pieces)]
+    def _domains(self) -> list[tuple[Real | None, float, float, float]]:
+        """Of each piece its breaks where it has inner ones, the first and the last, and what rounding moves t by."""
+        found: list[tuple[Real | None, float, float, float]] = []
+        for k, b in enumerate(piece.breaks for piece in self.pieces):
+            first, last = float(b[0]), float(b[-1])
+            found.append((b if len(b) > 2 else None, first, last, (last - first) * math.ulp(k + 1.0)))
+        return found
+
+    @cached_property
+    def _ends(self) -> tuple[Real, Real, Real]:
+        """Where pieces meet; the first and the last of each piece's own parameters."""
+        _, first, last, _ = zip(*self._domains)
+        return np.arange(1.0, len(self.pieces)), np.array(first), np.array(last)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,7 +140,7 @@ class Ring(AbstractCurve):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        start, end = self.piece.point(self.piece.breaks[[0, -1]]).tolist()
+        start, _, end = _start_middle_end(self.piece).tolist()
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):
             raise DesignError("piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap")
@@ -166,11 +181,24 @@ class Ring(AbstractCurve):
         )
 
 
+def _start_middle_end(curve: AbstractCurve) -> Complex:
+    """The points of a curve at the start, the middle and the end of its parameter, (3,): of a path, known already."""
+    match curve:
+        case Path():
+            samples, half = curve._samples, len(curve.pieces) / 2
+            return np.array([samples[0, 0], samples[int(half), int(half % 1 > 0)], samples[-1, 2]])
+        case Mirrored():
+            return -np.conj(_start_middle_end(curve.curve))
+        case Reversed():
+            return _start_middle_end(curve.curve)[::-1]
+    return curve.point(curve.breaks[0] * (1 - _SHARES) + curve.breaks[-1] * _SHARES)
+
+
 def _at_breaks(t: Real, breaks: Real, rounding: float) -> Real:
     """Parameters that rounding has moved off an inner break put back on it, so that the right piece answers."""
     if len(breaks) == 2:
         inside: Real = np.minimum(np.maximum(t, breaks[0]), breaks[1])
         return inside
-    near = np.clip(np.searchsorted(breaks, t), 1, len(breaks) - 1)
+    near = np.minimum(np.maximum(breaks.searchsorted(t), 1), len(breaks) - 1)
     near = near - (t - breaks[near - 1] < breaks[near] - t)
     return np.where(np.abs(t - breaks[near]) <= 8 * rounding, breaks[near], t)

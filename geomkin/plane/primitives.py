@@ -215,7 +215,7 @@ def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
     z = np.atleast_1d(np.asarray(centres, dtype=complex))
     if z.ndim > 1 or not z.size:
         raise DesignError("centres", f"found shape {z.shape}", "give a row (n,) of at least one")
-    corners = _convex_hull(z)
+    corners = convex_hull(z)
     if len(corners) == 1:
         return Circle(corners[0], radius)
     pieces: list[AbstractCurve] = []
@@ -235,7 +235,7 @@ def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
     return rounded_hull([start, end], radius)
 
 
-def _convex_hull(z: Complex) -> list[complex]:
+def convex_hull(z: Complex) -> list[complex]:
     """Corners of the convex hull, counterclockwise, no three in line, by the monotone chain.
 
     Andrew, Information Processing Letters 9, 1979, 216-219.

@@ -157,7 +157,8 @@ def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float
     ahead = unit(z[after] - z)
     behind = ahead[before]
     tree = shapely.STRtree(np.asarray(shapely.linestrings(np.stack([xy(z), xy(z[after])], axis=1))))
-    sought = index[index - start < np.asarray(tried)[loop]]
+    # From a corner that sticks out of the material no way across is square, beyond what rounding takes for one.
+    sought = index[(index - start < np.asarray(tried)[loop]) & (cross(behind, ahead) <= 3 * even)]
     least = within
     # So many at a time that a place's neighbours fit into memory, however far the neck reaches.
     for some in np.array_split(sought, len(sought) // 64 + 1):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Sequence
+from itertools import accumulate, pairwise
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -83,14 +84,13 @@ def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
     asked = {k: next(work) for k, work in enumerate(works)}
     while asked:
         edges = list(asked.values())
+        bounds = [0, *accumulate(len(e) - 1 for e in edges)]
         if len(edges) == 1:
-            low, high, ends = edges[0][:-1], edges[0][1:], np.array([len(edges[0]) - 1])
+            low, high = edges[0][:-1], edges[0][1:]
         else:
             low, high = np.concatenate([e[:-1] for e in edges]), np.concatenate([e[1:] for e in edges])
-            ends = np.array([len(e) - 1 for e in edges]).cumsum()
-        first = np.append(0, ends[:-1])
-        error, turn = judge(Intervals(low, high, first))
-        for k, start, end in zip(list(asked), first.tolist(), ends.tolist()):
+        error, turn = judge(Intervals(low, high, np.array(bounds[:-1])))
+        for k, (start, end) in zip(list(asked), pairwise(bounds)):
             try:
                 asked[k] = works[k].send((error[start:end], turn[start:end]))
             except StopIteration as over:
@@ -102,18 +102,17 @@ def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
 def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool]]:
     """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
     edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
-    best, fewest, settled = edges, np.inf, False
+    fewest, settled = math.inf, False
     for k in range(ROUNDS):
         error, turn = yield edges
         share = _share(error, turn, tolerance, order)
         over = share > 1
-        if k == 0:
-            spoilt = _spoilt(error, turn, tolerance)
         # An interval across a jump of curvature may never settle: split in two, it costs one more.
-        if share.max() < 1.9 and len(share) + over.sum() < fewest:
-            best, fewest = edges, len(share) + over.sum()
-            spoilt = _spoilt(error, turn, tolerance)
-        used = np.concatenate([[0.0], (np.where(over & (k > 1), PUSH, 1) * share).cumsum()])
+        split = len(share) + int(np.count_nonzero(over)) if share.max() < 1.9 else math.inf
+        if k == 0 or split < fewest:
+            best, fewest, seen = edges, split, (error, turn)
+        used = np.zeros(len(edges))
+        (np.where(over, PUSH, 1) * share if k > 1 else share).cumsum(out=used[1:])
         count = max(1, math.ceil(used[-1] - 1e-9))
         settled = fewest <= max(ENOUGH * count, count + 1)
         if fewest <= count or (k >= ROUNDS // 2 and settled):
@@ -121,7 +120,7 @@ def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool
         wanted = _divide(edges, used, count)
         # Where errors do not follow the law, as across jumps of curvature, full steps go to and fro for ever.
         edges = edges + min(1.0, 2 / (k + 1)) * (wanted - edges) if len(wanted) == len(edges) else wanted
-    return (yield from _halve(best, spoilt, breaks, tolerance)), settled
+    return (yield from _halve(best, _spoilt(*seen, tolerance), breaks, tolerance)), settled
 
 
 def _spoilt(error: Real, turn: Real, tolerance: float) -> Mask:
@@ -142,15 +141,17 @@ def _divide(edges: Real, used: Real, count: int) -> Real:
     1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, and a straight line
     between edges would leave steps of some percent that never settle.
     """
-    used = used + (TRACE * used[-1] + 1e-300) * np.arange(len(used)) / (len(used) - 1)
+    used = used + (TRACE * float(used[-1]) + 1e-300) * np.arange(len(used)) / (len(used) - 1)
     width = used[1:] - used[:-1]
     secant = (edges[1:] - edges[:-1]) / width
     slope = np.concatenate([secant[:1], 2 / (1 / secant[1:] + 1 / secant[:-1]), secant[-1:]])
     wanted = used[-1] * np.arange(count + 1) / count
     i = np.minimum(used[1:-1].searchsorted(wanted, side="right"), len(width) - 1)
-    x = (wanted - used[i]) / width[i]
-    out: Real = edges[i] + width[i] * (
-        secant[i] * x**2 * (3 - 2 * x) + slope[i] * x * (1 - x) ** 2 - slope[i + 1] * x**2 * (1 - x)
+    across = width[i]
+    x = (wanted - used[i]) / across
+    square, rest = x**2, 1 - x
+    out: Real = edges[i] + across * (
+        secant[i] * square * (3 - 2 * x) + slope[i] * x * rest**2 - slope[i + 1] * square * rest
     )
     out[0], out[-1] = edges[0], edges[-1]
     return out
@@ -204,12 +205,15 @@ def tops(off: Real, places: Complex, first: Whole) -> Real:
     else:
         largest = np.maximum.reduceat(far.max(axis=1), first)
         off = np.where(off > ROUNDING * np.repeat(largest, np.diff(first, append=len(off)))[:, None], off, 0)
-    rows, peak = np.arange(len(off)), off.argmax(axis=1)
-    i = np.minimum(np.maximum(peak, 1), off.shape[1] - 2)
-    left, mid, right = off[rows, i - 1], off[rows, i], off[rows, i + 1]
-    bend = 2 * mid - left - right
-    rise = np.where(bend > 0, (right - left) ** 2 / (8 * np.where(bend > 0, bend, 1)), 0)
-    top: Real = np.where(peak == i, mid + rise, off.max(axis=1))
+    count, peak, each = off.shape[1], off.argmax(axis=1), off.ravel()
+    i = np.minimum(np.maximum(peak, 1), count - 2)
+    at = i + np.arange(0, len(each), count)
+    left, mid, right = each[at - 1], each[at], each[at + 1]
+    bend, curved = 2 * mid - left - right, peak == i
+    curved &= bend > 0
+    # A peak at either end has no neighbour beyond, and where all are alike there is no parabola.
+    top: Real = each[at + (peak - i)]
+    top[curved] = mid[curved] + (right[curved] - left[curved]) ** 2 / (8 * bend[curved])
     return top
 
 
@@ -217,7 +221,11 @@ def direction(curve: AbstractCurve, t: Real, after: bool | Mask) -> Complex:
     """Unit tangent just after, or just before, each parameter: one-sided at breaks, defined at cusps."""
     b = curve.breaks
     i = np.where(after, b.searchsorted(t, side="right"), b.searchsorted(t, side="left") - 1)
-    near = b[np.minimum(np.maximum(i, 0), len(b) - 1)]
+    return towards(curve, t, b[np.minimum(np.maximum(i, 0), len(b) - 1)])
+
+
+def towards(curve: AbstractCurve, t: Real, near: Real) -> Complex:
+    """Unit tangent at each parameter as seen from its side of `near`, the next break there."""
     # Far enough into the piece to be on the right side of rounding, and not so far as to turn.
     inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 64 * np.spacing(np.abs(t)))
     return unit(curve.velocity(t + inward))

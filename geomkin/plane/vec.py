@@ -74,11 +74,13 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
     What lies half way between two roundings, to within the last bits that processors differ by, goes away from 0.
     """
     z = np.asarray(z)
-    if np.iscomplexobj(z):
+    if z.dtype.kind == "c":
         parts = rounded(np.ascontiguousarray(z, dtype=complex).view(float), decimals)
         return parts.view(complex).reshape(z.shape)
-    finite = np.abs(z[np.isfinite(z)])
-    even: Real = np.round(z + np.copysign(BESIDE_HALF * finite.max(initial=0.0), z), decimals)
+    most = np.abs(z).max(initial=0.0)
+    if not np.isfinite(most):
+        most = np.abs(z[np.isfinite(z)]).max(initial=0.0)
+    even: Real = np.round(z + np.copysign(BESIDE_HALF * most, z), decimals)
     return even + 0.0
 
 

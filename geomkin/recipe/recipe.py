@@ -16,7 +16,7 @@ from ..display import moving
 from ..part import Bought, Part
 from ..scene import Scene
 from ..table import Table
-from ..walls import wall_checks
+from ..walls import thinnest_walls, wall_checks
 from .settings import Files
 
 
@@ -80,8 +80,17 @@ class AbstractRecipe(ABC):
     def checks(self) -> tuple[Check, ...]:
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
         # Parts first: what cannot be made at all is told before what is poor.
-        walls = wall_checks(self.parts, self.files.kerf)
+        walls = wall_checks(self.parts, self.files.kerf, self.walls)
         return (*self.judged, *walls)
+
+    @cached_property
+    def walls(self) -> Mapping[str, float]:
+        """The thinnest wall of each part, mm, by the part's name; inf for one that has none.
+
+        Between two openings, an opening and the edge, or two sides of a neck that is less than two of the limit wide
+        that checks hold it to. Of what is twisted, the least that any slice may have.
+        """
+        return thinnest_walls(self.parts, self.files.kerf)
 
     @property
     def scene(self) -> Scene | None:
@@ -107,6 +116,11 @@ class AbstractRecipe(ABC):
     def about(cls) -> str:
         """One line that introduces the kind."""
         return " ".join((cls.__doc__ or "").split())
+
+    @property
+    def subtitle(self) -> str:
+        """One line that introduces what is made: that of the kind, where that says enough."""
+        return self.about()
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:

@@ -11,6 +11,7 @@ from ..arguments import Sort, between
 from ..brief import one_line
 from ..check import Check
 from ..errors import DesignError
+from ..export.title import Title
 from ..export.writers import USUAL, WRITERS
 from ..plane.vec import Real
 from ..sizes import FARTHEST, WIDEST, AsWritten, check_sizes, entry, quantity, rounded_up
@@ -102,6 +103,7 @@ class Files:
     )
 
     sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
+    title: Title = entry("what the title of the drawing with sizes tells besides", default=Title())
     assembly_at: float | None = quantity(
         "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",
         default=None,

@@ -18,6 +18,7 @@ from ..table import Column, Table
 from .dimensions import centre_distance
 from .gear import bodies_at, contact_marks
 from .meshing import meshing
+from .motor import apart, on_motor
 
 
 @checked
@@ -31,6 +32,7 @@ def conjugate_scene(
     drawn on the gear, of which no part is cut. Teeth stand in the middle of spaces: play is seen half on either side.
     Derived here.
     """
+    parts, motor = apart(parts)
     ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
     touching = _Touching(contacts, ratio, mate.gear_teeth)
     other = "ring" if mate.is_ring else "mate"
@@ -79,7 +81,7 @@ def conjugate_scene(
     layers = {}
     if pins:
         layers = {name: 1, other: 2} if any(part.body == "ground" for part in parts) else {name: 0}
-    bodies = bodies_at(parts, poses, layers=layers)
+    bodies = on_motor(bodies_at(parts, poses, layers=layers), motor)
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 

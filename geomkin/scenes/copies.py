@@ -46,7 +46,8 @@ class Copied:
 def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], layers: Mapping[str, int]) -> Scene:
     """A linkage's scene with further ones of it, one over the other along the shaft.
 
-    parts: of one of them. layers: of its stack, by the plates' names; turned over, the lowest is the highest.
+    parts: of one of them. layers: of its stack, by the plates' names; turned over, the lowest is the highest. Names
+    of bodies are shown on the first only: on all of them they would hide the plates.
     """
     high = 1 + max(layers.values(), default=0)
     bodies: list[SceneBody] = []
@@ -59,7 +60,7 @@ def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], l
             layer = number * high + (body.layer if copy.mirror is None else high - 1 - body.layer)
             held = tuple(copy.part(part) for part in body.parts)
             place, turn = copy.place(np.asarray(body.origin)), copy.turn(np.asarray(body.direction))
-            bodies.append(SceneBody(body.name + named, held, place, turn, layer, body.fixed))
+            bodies.append(SceneBody(body.name + named, held, place, turn, layer, body.fixed, named=False))
         marks += [
             replace(mark, place=copy.place(mark.place), label=mark.label + named) for mark in traced_points(copy.motion)
         ]

@@ -10,12 +10,14 @@ import numpy as np
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.curve import AbstractCurve
+from ..plane.hulls import separation
 from ..plane.primitives import Circle, rounded_hull, slot
-from ..plane.vec import dot
+from ..plane.vec import Complex
 from ..sizes import FARTHEST, check_sizes, quantity
 from .bore import SMALLEST, clearance, widened
+from .motors import MOTORS, MotorName
 
 
 @dataclass(frozen=True)
@@ -47,18 +49,13 @@ class RackBaseStock(BaseStock):
     )
 
 
-def check_no_motor(base: BaseStock | None, motor: str | None, key: str) -> None:
-    """Refuse a motor, of a key in a recipe, over a base: both would hold the shaft, each by holes the other lacks."""
-    if base is not None and motor is not None:
-        raise DesignError(key, f"found {motor} over a base, which has no holes for it", "leave out motor or base")
-
-
 @dataclass(frozen=True)
 class BaseOpening:
     """A hole for a shaft, pin or screw, or a slot in which pins slide.
 
     what: goes through it; key: what a recipe calls its diameter, mm. places: of the hole's middle, or of both ends of
-    the slot's middle line, mm. letter: engraved beside it.
+    the slot's middle line, mm. letter: engraved beside it. head: diameter, mm, of what stands out below, 0 for
+    nothing. motor: what turns the shaft from below; its boss and screws have holes instead of the shaft.
     """
 
     what: str
@@ -66,10 +63,17 @@ class BaseOpening:
     diameter: float
     places: tuple[complex, ...]
     letter: str = ""
+    head: float = 0.0
+    motor: MotorName | None = None
 
     __repr__ = one_line
 
-    def curve(self, clearance: float) -> AbstractCurve:
+    @property
+    def face(self) -> Complex:
+        """Corners of the motor's face, mm; none without a motor."""
+        return MOTORS[self.motor].corners(self.places[0]) if self.motor else np.zeros(0, dtype=complex)
+
+    def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
         """What is cut, wider by the clearance. DesignError where it is too narrow to cut."""
         if self.diameter < SMALLEST:
             raise DesignError(
@@ -77,21 +81,21 @@ class BaseOpening:
                 f"found {self.diameter:g} mm, but the base has a hole for {self.what}",
                 f"give at least {SMALLEST:g} mm, or leave out base",
             )
+        if self.motor:
+            return MOTORS[self.motor].holes(clearance, self.places[0])
         radius = widened(self.diameter, clearance) / 2
         start, end = self.places[0], self.places[-1]
-        return Circle(start, radius) if len(self.places) == 1 else slot(start, end, radius)
+        return (Circle(start, radius) if len(self.places) == 1 else slot(start, end, radius),)
+
+    def fits(self, clearance: float) -> tuple[HoleFit, ...]:
+        """How what goes through sits in each of these."""
+        if self.motor:
+            return MOTORS[self.motor].fits(clearance)
+        return (HoleFit(self.diameter, clearance, travel=abs(self.places[-1] - self.places[0])),)
 
     def distance(self, other: BaseOpening) -> float:
-        """From middle to middle, mm; of two slots they must not cross."""
-        ways = ((one, place) for one, two in ((self, other), (other, self)) for place in two.places)
-        return min(_beside(one.places, place) for one, place in ways)
-
-
-def _beside(line: tuple[complex, ...], place: complex) -> float:
-    """Distance of a place from a point, or from the line between two."""
-    along = line[-1] - line[0]
-    share = float(np.clip(dot(along, place - line[0]) / abs(along) ** 2, 0, 1)) if along else 0.0
-    return abs(place - line[0] - share * along)
+        """From middle to middle, mm; 0 or less of two slots that cross."""
+        return float(separation(np.array(self.places), np.array(other.places)))
 
 
 def standing_plate(
@@ -99,24 +103,42 @@ def standing_plate(
 ) -> Part:
     """The base of the body "ground": openings, and a screw beyond each corner of a box, so that its head is clear.
 
-    box: lower left and upper right corner, mm, of all openings and of what moves over the plate. DesignError where
-    openings meet.
+    box: lower left and upper right corner, mm, of all openings and of what moves over the plate; the face of a motor is
+    added. DesignError where openings meet, or lie over the face of a motor.
     """
+    for opening in openings:
+        if opening.motor:
+            MOTORS[opening.motor].check_plate(opening.motor, thickness, _motor_key(opening))
+    places = np.concatenate([np.array(box), *(opening.face for opening in openings)])
     # Heads of screws are at most twice as wide as the screws (ISO 7045, 4762, 4017).
     beyond = stock.screw * (1 + 1j)
-    low, high = box[0] - beyond, box[1] + beyond
+    low = complex(places.real.min(), places.imag.min()) - beyond
+    high = complex(places.real.max(), places.imag.max()) + beyond
     corners = (low, complex(high.real, low.imag), high, complex(low.real, high.imag))
     screws = [BaseOpening("a screw", "base.screw", stock.screw, (corner,)) for corner in corners if stock.screw]
     all_openings = (*openings, *screws)
-    holes = tuple(opening.curve(stock.clearance) for opening in all_openings)
+    cut = [opening.curves(stock.clearance) for opening in all_openings]
     for one, two in combinations(all_openings, 2):
         _check_apart(one, two, stock.clearance)
     outline = rounded_hull(corners, widened(stock.screw, stock.clearance) / 2 + stock.edge)
-    letters = tuple(opening.letter for opening in all_openings)
-    return Part("base", outline, holes, thickness, body="ground", hole_names=letters if any(letters) else ())
+    # Of a motor's holes the one round its shaft has the letter.
+    letters = [
+        name for opening, curves in zip(all_openings, cut) for name in (opening.letter, *("" for _ in curves[1:]))
+    ]
+    holes = tuple(curve for curves in cut for curve in curves)
+    fits = tuple(fit for opening in all_openings for fit in opening.fits(stock.clearance))
+    shown = tuple(letters) if any(letters) else ()
+    return Part("base", outline, holes, thickness, body="ground", hole_names=shown, fits=fits)
+
+
+def _motor_key(opening: BaseOpening) -> str:
+    return f"{opening.key.rpartition('.')[0]}.motor"
 
 
 def _check_apart(one: BaseOpening, two: BaseOpening, clearance: float) -> None:
+    for held, other in ((one, two), (two, one)):
+        if held.motor:
+            _check_beside(held, other, clearance)
     apart, wide = one.distance(two), (one.diameter + two.diameter) / 2 + clearance
     if apart > wide:
         return
@@ -127,3 +149,18 @@ def _check_apart(one: BaseOpening, two: BaseOpening, clearance: float) -> None:
         "together, so that they meet",
         f"give diameters of less than {together:.6g} mm together" if together > 0 else "move them apart",
     )
+
+
+def _check_beside(held: BaseOpening, other: BaseOpening, clearance: float) -> None:
+    """Refuse an opening over the face of a motor: what goes through it would meet the motor, or its holes."""
+    face = MOTORS[held.motor or ""]
+    missing = max(widened(other.diameter, clearance), other.head) / 2 - float(
+        separation(held.face, np.array(other.places))
+    )
+    if missing > 0:
+        raise DesignError(
+            _motor_key(held),
+            f"found {held.motor}, whose face, {face.side:g} mm wide, reaches {missing:.4g} mm under what the base has "
+            f"for {other.what}",
+            "move the axes apart, or leave out motor or base",
+        )

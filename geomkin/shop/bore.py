@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DesignError
+from ..part import HoleFit
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, quantity
 
@@ -14,11 +15,14 @@ from ..sizes import FARTHEST, quantity
 SMALLEST = 0.01
 
 
-def shaft(what: str, default: float) -> Any:
-    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on."""
-    return quantity(
-        f"diameter of {what}, 0 for no hole; its hole is wider by the clearance", "mm", default=default, at_least=0
-    )
+def shaft(what: str, default: float, fitted: bool = False) -> Any:
+    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on.
+
+    fitted: the stock says whether the hole is pressed on.
+    """
+    pressed = ", or narrower by the interference" if fitted else ""
+    words = f"diameter of {what}, 0 for no hole; its hole is wider by the clearance{pressed}"
+    return quantity(words, "mm", default=default, at_least=0)
 
 
 def clearance(default: float) -> Any:
@@ -31,6 +35,11 @@ def clearance(default: float) -> Any:
 def widened(diameter: float, clearance: float) -> float:
     """Diameter, mm, of the hole for a shaft or pin; 0 where there is none."""
     return diameter + clearance if diameter else 0.0
+
+
+def fits_of(diameter: float, play: float) -> tuple[HoleFit, ...]:
+    """The fit of a hole for a shaft or pin, wider than that by `play`, mm; none where there is none."""
+    return (HoleFit(diameter, play),) if diameter else ()
 
 
 def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:

@@ -1,4 +1,4 @@
-"""Parts of a cam and its follower: cam plate, roller, the plate that carries roller or face, and what is bought."""
+"""Parts of a cam and its follower: cam plate, roller, and the plate that carries roller or face."""
 
 from __future__ import annotations
 
@@ -13,16 +13,14 @@ from ..cam.cam import Cam
 from ..cam.followers.plates import Bars, Plate
 from ..cam.maxima import samples
 from ..cam.undercut import Undercut, undercut
-from ..part import Bought, Part
+from ..part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..sizes import FARTHEST, entry, quantity
 from .base import BaseStock
-from .bore import bore, shaft
+from .bore import bore, fits_of, shaft
 from .cam_base import LETTERS, cam_base
-from .fasteners import gathered
 from .fits import AbstractBored
-from .shafts import pin_bill, screw_bill, shaft_bill
 
 # Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
 # runs across it.
@@ -40,7 +38,7 @@ class CamStock(AbstractBored):
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the cam shaft", 8.0)
+    bore: float = shaft("the cam shaft", 8.0, fitted=True)
     roller_bore: float = shaft("the roller's pin", 4.0)
     timing_mark: bool = entry(
         "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
@@ -76,10 +74,10 @@ def cam_parts(
 
     They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
     fit and gets no plate. With a base, such a roller has a `follower` too, whose two pins slide in the base's slot, and
-    holes that belong together have the same letter. Last comes the `motor_plate`, where the stock has a motor, or the
-    base. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that costs. cut:
-    what it found, where that is known already. Raises DesignError, its field a size of the stock, where holes or bars
-    do not fit.
+    holes that belong together have the same letter. Last comes the base, which then has the holes of the stock's motor,
+    or the `motor_plate`. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that
+    costs. cut: what it found, where that is known already. Raises DesignError, its field a size of the stock, where
+    holes or bars do not fit.
 
         gk.write(gk.shop.cam_parts(cam, gk.shop.CamStock(thickness=6, bore=10)), "cam.dxf")
 
@@ -93,17 +91,27 @@ def cam_parts(
     plates = follower.guided_plates(*bars)
     parts = [replace(plate, hole_names=("A",)), *(_cut(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
-    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base)]
+    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
 
 
 def _cut(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
     circles: list[Circle] = []
     names: list[str] = []
+    fits: list[HoleFit] = []
     for hole in plate.holes:
         one = bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre)
         circles += one
+        fits += fits_of(hole.diameter, stock.clearance)
         names += [letters.get(hole.key, "") for _ in one] if letters else []
-    return Part(plate.name, plate.outline, tuple(circles), stock.thickness, body=plate.name, hole_names=tuple(names))
+    return Part(
+        plate.name,
+        plate.outline,
+        tuple(circles),
+        stock.thickness,
+        body=plate.name,
+        hole_names=tuple(names),
+        fits=tuple(fits),
+    )
 
 
 def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
@@ -112,9 +120,9 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     towards = start / abs(start)
     holes = stock.hole(towards, narrowest, "stock")
     if not stock.timing_mark:
-        return Part("cam", cut.outline, holes, stock.thickness, body="cam")
+        return Part("cam", cut.outline, holes, stock.thickness, body="cam", fits=stock.fits)
     marks = _timing_marks(towards, stock.hole_reach, narrowest / 2, cam.sense)
-    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam")
+    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam", fits=stock.fits)
 
 
 def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> tuple[AbstractCurve, ...]:
@@ -130,26 +138,3 @@ def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> t
     back = -1j * sense * tip / abs(tip) * HEAD * ring
     barbs = np.array([tip + back * np.exp(0.5j), tip, tip + back * np.exp(-0.5j)])
     return Segment(start, end), arrow, Polyline(barbs, is_closed=False)
-
-
-@checked
-def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
-    """The cam's shaft and key, the pins of its follower and the base's screws, for the parts by their names.
-
-    A shaft or pin is as long as all plates on it are thick, with the base that holds or guides it. Bearings are not
-    told. Derived here.
-    """
-    follower, thick = cam.follower, stock.thickness
-    plates = follower.plates if base is None else follower.guided_plates
-    # Holes of one name in two plates are on one pin; two in one plate are on a pin each.
-    pins: dict[tuple[str, int], list[tuple[str, float]]] = {}
-    for plate in plates(stock.bars, cam.program, cam.base_radius, cam.sense):
-        keys = [hole.key for hole in plate.holes]
-        for k, hole in enumerate(plate.holes):
-            pins.setdefault((hole.key, keys[:k].count(hole.key)), []).append((plate.name, hole.diameter))
-    held = 0.0 if base is None else thick
-    lines = [("cam", shaft_bill(stock, thick + held))]
-    for (key, _), on in pins.items():
-        in_base = held if key == "pivot_bore" else 0.0
-        lines.append((on[0][0], pin_bill(on[0][1], len(on) * thick + in_base)))
-    return gathered(lines if base is None else [*lines, ("base", screw_bill(base, thick))])

@@ -16,6 +16,7 @@ from ..plane.flatten import flatten
 from ..plane.vec import Complex
 from ..sizes import rounded_down
 from .base import BaseOpening, BaseStock, standing_plate
+from .motors import MotorName
 
 # Letters at the holes that belong together, by what the stock calls their diameters; the cam's own shaft is A.
 LETTERS = {"bore": "A", "pivot_bore": "B", "roller_bore": "C"}
@@ -27,12 +28,19 @@ CHORDS = 1e-3
 
 
 def cam_base(
-    cam: Cam, cut: Undercut, plates: Sequence[Plate], shafts: Mapping[str, float], thickness: float, base: BaseStock
+    cam: Cam,
+    cut: Undercut,
+    plates: Sequence[Plate],
+    shafts: Mapping[str, float],
+    thickness: float,
+    base: BaseStock,
+    motor: MotorName | None = None,
 ) -> Part:
     """The base under a cam and its follower, in the ground's frame, the cam's axis at the origin.
 
     plates: as `guided_plates` gives them; holes `pivot_bore` in them are over that of the pivot, or over the slot in
-    which the pins slide. shafts: diameters, mm, of `bore` and `pivot_bore`. Raises DesignError where there is no room.
+    which the pins slide. shafts: diameters, mm, of `bore` and `pivot_bore`. motor: what turns the cam; the base has its
+    holes there. Raises DesignError where there is no room.
     Derived here.
     """
     lifts = np.linspace(*_lifts(cam), PLACES)
@@ -40,7 +48,8 @@ def cam_base(
     origin, direction = np.asarray(pose.origin)[:, None], np.asarray(pose.direction)[:, None]
     pins = np.array([hole.centre for plate in plates for hole in plate.holes if hole.key == "pivot_bore"])
     ways = origin + direction * pins
-    openings = [BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"])]
+    shaft = BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)
+    openings = [shaft]
     if cam.follower.oscillates:
         pivot = complex(ways[0, 0])
         openings.append(

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from ..brief import one_line
 from ..errors import DesignError
-from ..part import Part
+from ..part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from ..sizes import FARTHEST, check_sizes, entry, quantity, rounded_down
-from .bore import SMALLEST, bore, clearance, flattened_bore, keyed_bore, shaft, widened
-from .motors import MotorName, motor_plate
+from .bore import SMALLEST, bore, clearance, fits_of, flattened_bore, keyed_bore, shaft, widened
+from .motors import MOTORS, MotorName, motor_plate
 from .parallel_keys import PARALLEL_KEYS, THINNEST, key_of
 
 # mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
@@ -23,6 +23,43 @@ MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 
 
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
+BoreForm = Literal["round", "D", "keyed"]
+Fit = Literal["running", "press"]
+
+
+def form(bore: str = "the bore") -> Any:
+    """A field for the form of a bore; bore: what it is called."""
+    words = f"form of {bore}: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1"
+    return entry(words, default="round")
+
+
+def flat_across() -> Any:
+    """A field for the flat side of a D-shaft."""
+    words = f"of a D-shaft, from its flat side across to the round one; left out, a motor's: {SHAFTS}"
+    return quantity(words, "mm", default=None, above=0, at_most=FARTHEST)
+
+
+def keyway_width(bore: str = "the bore") -> Any:
+    """A field for the width of the keyway in a bore."""
+    words = f"width of the keyway in {bore}, 0 for none or, if keyed, the standard's"
+    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+
+
+def keyway_depth(bore: str = "the bore") -> Any:
+    """A field for the depth of the keyway in a bore."""
+    words = f"depth of the keyway beyond {bore}, along its middle"
+    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+
+
+def fit(bore: str = "the bore") -> Any:
+    """A field for the fit of a bore."""
+    return entry(f"{bore} is wider than its shaft by the clearance, or is pressed on", default="running")
+
+
+def interference() -> Any:
+    """A field for how tight bores sit that are pressed on."""
+    words = "how much narrower than its shaft a bore is that is pressed on"
+    return quantity(words, "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
 
 
 @dataclass(frozen=True)
@@ -30,40 +67,17 @@ class AbstractBored:
     """What stock tables of parts on a shaft have in common; all lengths in mm."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
-    bore: float = shaft("the shaft", 0.0)
-    bore_form: Literal["round", "D", "keyed"] = entry(
-        "form of the bore: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1", default="round"
-    )
-    flat: float | None = quantity(
-        f"of a D-shaft, from its flat side across to the round one; left out, a motor's: {SHAFTS}",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
-    keyway_width: float = quantity(
-        "width of the keyway in the bore, 0 for none or, if keyed, the standard's",
-        "mm",
-        default=0.0,
-        at_least=0,
-        at_most=FARTHEST,
-    )
-    keyway_depth: float = quantity(
-        "depth of the keyway beyond the bore, along its middle", "mm", default=0.0, at_least=0, at_most=FARTHEST
-    )
-    fit: Literal["running", "press"] = entry(
-        "the bore is wider than its shaft by the clearance, or is pressed on", default="running"
-    )
-    interference: float = quantity(
-        "how much narrower than its shaft a bore is that is pressed on",
-        "mm",
-        default=INTERFERENCE,
-        at_least=0,
-        at_most=FARTHEST,
-    )
+    bore: float = shaft("the shaft", 0.0, fitted=True)
+    bore_form: BoreForm = form()
+    flat: float | None = flat_across()
+    keyway_width: float = keyway_width()
+    keyway_depth: float = keyway_depth()
+    fit: Fit = fit()
+    interference: float = interference()
     clearance: float = clearance(0.0)
     motor: MotorName | None = entry(
-        "what turns the part: adds the plate that this motor is screwed to; left out, no motor", default=None
+        "what turns the part: adds the plate that this motor is screwed to, or its holes to a base; left out, no motor",
+        default=None,
     )
 
     def __post_init__(self) -> None:
@@ -86,6 +100,19 @@ class AbstractBored:
     def hole_diameter(self) -> float:
         """Diameter, mm, 0 for none, of a round hole that the shaft runs in, as in a base plate."""
         return widened(self.bore, self.clearance)
+
+    @property
+    def running_fits(self) -> tuple[HoleFit, ...]:
+        """The fit of such a round hole; none for diameter 0."""
+        return fits_of(self.bore, self.clearance)
+
+    @property
+    def fits(self) -> tuple[HoleFit, ...]:
+        """The fit of the bore; none for diameter 0."""
+        if not self.bore:
+            return ()
+        flat = 0.0 if self.across_flat is None else self.across_flat + self.play
+        return (HoleFit(self.bore, self.play, flat, self.keyway),)
 
     @property
     def hole_reach(self) -> float:
@@ -127,6 +154,9 @@ class AbstractBored:
         if self.flat is not None and self.bore_form != "D":
             problem = f"found {self.flat:g} mm of a bore that has no flat"
             raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
+        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].pilot):
+            problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
+            raise DesignError("bore", problem, f"give less than {boss:g} mm, or leave out motor")
         if self.bore_form == "D":
             self._check_flat()
         if self.fit == "press":

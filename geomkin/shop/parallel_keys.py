@@ -38,7 +38,8 @@ class ParallelKey:
 # The thinnest shaft that takes a key, mm.
 THINNEST = 6.0
 # By shafts up to so many mm, the high form. Another number here, and no key that is sold fits the keyway.
-# Source: DIN 6885-1, table 1, the same as ISO 773; compared with Flender's catalogue MD 30.1.
+# Source: DIN 6885-1, table 1, the same as ISO 773; sections and depths compared with Flender's catalogue MD 30.1,
+# lengths up to a width of 16 mm with the table at engineeringhardware.com/guide/standard/din-6885-parallel-keys.
 PARALLEL_KEYS = tuple(
     ParallelKey(*row)
     for row in (
@@ -64,10 +65,11 @@ PARALLEL_KEYS = tuple(
         (230, 50, 28, 17.0, 11.4, (125, 400)),
     )
 )
-# Lengths in which keys are sold, mm (DIN 6885-1).
+# Lengths in which keys are sold, mm: DIN 6885-1 as ZAE's catalogue E 040 prints it. Between 280 and 400 mm it has 315
+# and 355, other tables 320 and 360: none of these is named, for a shorter key fits as well.
 LENGTHS = (
     6, 8, 10, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 70, 80,
-    90, 100, 110, 125, 140, 160, 180, 200, 220, 250, 280, 320, 360, 400,
+    90, 100, 110, 125, 140, 160, 180, 200, 220, 250, 280, 400,
 )  # fmt: skip
 
 

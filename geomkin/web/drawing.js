@@ -10,8 +10,8 @@ const WIDE = ["centrode", "inflection"], FAR = [...OFF, ...WIDE, "driven", "driv
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
-// Pixels between a name and what it stands beside.
-const BESIDE = 8;
+// Pixels between a name, with its own free ends, and what it stands beside.
+const BESIDE = 6;
 // Share of the drawing that is seen around a contact that stays in one place.
 const NEAR = 0.05;
 let drawings = 0;
@@ -195,7 +195,7 @@ export class Drawing {
     };
     for (const body of this.bodies) {
       body.drawn = body.cut.map((index) => pointsOf(this.data.paths[index]));
-      takeMoving(body, body.drawn.flatMap((drawn) => drawn.points));
+      takeMoving(body, body.drawn.flatMap(({ points }) => points));
     }
     takeLined((role) => !FAR.includes(role));
     takeMarks(this.marks.filter((mark) => !FAR.includes(mark.role)));
@@ -234,17 +234,17 @@ export class Drawing {
       const [u, v] = mark.u ? [share * mark.u[k], share * mark.v[k]] : [0, 0], [x, y] = this.screen(mark.x[k] + u, mark.y[k] + v);
       return [x + side * (half + BESIDE), y + down];
     };
+    const { marks } = this, lines = new Set();
     for (const body of this.bodies) {
-      const points = body.drawn.flatMap((drawn) => drawn.points), slide = this.marks.find((mark) => mark.sort === "slide");
-      if (points.length) {
-        this.named.add(spaced(body.name), "of-body", "names", spotsOn(body, points).map(([u, v]) => on(body, u, v)));
-      } else if (slide && !body.fixed && !this.marks.some(({ sort, label }) => sort === "line" && label === body.name)) {
-        // What nothing is cut of is named beside its block.
-        this.named.add(spaced(body.name), "of-body", "names", [24, -20].map((down) => at(body, 0, 0, down)));
-      }
+      const points = body.drawn.flatMap(({ points }) => points);
+      // What nothing is cut of is named beside its block.
+      const spots = points.length ? spotsOn(body, points).map(([u, v]) => on(body, u, v))
+        : !body.fixed && marks.some(({ sort }) => sort === "slide")
+        && !marks.some(({ sort, label }) => sort === "line" && label === body.name)
+        && [24, -20].map((down) => at(body, 0, 0, down));
+      if (spots && !body.unnamed) this.named.add(spaced(body.name), "of-body", "names", spots);
     }
-    const lines = new Set();
-    for (const mark of this.marks) {
+    for (const mark of marks) {
       const { sort, role, label } = mark, text = spaced(label).replace(sort === "dimension" ? /,.*/ : /, 1 mm is.*/, "");
       if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration"].includes(role))) continue;
       if (mark.u) {
@@ -255,7 +255,7 @@ export class Drawing {
         this.named.add(text, `of-body ${role}`, role, [...on, ...off]);
       } else {
         const short = text.replace("instant centre of ", "").replace(" and ", ", ");
-        this.named.add(short, role, role, [[1, -8], [1, 8], [-1, -8], [-1, 8], [0, -14], [0, 14], [1, 0], [-1, 0]]
+        this.named.add(short, role, role, [[1, -8], [1, 8], [-1, -8], [-1, 8], [0, -14], [0, 14], [1, 0], [-1, 0], [0, -28], [0, 28]]
           .map(([side, down]) => at(mark, 0, side, down)));
       }
     }

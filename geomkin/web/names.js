@@ -1,18 +1,26 @@
 // Names in a drawing, each at that of its places at which it covers the least of others, of pins and of the edge.
-import { abs, make, px, round, see } from "./shapes.js";
+import { abs, make, max, min, px, round, see } from "./shapes.js";
 
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
 // Pixels that a line takes up.
 const LINE = 15;
+// Pixels kept free at either end of a name.
+const EDGE = 2;
 
 export class Names {
   constructor(drawing) { Object.assign(this, { drawing, all: [] }); }
 
   // spots: of a frame and half the text's width, px, where its middle may be; the best first.
+  // What the edge would cut of a text is moved inwards.
   add(text, look, role, spots) {
     const shape = make(this.drawing.names, "text", { class: `name ${look}` }, text);
-    this.all.push({ shape, role, spots, spot: spots[0], half: shape.getComputedTextLength() / 2 });
+    const half = EDGE + shape.getComputedTextLength() / 2;
+    spots = spots.map((spot) => (k) => {
+      const [x, y] = spot(k, half), over = x - max(half, min(this.drawing.wide - half, x));
+      return [abs(over) > 2 * half ? x : x - over, y];
+    });
+    this.all.push({ shape, role, spots, half });
   }
 
   arrange() {
@@ -22,18 +30,16 @@ export class Names {
     const pinned = looks.map((k) => pins.map((pin) => this.drawing.screen(pin.x[k], pin.y[k])));
     for (const name of this.all) {
       if (hidden.has(name.role)) continue;
-      const { half } = name;
-      let least = Infinity;
-      name.spots.forEach((spot, rank) => {
-        let cost = rank;
-        const places = looks.map((k) => spot(k, half));
+      let { half, spots } = name, least = Infinity;
+      spots.forEach((spot, cost) => {
+        const places = looks.map(spot);
         places.forEach(([x, y], look) => {
-          if (x < half || x > wide - half || y < LINE / 2 || y > tall - LINE) cost += 2;
+          if (x <= half || x >= wide - half || y < LINE / 2 || y > tall - LINE) cost += 2;
           for (const other of taken) {
             const [u, v] = other.places[look];
             if (abs(x - u) < half + other.half && abs(y - v) < LINE) cost += 3;
           }
-          for (const [u, v] of pinned[look]) if (abs(x - u) < half + 4 && abs(y - v) < LINE / 2 + 4) cost += 1;
+          for (const [u, v] of pinned[look]) if (abs(x - u) < half + 2 && abs(y - v) < LINE / 2 + 4) cost++;
         });
         if (cost < least) { least = cost; Object.assign(name, { spot, places }); }
       });
@@ -42,9 +48,9 @@ export class Names {
   }
 
   show(k) {
-    for (const { shape, spot, role, half } of this.all) {
+    for (const { shape, spot, role } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k, half), there = isFinite(x + y);
+      const [x, y] = spot(k), there = isFinite(x + y);
       see(shape, there);
       if (there) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }

@@ -319,6 +319,22 @@ def test_every_control_is_reached_by_keys_and_has_a_name(folder, opened):
     assert len(reached) == wanted > 15
 
 
+@pytest.mark.parametrize("name", ["shaking-force", "inflection-circle", "walker"])
+def test_no_name_is_cut_by_the_edge_of_a_narrow_drawing(name, folder, opened):
+    recipe, file = page_of(name, folder)
+    page = opened(file, viewport={"width": 320, "height": 800}).page
+    for frame in range(0, len(recipe.scene.time), 45):
+        go_to(page, frame)
+        told = page.evaluate("""() => {
+          const { left, right } = document.querySelector("svg.drawing").getBoundingClientRect();
+          const seen = [...document.querySelectorAll("text.name:not(.off)")].filter((text) => text.checkVisibility({ visibilityProperty: true }));
+          return seen.map((text) => [text.textContent, text.getBoundingClientRect()]).filter(([, box]) => box.right > left && box.left < right)
+            .map(([text, box]) => [text, box.left - left, right - box.right]);
+        }""")
+        assert len(told) > 3 and all(min(room) >= 0 for _, *room in told), told
+        assert not any("copy" in text and "foot" not in text for text, *_ in told)
+
+
 def test_a_long_table_says_that_it_is_thinned(folder, opened):
     recipe = gk.load(OPEN.replace("[linkage]", "[drive]\nstep_deg = 0.1\n[linkage]")).called("long")
     gk.write(recipe, folder / "long.html")

@@ -158,6 +158,7 @@ def test_a_law_of_ones_own_may_jump_where_it_says_so():
         (lambda x: np.stack([x**2, 2 * x, 2 + 0 * x, 1 + 0 * x]), "row 3 is not the derivative of its row 2"),
         (lambda x: np.stack([x, 1 + 0 * x, np.nan + 0 * x, 0 * x]), "finite"),
         (type("Late", (Told,), {"breaks": (0.1, 1)})(), "rising numbers from 0 to 1"),
+        (type("Twice", (Told,), {"breaks": (0, 0.5, 0.5, 1)})(), "rising numbers from 0 to 1"),
         (type("None_", (Told,), {"breaks": ()})(), "rising numbers from 0 to 1"),
         ("cycloid", "cycloidal"),
         (7, "callable"),

@@ -1,5 +1,6 @@
 """The drawing with sizes: its numbers against distances in the DXF that is cut; no text on another or on a line."""
 
+import html
 import io
 import re
 import xml.etree.ElementTree as ET
@@ -12,6 +13,7 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
 from geomkin.export.dimensioned import drawing, scale_told
@@ -82,6 +84,89 @@ def test_no_text_lies_on_another_or_on_a_line(name):
     assert shapely.box(0, 0, made.width, made.height).contains(shapely.union_all([*boxes, *lines]))
 
 
+def callouts(source, path, number=0):
+    """The lines of a drawing's words that count holes."""
+    gk.write(source, path / "b-sheet.dxf")
+    texts = [t.dxf.text for t in read(path / "b-sheet.dxf").query("TEXT")]
+    return [text for text in texts if re.match(r"\d+ x ", text)]
+
+
+def sides(entity):
+    """Length and width of the least box round a closed outline, as it is cut."""
+    points = [(p.x, p.y) for p in ezdxf.path.make_path(entity).flattening(1e-6)]
+    x, y = shapely.minimum_rotated_rectangle(shapely.Polygon(points)).exterior.coords.xy
+    return sorted(np.hypot(np.diff(x), np.diff(y))[:2])
+
+
+BORED = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\ncurves = "arcs"\nlabels = false\n[stock]\n'
+
+
+@pytest.mark.parametrize(
+    ("stock", "callout", "box"),
+    [
+        ("bore = 8\nclearance = 0.15", "1 x dia 8.15 (8, clearance +0.15)", (8.15, 8.15)),
+        ('bore = 8\nfit = "press"\ninterference = 0.02', "1 x dia 7.98 (8, press -0.02)", (7.98, 7.98)),
+        ('bore = 5\nbore_form = "D"', "1 x D dia 5, across flat 4.5", (4.5, 5.0)),
+        (
+            'bore = 5\nbore_form = "D"\nflat = 4.2\nfit = "press"',
+            "1 x D dia 4.9, across flat 4.1 (5, press -0.1)",
+            (4.1, 4.9),
+        ),
+        (
+            'bore = 10\nbore_form = "keyed"\nclearance = 0.05',
+            "1 x dia 10.05, keyway 3 wide 1.4 deep (10, clearance +0.05)",
+            (10.05, 11.45),
+        ),
+    ],
+)
+def test_a_bores_callout_tells_what_is_cut_and_for_which_shaft(stock, callout, box, tmp_path):
+    recipe = gk.load(BORED + stock)
+    assert callouts(recipe, tmp_path) == [callout]
+    gk.write(recipe, tmp_path / "a.dxf")
+    (hole,) = [entity for entity in read(tmp_path / "a.dxf") if entity.dxf.layer == "HOLE"]
+    path = hole.flattening(1e-6) if hole.dxftype() == "CIRCLE" else ezdxf.path.make_path(hole).flattening(1e-6)
+    assert sorted(np.ptp([(p.x, p.y) for p in path], axis=0)) == pytest.approx(box, abs=1e-3)
+    if "keyway" in callout:
+        # The slot's bottom is the one edge between two right angles.
+        straight = [
+            abs(complex(*b[:2]) - complex(*a[:2]))
+            for a, b in zip(hole.get_points(), [*hole.get_points()[1:], hole.get_points()[0]])
+            if a[4] == 0
+        ]
+        assert max(straight) == pytest.approx(3.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["whitworth", "lift-table", "rocker-cam", "planetary", "lantern", "motor-gear"])
+def test_all_holes_of_a_recipe_are_as_wide_and_as_long_as_their_callouts(name, tmp_path):
+    """Each fit makes its number, and the file that is cut has just these holes."""
+    recipe = gk.load(RECIPES / f"{name}.toml")
+    recipe = replace(recipe, files=replace(recipe.files, curves="arcs", labels=False, kerf=0.0))
+    wanted = Counter()
+    for part in recipe.parts:
+        for line in callouts(part, tmp_path):
+            count, *sizes = re.match(
+                r"(\d+) x (?:D )?(?:dia|slot) ([\d.]+)(?:(?: wide)?, (?:across flat )?([\d.]+))?", line
+            ).groups()
+            fit = re.search(r"\(([\d.]+), (?:press|clearance) ([-+][\d.]+)\)", line)
+            assert not fit or float(fit[1]) + float(fit[2]) == pytest.approx(float(sizes[0]), abs=1e-4)
+            wanted[tuple(f"{side:.2f}" for side in sorted(float(size or sizes[0]) for size in sizes))] += (
+                int(count) * part.count
+            )
+    gk.write(recipe, tmp_path / "a.dxf")
+    cut = Counter()
+    for entity in read(tmp_path / "a.dxf"):
+        if entity.dxf.layer == "HOLE":
+            is_round = entity.dxftype() == "CIRCLE"
+            cut[tuple(f"{side:.2f}" for side in (2 * [2 * entity.dxf.radius] if is_round else sides(entity)))] += 1
+    # What teeth and webs leave open is no hole that a callout tells.
+    assert wanted and not wanted - cut and sum((cut - wanted).values()) <= 1
+
+
+def test_a_part_has_no_more_fits_than_holes():
+    with pytest.raises(gk.DesignError, match="fits: found 2 for 1 holes; give one for each hole"):
+        gk.Part("a", gk.plane.Circle(0, 9), (gk.plane.Circle(0, 2),), 3.0, fits=(None, None))
+
+
 def test_nothing_lies_on_a_layer_that_is_cut():
     document = ezdxf.read(io.StringIO(sheet_dxf(job_of("gear-pair")).decode()))
     assert not document.audit().errors
@@ -109,6 +194,67 @@ def test_teeth_on_helices_are_told_for_each_gear():
     texts = [text.text for text in drawing(Job("gear", recipe, 0.01)).texts]
     assert texts.count("helix angle 20 deg, left hand") == 1
     assert not any("helix" in text.text for text in drawing(job_of("gear-pair")).texts)
+
+
+TITLED = {
+    "name": "Drive gear",
+    "number": "W-104",
+    "revision": "B",
+    "material": 'POM 100%, <natural> & "dry"',
+    "general_tolerance": "±0.1 mm, 20 °C",
+    "drawn_by": "Jiří Dvořák",
+    "date": "31. März 2025",
+}
+
+
+def test_the_title_has_what_the_recipe_gives_in_both_formats_and_on_the_page(tmp_path):
+    given = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": TITLED}}
+    recipe = gk.load(given)
+    lines = [f"{key.replace('_', ' ')}: {value}" for key, value in TITLED.items() if key != "name"]
+    drawn, svg, page = (tmp_path / f"a{tail}" for tail in ("-sheet.dxf", "-sheet.svg", ".html"))
+    for path in (drawn, svg, page):
+        gk.write(recipe, path)
+    # Letters that the file's code page has not are codes in it, which programs read.
+    in_dxf = [decode_dxf_unicode(t.dxf.text) for t in read(drawn).query("TEXT")]
+    in_svg = [e.text for e in ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}text")]
+    for texts in (in_dxf, in_svg):
+        assert [text for text in texts if text in lines] == lines and "Drive gear" in texts and "a" not in texts
+        assert "each part seen from above; drawing 1 of 1" in texts
+    assert all(html.escape(line[1:]) in page.read_text("utf-8") for line in lines)
+    # What is left out is not told, nor does any day stand there.
+    bare = gk.load(given | {"files": {}})
+    assert not any(": " in text.text and text.text in lines for text in drawing(Job("b", bare, 0.005)).texts)
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
+
+
+@pytest.mark.parametrize("name", ["gear-pair", "crank-rocker"])
+@pytest.mark.parametrize("entries", [TITLED, {"date": "9" * 60}, dict.fromkeys(TITLED, "W" * 60), {"name": "W" * 60}])
+def test_no_title_is_too_long_for_its_frame(name, entries):
+    made = drawing(replace(job_of(name), title=gk.export.Title(**entries)))
+    boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
+    lines = [shapely.LineString(gk.plane.xy(gk.flatten(s, 0.01))) for layer, s in made.shapes if layer == "DIM"]
+    one, two = shapely.STRtree([*boxes, *lines]).query(boxes, predicate="intersects")
+    assert (one == two).all() and len(lines) > 5
+
+
+@pytest.mark.parametrize(
+    ("text", "flaw"),
+    [
+        ("a\\U+0041", "has the sign"),
+        ("^J", "has the sign"),
+        ("50%%d", "has two signs of per cent in a row"),
+        ("a\nb", "has the sign"),
+        ("\u202e", "has the sign"),
+        ("\u0308", "has the sign"),
+        ("日本", "has the sign"),
+        (" a", "begins or ends with a space"),
+        ("a" * 61, "has 61 letters"),
+    ],
+)
+def test_what_no_drawing_can_show_is_no_title(text, flaw):
+    recipe = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": {"material": text}}}
+    with pytest.raises(gk.RecipeError, match=f"files.title.material: found .*{flaw}.*; give at most 60 letters"):
+        gk.load(recipe)
 
 
 @pytest.mark.parametrize(

@@ -177,3 +177,14 @@ def test_more_copies_than_are_nested_lie_in_rows_on_as_many_sheets_as_it_takes()
     cuts = flats([gk.Part("disc", gk.plane.Circle(0, 9.7), (), 3.0, count=MOST + 20)])
     sheets = lay_out_on(cuts, 200, 150)
     assert sum(len(assert_sound(sheet)) for sheet in sheets) == MOST + 20 and len(sheets) > 2
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_lies_in_a_hole_is_cut_first_wherever_on_the_sheet(turned):
+    """Far along one side of the sheet and near on the other, as in one corner."""
+    ring = cut(gk.Part("ring", gk.plane.Circle(0j, 40.0), (gk.plane.Circle(0j, 30.0),), 3.0), 0.01)
+    coin = cut(gk.Part("coin", gk.plane.Circle(0j, 10.0), (), 3.0), 0.01)
+    spot = 50 + 400j if turned else 400 + 50j
+    placed = [layout.Placed(part, shift) for part, shift in ((coin, 50 + 50j), (ring, spot), (coin, spot))]
+    order = [placed.index(one) for one in layout._in_order(placed)]
+    assert order[0] == 2 and sorted(order) == [0, 1, 2]

@@ -217,6 +217,19 @@ def test_places_keep_their_digits_whatever_the_size(size):
     assert np.abs(x + 1j * y - scene.marks[0].place).max() < 1e-4 * size
 
 
+@pytest.mark.parametrize("largest", [3.7e-5, 0.99, 4.2, 731.0, 2.6e7])
+def test_values_of_a_table_have_six_digits_of_the_largest(largest):
+    scene = turning()
+    values = largest * np.cos(np.arange(9.0))
+    told = gk.Column("force", "N", "told", values)
+    data = json.loads(island(dataclasses.replace(scene, table=gk.Table((scene.table.columns[0], told)), plots=()), "a"))
+    row = data["series"][next(column["row"] for column in data["columns"] if column["name"] == "force")]
+    off = np.abs(unpacked(row, 9) - values).max()
+    # Half of the sixth digit, and no more digits than that asks for.
+    digit = 10.0 ** (np.floor(np.log10(largest)) - 5)
+    assert 0.05 * digit < off <= 0.5 * digit * (1 + 1e-9)
+
+
 def test_a_long_table_is_thinned_and_keeps_its_ends():
     kept = kept_frames(50_000)
     assert len(kept) == MOST_FRAMES and kept[0] == 0 and kept[-1] == 49_999 and len(np.unique(kept)) == len(kept)

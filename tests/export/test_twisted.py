@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.export.solid import _is_closed
 from geomkin.export.stl import TRIANGLE, stl
 from geomkin.export.twisted import solid_cut
 from tests.export.crossed import section
@@ -125,3 +126,13 @@ def test_a_hole_that_the_outline_would_run_into_is_refused():
 def test_step_is_refused_for_it(tmp_path):
     with pytest.raises(gk.DesignError, match="step for the gear.*leave step out and take stl or 3mf"):
         gk.write(PARTS["wheel"], tmp_path / "gear.step")
+
+
+def test_a_solid_whose_edges_meet_more_than_two_triangles_is_not_closed():
+    body = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    # Another on four points, the first two of which are the last two of the first one: an edge that four meet at.
+    other = body + 2
+    assert _is_closed(body, 4) and _is_closed(np.concatenate([body, body + 4]), 8)
+    assert not _is_closed(np.concatenate([body, other]), 6)
+    assert not _is_closed(body[1:], 4)
+    assert not _is_closed(np.concatenate([body[:1, ::-1], body[1:]]), 4)

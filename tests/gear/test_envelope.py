@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve
-from geomkin.gear.conjugate.envelope import GRID, Swept
+from geomkin.gear.conjugate.envelope import GRID, Swept, _boxes
 from geomkin.gear.conjugate.flank_gears import StraightSidedGear
 from geomkin.gear.conjugate.lantern import LanternPinion
 
@@ -64,3 +65,16 @@ def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, be
     grids = [c.start + (c.end - c.start) * GRID for c in curves]
     swept = Swept(curves, [1, 1, 1], [c.point(g) for c, g in zip(curves, grids)], grids, 100.0)
     assert swept._next(0, PLACE, 1) == outer
+
+
+def test_boxes_hold_the_curve_between_neighbours():
+    """A curve that bulges to every side, by many places between; boxes are not much larger than what they hold."""
+    curve = gk.plane.Circle(3 - 2j, 10.0)
+    t = np.linspace(curve.breaks[0], curve.breaks[-1], 12)
+    boxes = _boxes(t, curve)
+    for k, (low_x, low_y, high_x, high_y) in enumerate(boxes.T):
+        z = curve.point(np.linspace(t[k], t[k + 1], 101))
+        assert low_x <= z.real.min() and z.real.max() <= high_x
+        assert low_y <= z.imag.min() and z.imag.max() <= high_y
+        bulge = np.abs(z - z[0] - (z[-1] - z[0]) * np.linspace(0, 1, 101)).max()
+        assert high_x - low_x <= np.ptp(z.real) + 4 * bulge and high_y - low_y <= np.ptp(z.imag) + 4 * bulge

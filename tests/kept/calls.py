@@ -75,7 +75,7 @@ def told(label, value, depth):
         parts = [value.real, value.imag] if isinstance(value, complex | np.complexfloating) else [value]
         yield label, [_small(part) for part in parts]
     elif isinstance(value, np.ndarray):
-        yield label, _of_array(value)
+        yield label, of_array(value)
     elif isinstance(value, gk.AbstractCurve):
         yield from _of_curve(label, value)
         yield from _of_members(label, value, depth, set(dir(gk.AbstractCurve)))
@@ -95,7 +95,7 @@ def _small(value):
     return 0.0 if abs(value) < NOTHING else net.number(float(value))
 
 
-def _of_array(value):
+def of_array(value):
     flat = value.ravel()
     if value.dtype.kind not in "fc":
         return [*value.shape, *(flat.astype(str).tolist()[:60])]
@@ -106,12 +106,12 @@ def _of_array(value):
 def _of_curve(label, curve):
     b = np.asarray(curve.breaks, dtype=float)[:40]
     t = np.unique((b[:-1, None] + np.diff(b)[:, None] * SHARES).ravel())
-    yield f"{label} breaks", [*_of_array(np.asarray(curve.breaks)), curve.closed]
-    yield f"{label} point", _of_array(curve.point(t))
-    yield f"{label} velocity", _of_array(curve.velocity(t))
+    yield f"{label} breaks", [*of_array(np.asarray(curve.breaks)), curve.closed]
+    yield f"{label} point", of_array(curve.point(t))
+    yield f"{label} velocity", of_array(curve.velocity(t))
     # Where pieces meet, rounding decides on whose side a place is.
     inner = (b[:-1, None] + np.diff(b)[:, None] * SHARES[1:-1]).ravel()
-    yield f"{label} curvature", _of_array(gk.curvature(curve, inner))
+    yield f"{label} curvature", of_array(gk.curvature(curve, inner))
 
 
 def _of_members(label, value, depth, left_out):

@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from tests.kept import calls, net, texts
+from tests.kept import calls, net, scenes, texts
 
 KEPT = net.kept()
 RECIPES = net.recipes()
@@ -22,6 +22,22 @@ TRIED = [
 def test_a_recipe_gives_what_was_kept_of_it(tmp_path, name):
     found = json.loads(json.dumps(net.outcome(name, *RECIPES[name], tmp_path)))
     assert "\n".join(net.differences(KEPT[name], found)) == ""
+
+
+SHOWN = scenes.kept()
+SHOWN_RECIPES = scenes.recipes()
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.campaign if k % 2 else ()) for k, n in enumerate(SHOWN)]
+)
+def test_a_recipe_looks_as_it_was_kept(tmp_path, name):
+    found = json.loads(json.dumps(scenes.outcome(name, *SHOWN_RECIPES[name], tmp_path)))
+    assert "\n".join(net.differences(SHOWN[name], found)) == ""
+
+
+def test_every_scene_has_its_kept_result():
+    assert list(SHOWN) == list(SHOWN_RECIPES)
 
 
 def test_every_recipe_has_its_kept_result():

@@ -39,9 +39,9 @@ def formulas(request, monkeypatch):
         pytest.importorskip("numba")
     for name in ("WORTH_LOADED", "WORTH_LOADING"):
         monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
-    for module in (program, worked):
-        monkeypatch.setattr(module, "BLOCK", 7 if "blocks" in request.param else 4096)
-        monkeypatch.setattr(module, "SMALL", 1024 if request.param == "benches" else 0)
+    monkeypatch.setattr(program, "BLOCK", 7 if "blocks" in request.param else 4096)
+    monkeypatch.setattr(program, "SMALL", 4096 if request.param == "benches" else 0)
+    monkeypatch.setattr(worked, "USUAL", 16_384 if request.param == "benches" else 0)
     return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
 
 
@@ -123,7 +123,13 @@ def test_formulas_are_written_down_for_what_moves_often(monkeypatch):
     other = gk.FourBar(100, 30, 90, 70)
     motion = gk.move(other, np.linspace(0, 6, 20_000))
     assert motion.closed.all() and len(written) == 2
-    assert np.array_equal(pickle.loads(pickle.dumps(motion)).rocker.alpha, motion.rocker.alpha)
+    for _ in range(2):
+        copy = pickle.loads(pickle.dumps(motion))
+        assert np.array_equal(copy.rocker.alpha, motion.rocker.alpha)
+        # A named point is put on the tape here, and on that of a copy.
+        one, two = copy.point("rocker_pin"), motion.point("rocker_pin")
+        assert np.array_equal(one.acceleration, two.acceleration)
+        assert np.array_equal(one.acceleration, motion.coupler.point(90).acceleration)
 
 
 def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
@@ -131,9 +137,9 @@ def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
     motion = gk.move(fresh(FOUR_BAR), np.linspace(0, 6, 50))
     _ = motion.point("coupler_point").position
     programs = motion.solution.worked._formulas.programs
-    assert {group for key in programs for batch in key[1:] for group in batch} == {
-        "directions",
-        ("position", "coupler"),
+    assert {group for done in programs for batch in done for group in batch} == {
+        "direction",
+        ("position", "coupler", "coupler_point"),
     }
 
 
@@ -145,7 +151,7 @@ def test_what_was_asked_for_comes_together_the_next_time_and_is_forgotten_after_
             _ = getattr(motion.rocker, what)
         runs.append(motion.solution.worked and [sorted(batch) for batch in motion.solution.worked._done])
     assert runs[0] is None
-    assert runs[-4:] == [[["directions", "omega"]]] * 3 + [[["directions"]]]
+    assert runs[-4:] == [[["direction", "omega"]]] * 3 + [[["direction"]]]
 
 
 def test_the_compiled_loop_has_every_operation_of_the_examples(monkeypatch):
@@ -205,3 +211,15 @@ def test_what_is_asked_together_or_anew_is_what_each_is_alone():
         for found in threads.map(some, rng.integers(1000, size=6)):
             for k, name, value in found:
                 np.testing.assert_allclose(value, alone[k][name], rtol=1e-12, atol=1e-12 * np.abs(value).max())
+
+
+def test_what_is_kept_for_the_next_motion_has_bounds(monkeypatch):
+    monkeypatch.setattr(solution, "WORTH", 0)
+    monkeypatch.setattr(program, "_own", program._Own())
+    held, drive = program._own.benches, np.linspace(0, 6, 4096)
+    linkages = [gk.FourBar(100, 30, 90, 70 + k) for k in range(40)]
+    for frames in (1, 4096, 700):
+        for linkage in linkages:
+            assert gk.move(linkage, drive[:frames]).closed.all()
+        assert len(held) == {1: 16, 4096: 4, 700: 16}[frames]
+        assert sum(count for _, count in held) <= 16_384

@@ -67,12 +67,13 @@ def test_slopes_are_what_small_steps_of_the_unknowns_make(name):
             known = equations.size * rng.normal(size=(5, bodies))
             state = known + 1j * known[::-1], np.exp(1j * rng.normal(size=(5, bodies)))
             unknowns = rng.normal(size=(5, columns))
-            slopes = equations.jacobian(equations.posed(state, unknowns))
+            here = equations.posed(state, unknowns)
+            slopes = equations.jacobian(here, equations.ends(here))
             for column in range(columns):
-                ends = [
-                    equations.conditions(0, [equations.posed(state, unknowns + step * (np.arange(columns) == column))])
-                    for step in (1e-5, -1e-5)
+                poses = [
+                    equations.posed(state, unknowns + step * (np.arange(columns) == column)) for step in (1e-5, -1e-5)
                 ]
+                ends = [equations.conditions(0, [pose], equations.ends(pose)) for pose in poses]
                 # Angles of sliders jump by a turn.
                 off = np.angle(np.exp(1j * (ends[0] - ends[1]))) / 2e-5
                 assert slopes[..., column] == pytest.approx(off, abs=1e-7)
@@ -82,7 +83,7 @@ def test_slopes_are_what_small_steps_of_the_unknowns_make(name):
 
 def test_a_path_takes_little_more_than_two_looks_at_its_equations_for_each_of_its_points(monkeypatch):
     looks, whole = [], LoopEquations.jacobian
-    monkeypatch.setattr(LoopEquations, "jacobian", lambda self, state: looks.append(1) or whole(self, state))
+    monkeypatch.setattr(LoopEquations, "jacobian", lambda self, *here: looks.append(1) or whole(self, *here))
     linkage, start, _ = triad(1)
     motion = gk.move(linkage, start + np.array([0.0, 2 * np.pi]))
     assert motion.closed.all()

@@ -29,6 +29,14 @@ def test_a_time_that_the_drive_does_not_tell_is_nan(timing):
     assert np.isnan(gk.move(FOUR_BAR, TURN, **timing).to_columns()["time_s"]).all()
 
 
+def test_a_shaper_whose_lever_would_turn_over_is_refused():
+    """At a crank as long as the distance of the pivots, too: there the lever has no direction at one place."""
+    for crank in (90.0, 90.5):
+        with pytest.raises(gk.DesignError, match="crank: .*turns over.*give less than 90 mm"):
+            gk.Shaper(90, crank, 180, 60, 85)
+    assert gk.Shaper(90, 89.999, 180, 60, 85).crank == 89.999
+
+
 def test_columns_of_many_linkages_are_refused():
     many = gk.move(replace(FOUR_BAR, crank=np.linspace(20, 40, 5)), TURN)
     with pytest.raises(gk.DesignError, match=r"\(5,\) linkages.*one at a time"):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.solve import worked
 from tests.linkage.examples import ALL, FOUR_BAR, TURN, locked
 
 
@@ -139,7 +140,9 @@ def test_many_linkages_at_once_are_each_what_it_is_alone():
     )
 
 
-def test_long_rows_are_the_same_as_short_ones():
+def test_long_rows_are_the_same_as_short_ones(monkeypatch):
+    # By one engine: the last bits of two differ.
+    monkeypatch.setattr(worked, "WORTH_LOADED", worked.WORTH_LOADING)
     drive = np.linspace(0, 20, 40001)
     whole = gk.move(FOUR_BAR, drive, speed=2.0)
     for start in (0, 16000, 39000):

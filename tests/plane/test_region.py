@@ -172,3 +172,45 @@ def test_triangles_cover_the_region_and_add_no_point(loops):
     directed = set(map(tuple, sides.tolist()))
     assert len(directed) == len(sides)
     assert sum((q, p) not in directed for p, q in directed) == len(given)
+
+
+def by_definition(loop, within):
+    """Least way across the material, from a corner to an edge, that no small step of either end shortens."""
+    area, least, step = shapely.Polygon(xy(loop)), within, 1e-3
+    ring = shapely.LinearRing(xy(loop))
+
+    def steps(place):
+        at = ring.project(shapely.Point(place.real, place.imag))
+        for near in (at - step, at + step):
+            point = ring.interpolate(near % ring.length)
+            yield complex(point.x, point.y)
+
+    for k, corner in enumerate(loop):
+        for j in range(len(loop)):
+            a, b = loop[j], loop[(j + 1) % len(loop)]
+            share = np.clip(((corner - a) * np.conj(b - a)).real / abs(b - a) ** 2, 0, 1)
+            foot = a + share * (b - a)
+            width = abs(foot - corner)
+            if 0 < width < least and j not in (k, (k - 1) % len(loop)):
+                shorter = [abs(z - foot) for z in steps(corner)] + [abs(corner - z) for z in steps(foot)]
+                way = shapely.LineString(xy(corner + np.array([0.01, 0.99]) * (foot - corner)))
+                if min(shorter) > width - 1e-7 and shapely.contains_properly(area, way):
+                    least = width
+    return least if least < within else np.inf
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_neck_is_the_narrowest_way_across_by_its_definition(seed):
+    """Rectangles laid over each other: necks at bars and between inner corners, none at corners that stick out."""
+    random = np.random.default_rng(seed)
+    boxes = [
+        np.array([x + 1j * y, x + w + 1j * y, x + w + 1j * (y + h), x + 1j * (y + h)])
+        for x, y, w, h in np.concatenate([random.integers(0, 14, (7, 2)), random.integers(1, 7, (7, 2))], axis=1)
+    ]
+    told = []
+    for outline, *holes in region.union(boxes):
+        if not holes:
+            loop = outline * np.exp(0.3j)
+            told.append(region.neck([loop], [len(loop)], 6.5))
+            assert told[-1] == pytest.approx(by_definition(loop, 6.5), rel=1e-9)
+    assert told

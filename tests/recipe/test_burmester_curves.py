@@ -78,6 +78,17 @@ def test_special_poses_are_drawn(poses):
     assert made.parts[0].marks
 
 
+def test_only_pins_on_the_curve_that_is_drawn_are_shown():
+    """Others may be anywhere, and would make the drawing small."""
+    scene = gk.load("recipes/burmester-curves.toml").scene
+    curves = [one.curve for one in scene.curves if one.role == "pitch"]
+    drawn = np.concatenate([curve.point(np.linspace(curve.breaks[0], curve.breaks[-1], 5000)) for curve in curves])
+    first, *others = (mark.place for mark in scene.marks if mark.sort == "pin")
+    shown = np.isfinite(first)
+    assert 0.5 < shown.mean() < 1 and all((np.isfinite(other) == shown).all() for other in others)
+    assert np.abs(first[shown][:, None] - drawn).min(axis=1).max() < 0.3
+
+
 @pytest.mark.parametrize(
     ("poses", "more", "key"),
     [

@@ -4,7 +4,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.judge.gear import gear_checks
-from geomkin.shop.gear import GearStock, Web
+from geomkin.shop.gear.gears import GearStock
+from geomkin.shop.gear.spokes import Web
 
 
 def value(checks, name):

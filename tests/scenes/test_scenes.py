@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+import geomkin as gk
+from geomkin.scenes.meshing import pitches_in_contact
+
 from .gallery import NAMES, named, recipe
 
 
@@ -67,3 +70,20 @@ def test_what_moves_with_a_body_is_not_fixed():
     weight, crank = named(scene, "counterweight"), named(scene, "crank")
     assert not weight.fixed and np.array_equal(weight.direction, crank.direction)
     assert named(scene, "ground").fixed
+
+
+def test_many_linkages_or_no_frames_are_refused():
+    def scene(crank, drive):
+        motion = gk.move(gk.FourBar(100, crank, 90, 70), drive)
+        return gk.scenes.linkage_scene(motion, gk.Table((gk.Column("a", "", "a", np.zeros(len(drive))),)))
+
+    with pytest.raises(gk.DesignError, match=r"motion: found \(2,\) linkages; give one at a time"):
+        scene(np.array([30.0, 31.0]), np.linspace(0, 6, 5))
+    with pytest.raises(gk.DesignError, match="no frames"):
+        scene(30.0, np.zeros(0))
+
+
+def test_pitches_in_contact_are_whole_ones_and_bear_rounding():
+    """A contact ratio of 2 is two pitches, also when rounding makes it a hair more."""
+    found = [pitches_in_contact(ratio) for ratio in (0.4, 1.0, 1.2, 2 - 1e-13, 2.0, 2 + 1e-13, 2 + 1e-9)]
+    assert found == [1, 1, 2, 2, 2, 2, 3]

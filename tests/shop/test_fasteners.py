@@ -9,8 +9,9 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.shop.fasteners import LENGTHS, SIZES, Fastener, fastener_of
-from geomkin.shop.linkage.plates import LinkStock, assemble
+from geomkin.shop.linkage.plates import assemble
 from geomkin.shop.linkage.stack import link_parts, stack_links
+from geomkin.shop.linkage.stock import LinkStock
 
 from .mechanisms import BUILDABLE, TURN
 

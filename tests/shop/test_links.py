@@ -5,8 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.shop.linkage.plates import LinkStock, assemble
+from geomkin.shop.linkage.plates import assemble
 from geomkin.shop.linkage.stack import link_parts
+from geomkin.shop.linkage.stock import LinkStock
 
 from .mechanisms import (
     BUILDABLE,

@@ -1,13 +1,18 @@
 """The plate of a motor, read back from its drawing, and where it lies in scenes."""
 
 import dataclasses
+import re
 
 import ezdxf
+import ezdxf.path
 import numpy as np
 import pytest
+import shapely
 
 import geomkin as gk
 from tests.texts import parse, template_of
+
+from .test_bases import PAIR, PLANETARY, RACK, cam
 
 
 def test_the_plate_has_the_face_and_holes_that_makers_draw(tmp_path):
@@ -69,3 +74,100 @@ def test_what_is_driven_by_another_gear_has_no_motor(tmp_path, kind, key):
     with pytest.raises(gk.DesignError, match=rf"{key}\.motor") as caught:
         dataclasses.replace(plain, **{key: gk.shop.GearStock(motor="nema17")})
     assert "give it to" in caught.value.remedy
+
+
+# Where a base stands: how it is asked for, the stock of what drives, where its holes for others are, by what the bill
+# tells of their diameters, and how long the motor's shaft is at least.
+OVER = {
+    "pair": (lambda: gk.load(PAIR + "[base]\n"), "first_stock", {10.2: 1, 4.2: 4}, 12),
+    "rack": (lambda: gk.load(RACK + "[base]\n"), "stock", {4.2: 4}, 12),
+    "planetary": (lambda: gk.load(PLANETARY + "[base]\n"), "sun_stock", {4.2: 10}, 18),
+    "arm": (lambda: cam("arm"), "stock", {6.2: 1, 4.2: 4}, 10),
+    "straight roller": (lambda: cam("roller"), "stock", {4.2: 4}, 10),
+    "small cam": (lambda: cam("undercut"), "stock", {4.2: 4}, 10),
+}
+
+
+def over_a_base(name, **sizes):
+    recipe, key, *_ = OVER[name]
+    plain = recipe()
+    stock = dataclasses.replace(getattr(plain, key), motor="nema17", **{"bore": 5, "bore_form": "D"} | sizes)
+    return dataclasses.replace(plain, **{key: stock})
+
+
+def contours(path, layer):
+    """Polygons of all that a drawing has on a layer."""
+    for entity in ezdxf.readfile(path).modelspace().query(f"*[layer=='{layer}']"):
+        yield shapely.Polygon([(p.x, p.y) for p in ezdxf.path.make_path(entity).flattening(1e-4)])
+
+
+def square(middle, side):
+    return shapely.box(middle.x - side / 2, middle.y - side / 2, middle.x + side / 2, middle.y + side / 2)
+
+
+def width(hole):
+    return round(hole.bounds[2] - hole.bounds[0], 3)
+
+
+@pytest.mark.parametrize("name", OVER)
+def test_a_base_has_the_motor_s_holes_and_keeps_all_others_off_its_face(tmp_path, name):
+    """In the written base: boss and screws as makers draw them, and nothing else within the square of 42.3 mm."""
+    _, _, others, _ = OVER[name]
+    recipe = over_a_base(name)
+    gk.write([part for part in recipe.parts if part.name == "base"], tmp_path / "base.dxf")
+    (plate,), holes = contours(tmp_path / "base.dxf", "CUT"), list(contours(tmp_path / "base.dxf", "HOLE"))
+    (boss,) = [hole for hole in holes if width(hole) == 22.2]
+    screws = [hole for hole in holes if width(hole) == 3.4]
+    places = np.array([complex(hole.centroid.x, hole.centroid.y) for hole in screws])
+    middle = complex(boss.centroid.x, boss.centroid.y)
+    assert len(screws) == 4 and np.abs(places - middle) == pytest.approx(43.84 / 2, abs=0.005)
+    assert np.ptp(places.real) == pytest.approx(31, abs=1e-3) and np.ptp(places.imag) == pytest.approx(31, abs=1e-3)
+    face = square(boss.centroid, 42.3)
+    rest = [hole for hole in holes if hole is not boss and not any(hole is screw for screw in screws)]
+    found = {size: sum(width(hole) == size for hole in rest) for size in others}
+    assert plate.contains(face) and all(hole.disjoint(face) for hole in rest) and found == others
+    # Heads of the base's screws, twice as wide, are clear of the motor, too.
+    assert all(hole.centroid.distance(face) >= 4 for hole in rest if width(hole) == 4.2)
+
+
+@pytest.mark.parametrize("name", OVER)
+def test_over_a_base_no_plate_is_added_and_the_bill_has_motor_and_sunk_screws(name):
+    *_, length = OVER[name]
+    recipe = over_a_base(name)
+    assert all("motor" not in part.name + part.body for part in recipe.parts)
+    assert all(body.name != "motor" for body in recipe.scene.bodies)
+    base = next(part for part in recipe.parts if part.name == "base")
+    assert len(base.hole_names) == len(base.holes) and base.hole_names[:6] == ("A", "", "", "", "", base.hole_names[5])
+    motor, screws, *_ = recipe.bought
+    assert motor.name == f"motor NEMA 17, D-shaft 5 mm, 4.5 mm across its flat, at least {length} mm long"
+    reach = re.fullmatch(r"M3 x (\d+) countersunk screw ISO 7046", screws.name)[1]
+    # Threads of the motor end 4.5 mm deep.
+    assert screws.count == 4 and 2 <= float(reach) - base.thickness <= 4.5
+    assert [one.told for one in recipe.bought] == recipe.notes["bought"]
+
+
+@pytest.mark.parametrize("name", OVER)
+def test_what_else_a_base_holds_stays_where_it_was(name):
+    """All holes but those of the motor and of the corners, as written before and after."""
+    plain, *_ = OVER[name]
+    before, after = (next(p for p in recipe.parts if p.name == "base") for recipe in (plain(), over_a_base(name)))
+    assert len(after.holes) == len(before.holes) + 4
+    for one, two in zip(before.holes[1:-4], after.holes[5:-4]):
+        assert (gk.flatten(one, 1e-3) == gk.flatten(two, 1e-3)).all()
+
+
+SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module = 3", "module = 1") + "[base]\n"
+
+
+@pytest.mark.parametrize(
+    ("recipe", "field", "words"),
+    [
+        (lambda: over_a_base("pair", thickness=1.9), "first_stock.motor", "at least 2 mm"),
+        (lambda: over_a_base("pair", bore=0, bore_form="round"), "first_stock.bore", "at least 0.01 mm"),
+        (lambda: gk.load(SMALL), "first_stock.motor", "under what the base has for a gear's shaft"),
+    ],
+)
+def test_what_would_meet_the_motor_is_refused(recipe, field, words):
+    with pytest.raises(gk.DesignError) as caught:
+        _ = recipe().parts
+    assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"

@@ -11,10 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.shop.linkage.layers import Meetings, Passing, order
-from geomkin.shop.linkage.plates import LinkStock, assemble
-from geomkin.shop.linkage.stack import link_parts, pile_places, stack_links
-from geomkin.shop.linkage.sweep import Sweep, separation
+from geomkin.plane.hulls import separation
+from geomkin.shop.linkage.bridge import pile_places
+from geomkin.shop.linkage.layers import Meetings, Passing, order, runs
+from geomkin.shop.linkage.plates import assemble
+from geomkin.shop.linkage.stack import link_parts, stack_links
+from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.linkage.sweep import Sweep
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 
@@ -212,8 +215,8 @@ def test_nothing_slips_through_between_frames(step_deg):
         np.stack([gk.plane.xy(0 * motion.drive + 0j), gk.plane.xy(130 * np.exp(1j * drive))], axis=1)
     )
     assert shapely.distance(crank, shapely.Point(100, 0)).min() > 0.45
-    runs = Meetings(motion, thin, assemble(motion, thin)).pin_and_plate["rocker_pivot", "crank"]
-    assert any(np.isclose(np.degrees(b), 360 + step_deg / 2) for _, b in runs)
+    pair = Meetings(motion, thin, assemble(motion, thin)).pin_and_plate["rocker_pivot", "crank"]
+    assert any(np.isclose(np.degrees(b), 360 + step_deg / 2) for _, b in runs(motion, pair))
 
 
 @pytest.mark.parametrize("step_deg", [1.0, 4.0, 10.0])

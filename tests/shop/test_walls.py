@@ -1,14 +1,20 @@
 """The thinnest wall of a part, against dense samples of its exact curves, known necks and whole recipes."""
 
+import json
+import re
+from dataclasses import replace
+
+import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.plane import region
 from geomkin.plane.vec import Pose
 from geomkin.shop.bore import keyed_bore
-from geomkin.shop.gear import Web, openings
+from geomkin.shop.gear.spokes import Web, openings
 from geomkin.walls import least_wall, thinnest_wall, wall_checks
 
 LIMIT = 1.5
@@ -203,3 +209,92 @@ def test_a_wheel_of_thousands_of_teeth_is_searched_one_tooth_long(monkeypatch):
     gear = gk.SpurGear(3000, 2)
     assert thinnest_wall(part(gear.outline, gk.plane.Circle(0, 2990)), LIMIT) == pytest.approx(7.5, abs=0.01)
     assert seen[0][0] < 200 and seen[0][1] == 0
+
+
+def plate_in_file(one, path):
+    """A part as the file that is cut has it, to a thousandth of a mm."""
+    gk.write(replace(one, count=1), path / "one.dxf", tolerance=1e-3)
+    loops = {"CUT": [], "HOLE": []}
+    for entity in ezdxf.readfile(path / "one.dxf").modelspace().query("LWPOLYLINE CIRCLE"):
+        if entity.dxf.layer in loops:
+            at = entity.flattening(1e-3) if entity.dxftype() == "CIRCLE" else entity.vertices_in_wcs()
+            loops[entity.dxf.layer].append([(p.x, p.y) for p in at])
+    ((outline,), holes) = loops.values()
+    return shapely.Polygon(outline, holes)
+
+
+def pieces_and_openings(plate, width):
+    """What is left of a plate whose every edge is worn off by half a width."""
+    left = plate.buffer(-width / 2, quad_segs=64)
+    kept = [one for one in getattr(left, "geoms", [left]) if one.area > 1e-3]
+    return len(kept), sum(len(one.interiors) for one in kept)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["crank-rocker", "whitworth", "gear-pair", "motor-gear", "planetary", "lantern", "undercut-gear", "flat-cam"],
+)
+def test_a_part_of_the_gallery_falls_apart_when_its_thinnest_wall_is_worn_off(name, tmp_path):
+    """Openings run together or to the edge, or necks part, as soon as that much is worn off the file that is cut."""
+    recipe = gk.load(f"recipes/{name}.toml")
+    assert list(recipe.walls) == [one.name for one in recipe.parts]
+    for one in recipe.parts:
+        plate, wall = plate_in_file(one, tmp_path), recipe.walls[one.name]
+        sound = (1, len(plate.interiors))
+        assert pieces_and_openings(plate, wall - 0.01) == sound != pieces_and_openings(plate, wall + 0.01)
+
+
+def turned(one, share):
+    """The section of a twisted part at a share of its height, as a polygon: of its outline or its holes what moves."""
+    loops = [gk.flatten(curve, 5e-3) for curve in (one.outline, *one.holes)]
+    pose = one.twist.at(share)
+    moves = [True] + [False] * len(one.holes) if one.twist.moves == "outline" else [False] + [True] * len(one.holes)
+    placed = [pose.origin + pose.direction * z if move else z for z, move in zip(loops, moves)]
+    return shapely.Polygon(gk.plane.xy(placed[0]), [gk.plane.xy(z) for z in placed[1:]])
+
+
+KEYED_HELICAL = """
+kind = "spur-gear"
+helix_angle_deg = 35
+gear = { teeth = 20, module = 2 }
+stock = { thickness = 14, bore = 24, bore_form = "keyed" }
+"""
+RACK_ON_PINS = """
+kind = "rack-and-pinion"
+helix_angle_deg = 20
+pinion = { teeth = 14, module = 2, profile_shift = 0.2 }
+rack = { teeth = 16, module = 2 }
+stock = { thickness = 8, bore = 6 }
+base = {}
+"""
+
+
+@pytest.mark.parametrize("text", [KEYED_HELICAL, RACK_ON_PINS])
+def test_a_twisted_parts_wall_is_the_least_of_all_its_slices(text):
+    recipe = gk.load(text)
+    one = next(one for one in recipe.parts if one.twist and len(one.holes) in (1, 2) and one.name != "pinion")
+    slices = [turned(one, share) for share in np.linspace(0, 1, 61)]
+    least = min(plate.exterior.distance(hole) for plate in slices for hole in plate.interiors)
+    assert recipe.walls[one.name] == pytest.approx(least, abs=0.02)
+    bottom = min(slices[0].exterior.distance(hole) for hole in slices[0].interiors)
+    assert bottom > least + 0.2 or one.name == "rack"
+
+
+def test_every_part_tells_its_wall_in_the_summary_and_on_the_page(tmp_path):
+    gk.make("recipes/three-poses.toml", tmp_path, only=["page"])
+    told = json.loads((tmp_path / "three-poses" / "summary.json").read_text())
+    walls = {one["name"]: one["thinnest_wall_mm"] for one in told["parts"]}
+    assert walls == {"ground": 4.9, "crank": 4.9, "coupler": 4.9, "rocker": 4.9, "poses": None}
+    table = re.search(r'<section id="parts">.*?</table>', (tmp_path / "three-poses" / "three-poses.html").read_text())[
+        0
+    ]
+    assert "Thinnest wall, mm" in table and table.count("<td>4.9</td></tr>") == 4 and "<td>none</td></tr>" in table
+
+
+def test_walls_are_worked_out_once(monkeypatch, tmp_path):
+    from geomkin import walls
+
+    asked, known = [], walls.thinnest_wall
+    monkeypatch.setattr(walls, "thinnest_wall", lambda one, limit: asked.append(one.name) or known(one, limit))
+    gk.make("recipes/motor-gear.toml", tmp_path, only=["page"])
+    assert asked == ["gear", "motor_plate"]

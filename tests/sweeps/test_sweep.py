@@ -341,6 +341,18 @@ def test_the_page_tells_and_plots_what_the_file_tells(file, tmp_path):
         assert line["row"] == [pytest.approx(float(value), rel=1e-5) if value else None for value in told]
 
 
+def test_the_page_counts_rows_whose_checks_all_hold(file, tmp_path):
+    sweep = gk.sweep(file, {"linkage.rocker": [70, 25, 500]}, (), tmp_path)
+    files = bytes_of(sweep)
+    rows = rows_of(files["bar.sweep.csv"])
+    failed, refused = ([bool(row[what]) for row in rows] for what in ("failed", "refused"))
+    # A row that fails one check has others that hold.
+    assert any(failed) and any(refused) and not any(map(bool.__and__, failed, refused))
+    sound = [a or b for a, b in zip(failed, refused)].count(False)
+    assert sound == 1
+    assert f"in {sound} all checks hold; {sum(refused)} the recipe refuses" in files["bar.sweep.html"].decode()
+
+
 def test_texts_of_a_recipe_stay_texts(tmp_path):
     nasty = ["=cmd|'/C calc'!A0", "</script><img src=x onerror=alert(1)>", "\u202ea"]
     sweep = gk.sweep(

@@ -7,6 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import circle_of_sliders, dyads_through, image_poles, poles
+from geomkin.synthesis.guidance.constraint import Pairs, sharpened
 from tests.synthesis.known import apart, known_linkages
 
 
@@ -268,3 +269,19 @@ def test_the_order_of_poses_does_not_matter():
     for order in itertools.islice(itertools.permutations(poses), 1, 120, 17):
         again = dyads_through(list(order))
         assert np.sort_complex(again.fixed) == pytest.approx(np.sort_complex(first.fixed), rel=1e-7)
+
+
+def test_a_pair_that_is_a_little_off_is_brought_onto_its_circle():
+    rng = np.random.default_rng(8)
+    gained = []
+    for known in known_linkages(rng, 40, 5):
+        if any(known.fixed_far) or any(known.moving_far):
+            continue
+        z, u = (np.array(row) for row in zip(*((place, np.exp(1j * angle)) for place, angle in known.poses)))
+        off = 1e-6 * np.exp(1j * rng.uniform(0, 2 * np.pi, (2, 2)))
+        never = np.zeros(2, dtype=bool)
+        pairs = sharpened(z, u, Pairs(np.array(known.fixed) + off[0], np.array(known.moving) + off[1], never, never))
+        # How far the distance between the two varies over the poses, told by itself.
+        length = np.abs(z + u * pairs.moving[:, None] - pairs.fixed[:, None])
+        gained += list(np.ptp(length, axis=1))
+    assert len(gained) >= 8 and np.median(gained) < 1e-12

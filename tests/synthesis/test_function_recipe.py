@@ -108,3 +108,10 @@ def test_what_is_wrong_is_told_with_its_key(old, new, words, tmp_path):
     with pytest.raises(gk.RecipeError, match=words):
         gk.make(gk.load(FOUR_BAR.replace(old, new)), tmp_path)
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
+def test_the_plot_of_the_error_has_the_limits_it_is_judged_by(text):
+    recipe = gk.load(text + "largest_error_" + ("mm" if "slider" in text else "deg") + " = 0.25\n")
+    plot = next(plot for plot in recipe.scene.plots if plot.limits and "error" in plot.title)
+    assert sorted(limit.value for limit in plot.limits) == [-0.25, 0.25]

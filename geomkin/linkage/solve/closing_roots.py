@@ -57,12 +57,24 @@ class Roots:
     __repr__ = one_line
 
     @cached_property
+    def square_1(self) -> Real:
+        """f1^2."""
+        return plus(self.x * self.x, self.gaps.d1)
+
+    @cached_property
+    def square_2(self) -> Real:
+        """f2^2."""
+        return plus(self.y * self.y, self.gaps.d2)
+
+    @cached_property
     def f1(self) -> Real:
-        return _root(self.gaps.d1, self.x, self.gaps.change_1)
+        root = np.sqrt(self.square_1)
+        return root if self.gaps.change_1 is False else np.where(self.gaps.change_1, self.x, root)
 
     @cached_property
     def f2(self) -> Real:
-        return _root(self.gaps.d2, self.y, self.gaps.change_2)
+        root = np.sqrt(self.square_2)
+        return root if self.gaps.change_2 is False else np.where(self.gaps.change_2, self.y, root)
 
     @cached_property
     def p1(self) -> Real:
@@ -87,8 +99,8 @@ class Roots:
 
     def tau_rate(self) -> Real:
         """Its derivative by t."""
-        one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / times(self.f2 * self.f2, self.f2)
-        two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / times(self.f1 * self.f1, self.f1)
+        one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / (self.square_2 * self.f2)
+        two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / (self.square_1 * self.f1)
         # What a vanished constant multiplies is finite in the limit, but 0/0 at the very point.
         one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
         two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
@@ -148,11 +160,6 @@ class StrokeRoot:
         squares = [float(self.most), float(self.least)]
         ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
         return [x for end in ends for x in (end, -end)]
-
-
-def _root(d: Real, x: Real, change: Mask | bool) -> Real:
-    root = np.sqrt(plus(x * x, d))
-    return root if change is False else np.where(change, x, root)
 
 
 def half_limits(gaps: Gaps) -> list[float]:

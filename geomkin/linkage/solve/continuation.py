@@ -32,8 +32,9 @@ SHORTEST = 1e-13
 # path's own length: what is missed after it is its square. Longer, and the path's direction is told worse than a cubic
 # between two points is; where the drive turns back the direction tells the limit, and steps go on to rounding.
 NEAR_ENOUGH, SLOW = 1e-5, 1e-3
-# Halvings that a place between two points is found by: it is a guess, and they go on to a millionth of its own error.
-HALVINGS = 30
+# Share of the way between two points that a place there is found to, and in how many steps at most: it is a guess, and
+# they go on to a millionth of its own error.
+CLOSE, HALVINGS = 1e-9, 30
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
@@ -239,7 +240,7 @@ class _Arm:
             value, slopes = (v[0] for v in self._equations(point[None]))
             right[:-1, 0], right[-1, 0] = -value, along @ (guess - point)
             try:
-                step, ahead = np.linalg.solve(np.vstack([slopes, along]), right).T
+                step, ahead = np.linalg.solve(_over(slopes, along), right).T
             except np.linalg.LinAlgError:
                 return None
             size = float(np.abs(step).max())
@@ -284,7 +285,14 @@ def _length(vector: Real) -> float:
 
 def _side(slopes: Real, along: Real) -> float:
     """+1 or -1, the sign of the determinant of slopes over the path's direction."""
-    return float(np.linalg.slogdet(np.vstack([slopes, along]))[0])
+    return float(np.linalg.slogdet(_over(slopes, along))[0])
+
+
+def _over(slopes: Real, along: Real) -> Real:
+    """Slopes over a direction, (n + 1, n + 1), in a third of the time that `vstack` takes."""
+    square = np.empty((len(along), len(along)))
+    square[:-1], square[-1] = slopes, along
+    return square
 
 
 def _between(points: Real, ways: Real, drive: Real) -> Real:
@@ -300,11 +308,18 @@ def _between(points: Real, ways: Real, drive: Real) -> Real:
     third = (two - one) - first - second
     a, b, c = (power[:, -1] for power in (first, second, third))
     low, high, way = np.zeros(len(drive)), np.ones(len(drive)), drive - one[:, -1]
+    s = way / (a + b + c)
     for _ in range(HALVINGS):
-        s = 0.5 * (low + high)
-        short = s * (a + s * (b + s * c)) < way
-        low, high = np.where(short, s, low), np.where(short, high, s)
-    s = (0.5 * (low + high))[:, None]
+        missed = s * (a + s * (b + s * c)) - way
+        low, high = np.where(missed < 0, s, low), np.where(missed < 0, high, s)
+        with np.errstate(all="ignore"):
+            there = s - missed / (a + s * (2 * b + 3 * s * c))
+        # Where Newton's step leads out of what is left, as beside a limit, that is halved.
+        there = np.where((low <= there) & (there <= high), there, 0.5 * (low + high))
+        far, s = np.abs(there - s).max(initial=0.0), there
+        if far < CLOSE:
+            break
+    s = s[:, None]
     found: Real = one + s * (first + s * (second + s * third))
     found[:, -1] = drive
     return found

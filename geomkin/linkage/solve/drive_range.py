@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -53,7 +54,7 @@ class DriveRange:
     def _at(self, q: Real) -> Poses:
         """Drives against all linkages, with nothing placed but the fixed body."""
         column = q.reshape(-1, *(1,) * len(self.linkages))
-        origin, turn = np.zeros((), dtype=complex), np.ones((), dtype=complex)
+        origin, turn = np.zeros((), dtype=complex), np.asarray(1 + 0j)
         return Poses({self.linkage.ground: origin}, {self.linkage.ground: turn}, column, {}, self._before_loops)
 
     def _posed(self, p: Poses, placements: Sequence[Placement]) -> Poses:
@@ -84,9 +85,12 @@ class DriveRange:
 
     def _before_loops(self, q: Real) -> tuple[Poses, Coefficients]:
         """Poses and first coefficients at drives (n,) of all placements but those that look between the frames."""
-        placements = [placement for placement in self.placements if not isinstance(placement, Loops)]
-        p0 = self._posed(self._at(q), placements)
-        return p0, self.first(p0, placements)
+        p0 = self._posed(self._at(q), self._known)
+        return p0, self.first(p0, self._known)
+
+    @cached_property
+    def _known(self) -> list[Placement]:
+        return [placement for placement in self.placements if not isinstance(placement, Loops)]
 
     def sign(self, placement: Placement, p: Poses) -> Whole | int:
         """The sign that a placement takes where those before it stand."""

@@ -123,15 +123,15 @@ class DrivenRRR(CrankDriven):
         x, y = roots.x, roots.y
         square = y * y
         over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
-        along, left = plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d)
+        u = paired(plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d))
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
         p0.kept[self] = roots, over, p
-        bar = paired(p * along - r * left, p * left + r * along)
+        bar = paired(p, r) * u
         if sizes.kite is not False:
             # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
-            limit = 0.5 * (along + 1j * left) + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
+            limit = 0.5 * u + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
-        other = paired(bar.real - along, bar.imag - left)
+        other = bar - u
         p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0], used=True)
         p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1], used=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -29,10 +29,10 @@ class Timing:
 
     __repr__ = one_line
 
-    @cached_property
+    @property
     def steady(self) -> bool:
         """Whether the speed is one number that stays."""
-        return np.ndim(self.acceleration) == 0 and bool(self.acceleration == 0)
+        return not self.acceleration.ndim and not self.acceleration.item()
 
     def rate(self, first: Numbers) -> Numbers:
         """d/dt of what has the first kinematic coefficient `first`."""
@@ -72,9 +72,10 @@ def linkage_formulas(
 ) -> Formulas:
     """Of placements on these branches, where formulas tell all; timing tells no more than which of its numbers stay.
 
-    By group: "directions" of all bodies and whether they are "closed"; "first" and "second" coefficients of their
+    By group: "direction" of all bodies and whether they are "closed"; "first" and "second" coefficients of their
     angles, "omega" and "alpha"; "angle", of transmission; and (what, body) for a point of a body, `what` as of a
-    `PointMotion`. They start from the drive, speed, acceleration and, of a point, its place `local`.
+    `PointMotion`, (what, body, name) for one that the linkage names. They start from the drive, speed, acceleration
+    and, of a point without a name, its place `local`.
     """
     tape, ground = Tape(), linkage.ground
     p0 = Poses({ground: np.zeros((), complex)}, {ground: np.ones((), complex)}, tape.start("drive"))
@@ -93,20 +94,51 @@ def linkage_formulas(
         angles = [angle for one in placements if (angle := one.transmission_angle(p0)) is not None]
         directions = {body: p0.turn[body] * linkage.ahead for body in linkage.bodies}
         found: dict[Any, dict[str, Any]] = {
-            "directions": {**directions, "": reduce(np.logical_and, reached) if reached else np.True_},
+            "direction": {**directions, "": reduce(np.logical_and, reached) if reached else np.True_},
             "first": p1.turn,
             "second": p2.turn,
             "omega": {body: timing.rate(turn) for body, turn in p1.turn.items()},
             "alpha": {body: timing.gain(turn, p2.turn[body]) for body, turn in p1.turn.items()},
             "angle": {"": reduce(np.fmin, angles) if angles else np.nan},
         }
-        for body, direction in directions.items():
-            arm = direction * local
-            origin, origin_1, origin_2 = (p.origin[body] * linkage.ahead for p in (p0, p1, p2))
-            first = first_of(arm, p1.turn[body], origin_1)
-            second = second_of(arm, p1.turn[body], p2.turn[body], origin_2)
-            found["position", body] = {"": arm + (origin + linkage.origin if linkage.shifted else origin)}
-            found["first", body], found["second", body] = {"": first}, {"": second}
-            found["velocity", body] = {"": timing.rate(first)}
-            found["acceleration", body] = {"": timing.gain(first, second)}
-    return Formulas(tape, {group: {k: tape.result(v) for k, v in table.items()} for group, table in found.items()})
+        origins = {body: tuple([p.origin[body] * linkage.ahead for p in (p0, p1, p2)]) for body in linkage.bodies}
+    moved = Moved(linkage, directions, origins, p1.turn, p2.turn, timing)
+    groups: dict[Any, Mapping[str, Any]] = {
+        group: {k: tape.result(v) for k, v in table.items()} for group, table in found.items()
+    }
+    for body in linkage.bodies:
+        groups |= {(what, body): {body: tape.result(value)} for what, value in moved.point(body, local).items()}
+    return Formulas(tape, groups, moved)
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """How bodies move, by their names, as values on a tape: directions, origins, derivatives of both by the drive."""
+
+    linkage: Linkage
+    directions: Mapping[str, Any]
+    origins: Mapping[str, tuple[Any, ...]]
+    first: Mapping[str, Any]
+    second: Mapping[str, Any]
+    timing: Timing
+
+    __repr__ = one_line
+
+    def named(self, body: str, name: str) -> dict[str, Any]:
+        """Of a point that the linkage names, all that a `PointMotion` tells of it."""
+        place = self.linkage.bodies[body][name]
+        return self.point(body, np.asarray(place, dtype=complex))
+
+    def point(self, body: str, local: Any) -> dict[str, Any]:
+        """The same of a body's point at a place of its own."""
+        linkage, turn, turn_2 = self.linkage, self.first[body], self.second[body]
+        with np.errstate(all="ignore"):
+            arm, (origin, origin_1, origin_2) = self.directions[body] * local, self.origins[body]
+            first, second = first_of(arm, turn, origin_1), second_of(arm, turn, turn_2, origin_2)
+            return {
+                "position": arm + (origin + linkage.origin if linkage.shifted else origin),
+                "first": first,
+                "second": second,
+                "velocity": self.timing.rate(first),
+                "acceleration": self.timing.gain(first, second),
+            }

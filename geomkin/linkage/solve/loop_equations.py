@@ -14,6 +14,10 @@ from .placement import Coefficients, Poses
 
 # Origins, mm, and turns of all bodies, (..., bodies): unit complex, or derivatives of the angle.
 State = tuple[Complex, Array]
+# Origins of bodies, mm, and arms from them, mm.
+Ends = tuple[Complex, Complex]
+# Which of a row: in even steps, which take a fifth of the time, or one by one.
+Places = slice | Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,33 +113,37 @@ class LoopEquations:
         ends = np.cumsum([0, pins, pins, rails, rails]).tolist()
         return slice(*ends[0:2]), slice(*ends[1:3]), slice(*ends[2:4]), slice(*ends[3:5])
 
-    def conditions(self, order: int, states: list[State]) -> Real:
+    def ends(self, state: State) -> Ends:
+        """Points that joints keep in place: their bodies' origins, and the arms from there to them, (..., points)."""
+        bodies, places = self._ends
+        return state[0].take(bodies, axis=-1), state[1].take(bodies, axis=-1) * places
+
+    def conditions(self, order: int, states: list[State], ends: Ends) -> Real:
         """How far every joint is from closing, (..., rows), or the derivative of that of an order.
 
-        states: the pose and its derivatives up to that order.
+        states: the pose and its derivatives up to that order; ends: those of the pose.
         """
-        bodies, places = self._ends
-        arms = states[0][1][..., bodies] * places
+        bodies, (origins, arms) = self._ends[0], ends
 
-        def ends(k: int) -> Complex:
+        def moving(k: int) -> Complex:
             if k == 0:
-                at: Complex = states[0][0][..., bodies] + arms
+                at: Complex = origins + arms
                 return at
-            h = states[1][1][..., bodies]
+            h = states[1][1].take(bodies, axis=-1)
             if k == 1:
-                return states[1][0][..., bodies] + 1j * h * arms
-            gain: Complex = (1j * states[2][1][..., bodies] - h**2) * arms
-            return states[2][0][..., bodies] + gain
+                return states[1][0].take(bodies, axis=-1) + 1j * h * arms
+            gain: Complex = (1j * states[2][1].take(bodies, axis=-1) - h**2) * arms
+            return states[2][0].take(bodies, axis=-1) + gain
 
         one, two, own, other = self._parts
-        moved = ends(order)
+        moved = moving(order)
         pins = moved[..., one] - moved[..., two]
-        rows: list[Array] = [pins.real / self.size, pins.imag / self.size]
+        told: Real = np.concatenate([pins.real, pins.imag], axis=-1) / self.size
         body, _, guide, _, direction, turn, both = self._rails
         if not len(body):
-            return np.concatenate(rows, axis=-1)
+            return told
         line = np.conj(states[0][1][..., guide] * direction)
-        apart = [here[..., own] - here[..., other] for here in (*map(ends, range(order)), moved)]
+        apart = [here[..., own] - here[..., other] for here in (*map(moving, range(order)), moved)]
         if order == 0:
             off = line * apart[0]
         elif order == 1:
@@ -146,17 +154,16 @@ class LoopEquations:
         turns = states[order][1][..., body[both]], states[order][1][..., guide[both]]
         # The angle and not its sine, which would take a body that stands the wrong way round for a right one.
         askew = np.angle(turns[0] * np.conj(turns[1] * turn[both])) if order == 0 else turns[0] - turns[1]
-        rows += [off.imag / self.size, askew]
+        rows: list[Array] = [told, off.imag / self.size, askew]
         if self.driven:
             ahead = off.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
             rows.append(ahead[..., None] / self.size)
         return np.concatenate(rows, axis=-1)
 
-    def jacobian(self, state: State) -> Real:
+    def jacobian(self, state: State, ends: Ends) -> Real:
         """d(conditions)/d(unknowns), (..., rows, columns): how every joint's ends move where one unknown alone does."""
-        bodies, places = self._ends
         _, _, own, other = self._parts
-        origin, turned = state[0][..., bodies], state[1][..., bodies] * places
+        origin, turned = ends
         arms: Complex = 1j * turned
         ways: list[Array] = [arms]
         if len(self._rails[0]):
@@ -167,8 +174,8 @@ class LoopEquations:
         fixed, row, column, of, sign = self._slopes
         slopes: Real = np.empty((*state[0].shape[:-1], *fixed.shape))
         slopes[...] = fixed
-        parts = np.ascontiguousarray(np.concatenate(ways, axis=-1)).view(float)
-        slopes[..., row, column] = parts[..., of] * sign / self.size
+        parts = np.concatenate(ways, axis=-1) if len(ways) > 1 else np.ascontiguousarray(arms)
+        slopes[..., row, column] = parts.view(float).take(of, axis=-1) / (sign * self.size)
         return slopes
 
     @cached_property
@@ -199,11 +206,11 @@ class LoopEquations:
         return fixed, rows, columns, parts, signs.astype(float)
 
     @cached_property
-    def _unknowns(self) -> tuple[tuple[Whole, Whole], ...]:
+    def _unknowns(self) -> tuple[tuple[Places, Places], ...]:
         """Of x, y and the angle: which columns tell it, and of which bodies."""
         told = [[(k, body) for k, (body, a) in enumerate(self.columns) if a == axis] for axis in ("x", "y", "angle")]
         pairs = [np.array(one, dtype=int).reshape(-1, 2).T for one in told]
-        return tuple((columns, bodies) for columns, bodies in pairs)
+        return tuple((_places(columns), _places(bodies)) for columns, bodies in pairs)
 
     def moving(self, rates: Real) -> State:
         """What bodies do, (..., bodies), where the unknowns move at `rates`, (..., columns), and nothing else does."""
@@ -249,7 +256,7 @@ class LoopEquations:
         least = np.full(len(state[0]), np.nan)
         known = np.isfinite(state[0]).all(axis=-1) & np.isfinite(state[1]).all(axis=-1)
         here = state[0][known], state[1][known]
-        jacobian = self.jacobian(here)
+        jacobian = self.jacobian(here, self.ends(here))
         regular = np.linalg.slogdet(jacobian)[0] != 0
         here = here[0][regular], here[1][regular]
         # Rows: what all bodies do where one condition alone is missed by 1.
@@ -296,3 +303,10 @@ class LoopEquations:
     def _way(self, state: State, moves: State, body: int, z: complex) -> Complex:
         """How a point moves, in units of size, (frames, moves)."""
         return (moves[0][..., body] + 1j * moves[1][..., body] * (state[1][:, body] * z)[:, None]) / self.size
+
+
+def _places(which: Whole) -> Places:
+    steps = {*np.diff(which).tolist()} or {1}
+    step = steps.pop()
+    even = len(which) and not steps and step > 0
+    return slice(int(which[0]), int(which[-1]) + 1, step) if even else which

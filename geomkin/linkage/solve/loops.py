@@ -131,9 +131,10 @@ class Loops(Placement):
             passes = elsewhere(points[:, -1] * self._unit)
             states = [self.equations.gathered(p, len(points)) for p in passes]
             states[0] = self.equations.posed(states[0], points[:, :-1])
-            by_drive = self._unit * self.equations.conditions(1, states)
-            slopes = np.concatenate([self.equations.jacobian(states[0]), by_drive[..., None]], axis=-1)
-            return self.equations.conditions(0, states), slopes
+            ends = self.equations.ends(states[0])
+            by_drive = self._unit * self.equations.conditions(1, states, ends)
+            slopes = np.concatenate([self.equations.jacobian(states[0], ends), by_drive[..., None]], axis=-1)
+            return self.equations.conditions(0, states, ends), slopes
 
         return at
 
@@ -179,8 +180,9 @@ class Loops(Placement):
         """The waiting bodies' derivatives: linear equations whose right side is what the others' motion does."""
         known: tuple[Poses | Coefficients, ...] = (poses, *orders)
         states = [self.equations.gathered(p, len(poses.drive)) for p in known]
-        right = -self.equations.conditions(len(orders), states)
-        moved = self.equations.moving(solved(self.equations.jacobian(states[0]), right))
+        ends = self.equations.ends(states[0])
+        right = -self.equations.conditions(len(orders), states, ends)
+        moved = self.equations.moving(solved(self.equations.jacobian(states[0], ends), right))
         for name in self.waiting:
             k = self.equations.names.index(name)
             orders[-1].origin[name] = states[-1][0][:, k] + moved[0][:, k]

@@ -8,9 +8,10 @@ import numpy as np
 
 from ...arguments import Reals, checked
 from ...errors import DesignError
+from ...plane.vec import Real
 from ..linkage import AnyLinkage, Linkage
 from ..motion import Motion
-from .branch import Branch, chosen
+from .branch import Branch, Chosen, chosen
 from .dyads import Dyad
 from .formulas import Timing
 from .placement import Placement
@@ -39,18 +40,27 @@ def move(
     q = q if q.ndim else q[None]
     if q.ndim != 1:
         raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
-    times = [np.asarray(v, dtype=float) for v in (speed, acceleration)]
-    for name, v in zip(("speed", "acceleration"), times):
-        if v.ndim and v.shape != q.shape:
-            raise DesignError(name, f"found shape {v.shape}", f"give a number or {q.shape} of them")
-    timing = Timing(*(v.reshape(-1, *(1,) * len(general.shape)) if v.ndim else v for v in times))
+    timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
     asked = chosen(branch)
-    return Motion(general, q, timing, LinkageSolution(general, planned(general, asked), q, asked, timing))
+    return Motion(general, q, timing, LinkageSolution(general, _planned(general, asked), q, asked, timing))
+
+
+def _time(name: str, told: Reals, drive: Real, linkage: Linkage) -> Real:
+    """Speed or acceleration as a number, or over all frames and linkages."""
+    values = np.asarray(told, dtype=float)
+    if not values.ndim:
+        return values
+    if values.shape != drive.shape:
+        raise DesignError(name, f"found shape {values.shape}", f"give a number or {drive.shape} of them")
+    return values.reshape(-1, *(1,) * len(linkage.shape))
 
 
 def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
     """How the bodies are placed on a branch; DesignError for joints or points that the linkage has not."""
-    asked = chosen(branch)
+    return _planned(linkage, chosen(branch))
+
+
+def _planned(linkage: Linkage, asked: Chosen) -> tuple[Placement, ...]:
     told = replace(linkage, estimate={**linkage.estimate, **asked.near}) if asked.near else linkage
     placements = plan(told, asked.follow)
     if asked.signs or asked.near:

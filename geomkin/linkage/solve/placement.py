@@ -181,7 +181,7 @@ class Turned(Placement):
         p0.turn[self.body] = paired((cosine - sine) * (cosine + sine), 2 * sine * cosine)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        p1.turn[self.body] = np.ones(())
+        p1.turn[self.body] = np.asarray(1.0)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         p2.turn[self.body] = np.zeros(())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
+from contextvars import Context
 from dataclasses import dataclass, field
 from math import prod
 from operator import itemgetter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,15 +20,19 @@ from .tape import VIEWS, Operation, Step, Tape
 # to the processor; fewer, and calling the steps takes longer than they do.
 BLOCK = 4096
 
-# Frames of one linkage up to which a program keeps a bench, and how many benches there are. More frames, and finding
-# the arrays anew is nothing beside their arithmetic; fewer benches, and a motion's programs drive each other out.
-SMALL, BENCHES = 1024, 16
+# Frames of one linkage up to which a program keeps a bench; how many benches a thread has, and of how many frames in
+# all, each of which takes some 400 bytes. More, and finding the arrays anew is nothing beside their arithmetic; fewer
+# in all, and the programs of a motion drive each other out.
+SMALL, BENCHES, ROOM = 4096, 16, 16_384
 
 # Operations that take longer than to write their result to memory and to read it back.
 DEAR = {np.cos, np.sin}
 
+# Results by what they tell: of all bodies, or as (what, body) or (what, body, name) of a point.
+Group = str | tuple[str, ...]
 # What is worked out together.
-Batch = frozenset[Hashable]
+Batch = frozenset[Group]
+NOTHING: Batch = frozenset()
 # A result: its number on the tape, or the constant that it is.
 Result = int | Array
 # The kind of a value by its letter, and its extent.
@@ -35,44 +40,59 @@ Sort = tuple[str, int]
 LETTERS = {float: "d", complex: "D", bool: "?"}
 
 
+class Points(Protocol):
+    """What tells of points that have names."""
+
+    def named(self, body: str, name: str) -> Mapping[str, Any]:
+        """What is known of a body's point, as values on the tape."""
+
+
 @dataclass(frozen=True, eq=False)
 class Formulas:
     """A tape with names for its results, in groups, and programs for batches of these.
 
-    asked: which groups were asked for last, of the linkage and of a point of each body.
+    points: what tells of named points, of which the tape takes those that are asked for. asked: which groups were asked
+    for last, of the linkage with its named points, and of any other point of each body; usual: the same as a batch.
     """
 
     tape: Tape
-    groups: Mapping[Hashable, Mapping[str, Result]]
-    programs: dict[tuple[Hashable, ...], Program] = field(default_factory=dict)
-    asked: dict[str, set[Hashable]] = field(default_factory=dict)
+    groups: dict[Group, Mapping[str, Result]]
+    points: Points
+    programs: dict[tuple[Batch, ...], Program] = field(default_factory=dict)
+    asked: dict[str, set[Group]] = field(default_factory=dict)
+    usual: dict[str, Batch] = field(default_factory=dict)
 
     __repr__ = one_line
 
-    def program(self, done: tuple[Batch, ...], keeping: bool) -> Program:
-        """That of the last of these batches, after all others.
+    def start(self, of: str) -> tuple[Batch, set[Group]]:
+        """What was asked for the last time, and where what is asked for from now on is noted."""
+        before, usual = self.asked.get(of, NOTHING), self.usual.get(of, NOTHING)
+        if before != usual:
+            # Else it stays the same thing, which is found among the programs in a tenth of the time of an equal one.
+            usual = self.usual[of] = frozenset(before)
+        self.asked[of] = now = set[Group]()
+        return usual, now
 
-        keeping: what other groups go on from as well; otherwise they work it out again, but for what is dear.
-        """
-        key = keeping, *done
-        if key not in self.programs:
+    def name(self, body: str, name: str) -> None:
+        """Put what is told of a named point on the tape, by groups (what, body, name)."""
+        with _recording:
+            told = self.points.named(body, name).items()
+            self.groups.update({(what, body, name): {body: self.tape.result(value)} for what, value in told})
+
+    def program(self, done: tuple[Batch, ...]) -> Program:
+        """That of the last of these batches, after all others, which goes on from what they keep."""
+        if done not in self.programs:
             before: set[int] = set()
             for k in range(1, len(done)):
-                earlier = self.program(done[:k], keeping)
-                before.update(earlier.steps if keeping else earlier.kept)
+                before.update(self.program(done[:k]).kept)
             own = self._leading(done[-1], before)
-            if keeping:
-                after = set().union(*(self._leading(frozenset([group]), before | own) for group in self.groups))
-                wanted = {base(self.tape, one) for number in after for one in self.tape.steps[number].of}
-            else:
-                wanted = {one for one in own if self.tape.steps[one].operation in DEAR}
-            # Of what was worked out on the way, what points go on from is kept as well, and no points.
-            named = [
-                group for name, group in self.groups.items() if keeping or isinstance(name, str) or name in done[-1]
-            ]
-            wanted = wanted.union(one for group in named for one in group.values() if isinstance(one, int))
-            self.programs[key] = Program.of(self.tape, sorted(own), own & wanted)
-        return self.programs[key]
+            # Of what was worked out on the way, what is dear and what points go on from is kept as well, and no points.
+            wanted = {one for one in own if self.tape.steps[one].operation in DEAR}
+            for name, group in list(self.groups.items()):
+                if isinstance(name, str) or name in done[-1]:
+                    wanted.update(one for one in group.values() if isinstance(one, int))
+            self.programs[done] = Program.of(self.tape, sorted(own), own & wanted)
+        return self.programs[done]
 
     def _leading(self, batch: Batch, before: set[int]) -> set[int]:
         """The steps that lead to some groups from what was made before."""
@@ -150,11 +170,12 @@ class Program:
         """Add what is kept to the values, (frames,) or (frames, linkages), (frames, 1) where it is alike for all."""
         if frames <= min(SMALL, BLOCK) and not linkages:
             # Taken away while it is run, and put back as the youngest.
-            bench = _own.benches.pop((self, frames), None) or Bench(self, frames)
+            bench = _own.benches.pop((self, frames), None)
+            if bench is None:
+                bench = Bench(self, frames)
+                _own.make_room(frames)
             bench.run(values)
             _own.benches[self, frames] = bench
-            if len(_own.benches) > BENCHES:
-                del _own.benches[next(iter(_own.benches))]
             return
         constants = [self.tape.constants[number] for number in self.fixed]
         full = _arrays(self.kept_sorts, frames, linkages)
@@ -162,18 +183,19 @@ class Program:
         full = [*[values[number] for number in self.given], *full]
         rows = max(1, min(frames, BLOCK // max(1, prod(linkages))))
         made = _arrays(self.made_sorts, rows, linkages)
-        for start in range(0, frames, rows):
-            end = min(frames, start + rows)
-            if end - start == frames:
-                places = [*constants, *full, *made]
-            else:
-                # What is alike at every frame is one number, or a row of one.
-                parts = [array[start:end] if array.ndim and len(array) == frames else array for array in full]
-                places = [*constants, *parts, *(made if end - start == rows else [a[: end - start] for a in made])]
-            for place, part in self.views:
-                places.append(part(places[place]))
-            for operation, arguments in self.calls:
-                operation(*arguments(places))
+        with np.errstate(all="ignore"):
+            for start in range(0, frames, rows):
+                end = min(frames, start + rows)
+                if end - start == frames:
+                    places = [*constants, *full, *made]
+                else:
+                    # What is alike at every frame is one number, or a row of one.
+                    parts = [array[start:end] if array.ndim and len(array) == frames else array for array in full]
+                    places = [*constants, *parts, *(made if end - start == rows else [a[: end - start] for a in made])]
+                for place, part in self.views:
+                    places.append(part(places[place]))
+                for operation, arguments in self.calls:
+                    operation(*arguments(places))
 
 
 class Bench:
@@ -181,27 +203,44 @@ class Bench:
 
     def __init__(self, program: Program, frames: int):
         on = program.tape.steps
-        given = [_arrays([(_sort(on[number]), 1)], frames, ())[0] for number in program.given]
+        given = [_rooms(_sort(on[number]), 1, frames)[1][0] for number in program.given]
         self._given = list(zip(program.given, given))
         self._kept, own, first = [], list[Array](), 0
-        for (letter, extent), count in program.kept_sorts:
-            block = np.empty((count, frames if extent else 1), letter)
+        for sort, count in program.kept_sorts:
+            block, rows = _rooms(sort, count, frames)
             self._kept.append((program.kept[first : first + count], block))
-            own, first = [*own, *block], first + count
+            own, first = [*own, *rows], first + count
         constants = [program.tape.constants[number] for number in program.fixed]
-        places = [*constants, *given, *own, *_arrays(program.made_sorts, frames, ())]
+        made = [row for sort, count in program.made_sorts for row in _rooms(sort, count, frames)[1]]
+        places = [*constants, *given, *own, *made]
         for place, part in program.views:
             places.append(part(places[place]))
         self._calls = [(operation, arguments(places)) for operation, arguments in program.calls]
+        # In which NumPy does not warn: to enter it takes a thirtieth of the time of a new errstate.
+        self._quiet = Context()
+        self._quiet.run(np.seterr, all="ignore")
 
     def run(self, values: dict[int, Array]) -> None:
         """Add what is kept to the values, as arrays of their own."""
         for number, array in self._given:
             array[...] = values[number]
-        for operation, arguments in self._calls:
-            operation(*arguments)
+        self._quiet.run(self._call)
         for numbers, block in self._kept:
             values.update(zip(numbers, block.copy()))
+
+    def _call(self) -> None:
+        for operation, arguments in self._calls:
+            operation(*arguments)
+
+
+def _rooms(sort: Sort, count: int, frames: int) -> tuple[Array, list[Array]]:
+    """A block of so many values over frames, and each of them; what is alike at every frame as an array of no axis.
+
+    With such a one an operation takes half the time that it takes with a row of one.
+    """
+    letter, extent = sort
+    block = np.empty((count, frames if extent else 1), letter)
+    return block, [row if extent else row.reshape(()) for row in block]
 
 
 class _Own(threading.local):
@@ -210,8 +249,15 @@ class _Own(threading.local):
     def __init__(self) -> None:
         self.benches: dict[tuple[Program, int], Bench] = {}
 
+    def make_room(self, frames: int) -> None:
+        """For another bench of so many frames."""
+        while self.benches and (len(self.benches) >= BENCHES or frames + sum(each for _, each in self.benches) > ROOM):
+            del self.benches[next(iter(self.benches))]
+
 
 _own = _Own()
+# Two threads that put steps on a tape at once would give them the same numbers.
+_recording = threading.Lock()
 
 
 def shared(tape: Tape, steps: list[int], place: Mapping[int, int]) -> tuple[list[Sort], dict[int, int]]:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from importlib.util import find_spec
 from math import prod
 
-import numpy as np
-
 from ...plane.vec import Array
-from .program import BLOCK, SMALL, Batch, Formulas, Program
+from .program import NOTHING, Batch, Formulas, Group, Program
 
 # Steps of a program times frames times linkages from which the compiled loop is done before NumPy: where it is loaded,
 # and where it is to be loaded, which takes a second. Fewer, and its start takes longer than it saves; more, and what it
 # would save is not saved.
 WORTH_LOADED, WORTH_LOADING = 200_000, 1_000_000_000
+# Frames of one linkage up to which what was asked for the last time comes with what is asked for first. More, and what
+# is not asked for this time takes time and room; fewer, and what several results go on from is worked out for each.
+USUAL = 16_384
 
 
 class Worked:
@@ -35,30 +36,33 @@ class Worked:
         """
         self._formulas, self._frames, self._linkages = formulas, frames, linkages
         self._values = {formulas.tape.given[name]: value for name, value in given.items()}
-        self._known: set[Hashable] = set()
+        self._known = NOTHING
         self._done: tuple[Batch, ...] = ()
-        small = frames <= min(SMALL, BLOCK) and not linkages
-        self._usual = frozenset(formulas.asked.get(of, ()) if small else ())
-        self._asked: set[Hashable] = set()
-        formulas.asked[of] = self._asked
+        self._usual, self._asked = formulas.start(of)
+        if frames > USUAL or linkages:
+            self._usual = NOTHING
 
     def at(self, body: str, name: str, value: Array) -> Worked:
         """The same of a point of a body, with one more value given, and what is worked out so far."""
         other = Worked(self._formulas, self._frames, self._linkages, {name: value}, body)
         other._values |= self._values
-        other._done, other._known = self._done, set(self._known)
+        other._done, other._known = self._done, self._known
         return other
 
-    def value(self, group: Hashable, name: str = "") -> Array:
+    def value(self, group: Group, name: str) -> Array:
         """A result of a group."""
+        if group not in self._formulas.groups:
+            # Of a point that the linkage names.
+            self._formulas.name(*group[1:])
+        # Noted when it is on the tape: another motion may ask for it at once.
         self._asked.add(group)
         if group not in self._known:
-            batch = self._usual.union((group,)) - self._known
-            self._known |= batch
+            batch = self._usual if group in self._usual else self._usual.union((group,))
+            if self._known:
+                batch -= self._known
+            self._known = batch.union(self._known) if self._known else batch
             self._done = (*self._done, batch)
-            program = self._formulas.program(self._done, self._frames * prod(self._linkages) <= BLOCK)
-            with np.errstate(all="ignore"):
-                run(program, self._values, self._frames, self._linkages)
+            run(self._formulas.program(self._done), self._values, self._frames, self._linkages)
         result = self._formulas.groups[group][name]
         return self._values[result] if isinstance(result, int) else result
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ...plane.hulls import separation
 from ...plane.vec import Complex, Mask
-from .sweep import separation
 
 # Least distance of the two guide pins in widths of the bar. Nearer, the play of the pins in their slot lets the
 # plate cock and jam; farther makes plate and slot longer for nothing.

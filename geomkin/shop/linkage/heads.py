@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
+from ...plane.vec import Complex
 from .layers import Meetings, Run, runs
+from .near import Pair, meeting
 from .plates import Pin, Plate
-from .sweep import path_in
 
 # Shares of a sheet's thickness by which a head may be higher than whole layers: rounding must not add a layer.
 HAIR = 1e-9
 # Rounds in which gaps grow until no head meets a plate; each adds a layer, and no screw gets longer for ever.
 ROUNDS = 100
+# A pin and a plate, or two pins.
+Key = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -48,63 +52,107 @@ class Heads:
     reaches: tuple[Reach, ...]
     layers: Mapping[str, int]
     plates: Mapping[str, Plate]
-    _met: dict[tuple[str, str], list[Run]] = field(default_factory=dict)
+    _pairs: dict[Key, Pair] = field(default_factory=dict)
+    _met: dict[Key, bool] = field(default_factory=dict)
 
     def gaps(self) -> list[int]:
         """Empty layers above each layer but the highest, the fewest, from below, in which heads meet no plate."""
         gaps = [0] * max(self.layers.values())
         for _ in range(ROUNDS):
             wanted, places = list(gaps), placed(gaps)
-            up: dict[int, list[tuple[Pin, int]]] = {}
-            for reach in self.reaches:
-                below, above = (int(np.ceil(high - HAIR)) for high in self._ends(reach, places))
-                if self._meets(reach.pin, places, places[reach.last] + 1, places[reach.last] + above):
-                    wanted[reach.last] = max(wanted[reach.last], above)
-                if self._meets(reach.pin, places, places[reach.first] - below, places[reach.first] - 1):
-                    wanted[reach.first - 1] = max(wanted[reach.first - 1], below)
-                up.setdefault(reach.last, []).append((reach.pin, above))
-            for reach in self.reaches:
-                below = int(np.ceil(self._ends(reach, places)[0] - HAIR))
-                for pin, above in up.get(reach.first - 1, ()):
-                    if below and above and self._discs_meet(pin, reach.pin):
-                        wanted[reach.first - 1] = max(wanted[reach.first - 1], below + above)
+            asked = list(self._asked(places))
+            self._look(key for _, _, keys in asked for key in keys)
+            for gap, high, keys in asked:
+                if any(self._met[key] for key in keys):
+                    wanted[gap] = max(wanted[gap], high)
             if wanted == gaps:
                 break
             gaps = wanted
         return gaps
 
-    def _meets(self, pin: Pin, places: list[int], low: int, high: int) -> bool:
-        """Whether a pin's head meets a plate in layers from `low` to `high`."""
-        near = [name for name, layer in self.layers.items() if low <= places[layer] <= high]
-        return any(self._runs(pin, name) for name in near)
+    def _asked(self, places: list[int]) -> Iterator[tuple[int, int, list[Key]]]:
+        """Gaps, how high each must be where any of some pairs meets, and those pairs."""
+        up: dict[int, list[tuple[Pin, int]]] = {}
+        heights = []
+        for reach in self.reaches:
+            below, above = (int(np.ceil(high - HAIR)) for high in self._ends(reach, places))
+            heights.append(below)
+            yield (
+                reach.last,
+                above,
+                self._in_layers(reach.pin, places, places[reach.last] + 1, places[reach.last] + above),
+            )
+            yield (
+                reach.first - 1,
+                below,
+                self._in_layers(reach.pin, places, places[reach.first] - below, places[reach.first] - 1),
+            )
+            up.setdefault(reach.last, []).append((reach.pin, above))
+        for reach, below in zip(self.reaches, heights):
+            for pin, above in up.get(reach.first - 1, ()):
+                if below and above:
+                    yield reach.first - 1, below + above, [self._two_heads(pin, reach.pin)]
 
-    def _runs(self, pin: Pin, name: str) -> list[Run]:
-        """When a pin's head would meet a plate, were it in its layer."""
-        if (pin.name, name) not in self._met:
+    def _in_layers(self, pin: Pin, places: list[int], low: int, high: int) -> list[Key]:
+        """A pin's head and each plate in layers from `low` to `high`."""
+        return [self._head_and_plate(pin, name) for name, layer in self.layers.items() if low <= places[layer] <= high]
+
+    def _head_and_plate(self, pin: Pin, name: str) -> Key:
+        key = pin.name, name
+        if key not in self._pairs:
             stock, plate = self.meetings.stock, self.plates[name]
-            path = path_in(self.meetings.motion, plate.body, pin.body, pin.place)
-            near = stock.bar_width / 2 + stock.fastener_used.across / 2 + self.meetings.play
-            self._met[pin.name, name] = runs(path, path.gap(plate.centres) < near)
-        return self._met[pin.name, name]
+            near = stock.bar_width / 2 + self._across(pin) / 2 + self.meetings.play
+            self._pairs[key] = Pair(plate.body, self._hulls[name], pin.body, np.array([pin.place]), near)
+        return key
 
-    def _discs_meet(self, one: Pin, two: Pin) -> list[Run]:
-        """When heads of two pins would meet, were they in one layer."""
+    def _two_heads(self, one: Pin, two: Pin) -> Key:
         key = f"pin {one.name}", two.name
-        if key not in self._met:
-            path = path_in(self.meetings.motion, one.body, two.body, two.place)
-            near = self.meetings.stock.fastener_used.across + self.meetings.play
-            self._met[key] = runs(path, path.gap(np.array([one.place])) < near)
-        return self._met[key]
+        if key not in self._pairs:
+            near = (self._across(one) + self._across(two)) / 2 + self.meetings.play
+            self._pairs[key] = Pair(one.body, np.array([one.place]), two.body, np.array([two.place]), near)
+        return key
+
+    @cached_property
+    def _hulls(self) -> dict[str, Complex]:
+        return {name: plate.hull for name, plate in self.plates.items()}
+
+    def _look(self, keys: Iterable[Key]) -> None:
+        """Find out of pairs whether they would meet, were they in one layer."""
+        new = [key for key in dict.fromkeys(keys) if key not in self._met]
+        self._met.update(zip(new, meeting(self.meetings.motion, [self._pairs[key] for key in new]).tolist()))
 
     def _ends(self, reach: Reach, places: list[int]) -> tuple[float, float]:
-        """How far a pin stands out below and above, in layers: the nut is where it is out of the way."""
+        """How far a pin stands out below and above, in layers: the nut is where it is out of the way.
+
+        A motor's shaft ends with its plates.
+        """
+        if reach.pin.shaft:
+            return 0.0, 0.0
         stock = self.meetings.stock
         grip = (places[reach.last] - places[reach.first] + 1) * stock.thickness
         head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
         return (nut, head) if reach.first == 0 else (head, nut)
 
+    def _across(self, pin: Pin) -> float:
+        """Diameter of what is round about a pin, mm."""
+        return max(self.meetings.stock.fastener_used.across, pin.shaft)
+
+    def is_open(self, shaft: Reach) -> bool:
+        """Whether a motor's shaft may be longer than its plates: no plate and no pin above would meet it."""
+        plates = (name for name, layer in self.layers.items() if layer > shaft.last)
+        pins = (reach.pin for reach in self.reaches if reach is not shaft and reach.last >= shaft.last)
+        keys = [
+            *(self._head_and_plate(shaft.pin, name) for name in plates),
+            *(self._two_heads(pin, shaft.pin) for pin in pins),
+        ]
+        self._look(keys)
+        return not any(self._met[key] for key in keys)
+
     def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
-        """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart."""
+        """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart.
+
+        A motor's shaft needs none, for its crank is fixed on it, but stands there itself.
+        """
         places = placed(gaps)
         for reach in self.reaches:
             for k in range(reach.first, reach.last):
@@ -113,26 +161,35 @@ class Heads:
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """What still meets: a pin, by name, that and what its head or ring meets, and when."""
         places = placed(gaps)
-        discs = [Disc(pin, "ring", layer, layer + 1) for pin, layer in self.rings(gaps)]
+        discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
         for reach in self.reaches:
             below, above = self._ends(reach, places)
             low, high = places[reach.first], places[reach.last] + 1
             discs += [Disc(reach.pin, "end", low - below, low), Disc(reach.pin, "end", high, high + above)]
-        for disc in discs:
-            for name, layer in self.layers.items():
-                at = places[layer]
-                if disc.low < at + 1 - HAIR and disc.high > at + HAIR:
-                    yield from (
-                        (disc.pin.name, f"{name} by its {disc.what}", run) for run in self._runs(disc.pin, name)
-                    )
+        plates = [
+            (disc, name, self._head_and_plate(disc.pin, name))
+            for disc in discs
+            for name, layer in self.layers.items()
+            if disc.low < places[layer] + 1 - HAIR and disc.high > places[layer] + HAIR
+        ]
+        heads = [
+            (one, two, self._two_heads(one.pin, two.pin))
+            for one, two in combinations(discs, 2)
+            if one.pin.name != two.pin.name and min(one.high, two.high) > max(one.low, two.low) + HAIR
+        ]
+        self._look(key for _, _, key in (*plates, *heads))
+        for disc, name, key in plates:
+            for run in self._runs(key):
+                yield disc.pin.name, f"{name} by its {disc.what}", run
         told = set()
-        for one, two in combinations(discs, 2):
-            pair = one.pin.name, two.pin.name
-            if pair[0] == pair[1] or pair in told or min(one.high, two.high) <= max(one.low, two.low) + HAIR:
-                continue
-            for run in self._discs_meet(one.pin, two.pin):
-                told.add(pair)
-                yield pair[0], f"the {two.what} of {pair[1]} by its {one.what}", run
+        for one, two, key in heads:
+            if key not in told:
+                for run in self._runs(key):
+                    told.add(key)
+                    yield one.pin.name, f"the {two.what} of {two.pin.name} by its {one.what}", run
+
+    def _runs(self, key: Key) -> list[Run]:
+        return runs(self.meetings.motion, self._pairs[key]) if self._met[key] else []
 
 
 def placed(gaps: list[int]) -> list[int]:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, compress
 
 import numpy as np
 
 from ...linkage.motion import Motion
-from ...plane.vec import Mask
-from .plates import Assembly, LinkStock
-from .sweep import Sweep, path_in
+from ...plane.vec import Mask, Whole
+from .near import Pair, meeting
+from .plates import Assembly, Pin
+from .stock import LinkStock
+from .sweep import path_in
 
 # Least distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift on its pins. Less
 # lets edges rub; more needs layers that could be saved.
@@ -52,33 +54,48 @@ class Meetings:
     @cached_property
     def plates(self) -> set[frozenset[str]]:
         """Pairs of moving plates that meet, those joined by a pin among them."""
-        meeting = {frozenset(pair) for pin in self.assembly.pins for pair in combinations(pin.plates, 2)}
-        for one, two in combinations(self.moving, 2):
-            if frozenset((one, two)) not in meeting:
-                a, b = self.assembly.plates[one], self.assembly.plates[two]
-                path = path_in(self.motion, a.body, b.body, b.centres)
-                if (path.gap(a.centres) < self.stock.bar_width + self.play).any():
-                    meeting.add(frozenset((one, two)))
-        return meeting
+        return self._joined | self._met[0]
+
+    @property
+    def pin_and_plate(self) -> dict[tuple[str, str], Pair]:
+        """Pins and the moving plates that they meet."""
+        return self._met[1]
 
     @cached_property
-    def pin_and_plate(self) -> dict[tuple[str, str], list[Run]]:
-        """Pins and the moving plates that they meet, and when."""
-        near = self.stock.bar_width / 2 + self.stock.pin_diameter / 2 + self.play
-        found = {}
-        for pin in self.assembly.pins:
-            for name in self.moving:
-                if name not in pin.plates:
-                    plate = self.assembly.plates[name]
-                    path = path_in(self.motion, plate.body, pin.body, pin.place)
-                    if met := runs(path, path.gap(plate.centres) < near):
-                        found[pin.name, name] = met
-        return found
+    def _joined(self) -> set[frozenset[str]]:
+        return {frozenset(pair) for pin in self.assembly.pins for pair in combinations(pin.plates, 2)}
+
+    @cached_property
+    def _met(self) -> tuple[set[frozenset[str]], dict[tuple[str, str], Pair]]:
+        """What no pin joins and yet meets: plates; pins and plates. All are looked at in one go."""
+        of, stock, hulls = (
+            self.assembly.plates,
+            self.stock,
+            {name: self.assembly.plates[name].hull for name in self.moving},
+        )
+        plates = {
+            pair: Pair(of[one].body, hulls[one], of[two].body, hulls[two], stock.bar_width + self.play)
+            for one, two in combinations(self.moving, 2)
+            if (pair := frozenset((one, two))) not in self._joined
+        }
+        pins = {
+            (pin.name, name): Pair(of[name].body, hulls[name], pin.body, np.array([pin.place]), self._near(pin))
+            for pin in self.assembly.pins
+            for name in self.moving
+            if name not in pin.plates
+        }
+        met = meeting(self.motion, [*plates.values(), *pins.values()])
+        return set(compress(plates, met)), dict(compress(pins.items(), met[len(plates) :]))
+
+    def _near(self, pin: Pin) -> float:
+        """How near the middle of a pin may come to a plate's corners, mm."""
+        return self.stock.bar_width / 2 + (pin.shaft or self.stock.pin_diameter) / 2 + self.play
 
 
-def runs(path: Sweep, hit: Mask) -> list[Run]:
-    """Runs of steps that hit, each from its first step's start to its last step's end."""
-    numbers = np.flatnonzero(hit)
+def runs(motion: Motion, pair: Pair) -> list[Run]:
+    """When a pair comes nearer than it may: runs of steps, each from its first step's start to its last step's end."""
+    path = path_in(motion, pair.body, pair.other, pair.places)
+    numbers = np.flatnonzero(path.gap(pair.corners) < pair.near)
     if not len(numbers):
         return []
     groups = np.split(numbers, np.flatnonzero(np.diff(path.frames[numbers]) > 1) + 1)
@@ -104,9 +121,11 @@ class Passing:
     top: bool
     hits: int
 
-    def through(self, below: int) -> bool:
+    def through(self, below: Whole) -> Mask:
         """Whether it goes from the plates `below`, or the bottom, up to any other, or the top."""
-        return bool((self.bottom or self.joins & below) and (self.top or self.joins & ~below))
+        from_below, up = self.joins & below != 0, self.joins & ~below != 0
+        passes: Mask = (self.bottom | from_below) & (self.top | up)
+        return passes
 
 
 @dataclass(frozen=True)
@@ -126,11 +145,17 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
     order, so that the best way to each set of plates is all that is kept: exact, and the same on every run.
     """
     count = len(meets)
-    alone = [True] * (1 << count)
-    for plates in range(1, 1 << count):
-        lowest = (plates & -plates).bit_length() - 1
-        rest = plates & (plates - 1)
-        alone[plates] = alone[rest] and not meets[lowest] & rest
+    every = np.arange(1 << count)
+    # Of each set of plates, whether no two meet; how many pins go through above it, and what those hit.
+    apart, through, barred = np.ones(1 << count, dtype=bool), np.zeros_like(every), np.zeros_like(every)
+    for k, others in enumerate(meets):
+        apart[1 << k : 2 << k] = apart[: 1 << k] & (every[: 1 << k] & others == 0)
+    for pin in pins:
+        passes = pin.through(every)
+        through += passes
+        barred |= np.where(passes, pin.hits, 0)
+    # Lists, for arrays are slow one by one.
+    is_apart, lengths, hit_by = apart.tolist(), through.tolist(), barred.tolist()
     # For each set of plates: collisions, layers, length of pins, and the plates of the uppermost layer.
     best: dict[int, tuple[int, int, int, int]] = {0: (0, 0, 0, 0)}
     for below in range((1 << count) - 1):
@@ -138,17 +163,14 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
             continue
         collisions, layers, length, _ = best[below]
         # A pin that starts in the next layer need not be tested: its plate there already keeps off what it would hit.
-        through = [pin for pin in pins if pin.through(below)]
-        barred = [pin.hits for pin in through]
-        anywhere = 0
-        for hits in barred:
-            anywhere |= hits
+        anywhere = hit_by[below]
+        hits = [] if clean or not anywhere else [pin.hits for pin in pins if pin.through(every[below])]
         rest = ((1 << count) - 1) & ~(below | anywhere if clean else below)
         chosen = rest
         while chosen:
-            if alone[chosen]:
-                hit = sum((hits & chosen).bit_count() for hits in barred) if chosen & anywhere else 0
-                way = collisions + hit, layers + 1, length + len(through), chosen
+            if is_apart[chosen]:
+                hit = sum((some & chosen).bit_count() for some in hits) if chosen & anywhere else 0
+                way = collisions + hit, layers + 1, length + lengths[below], chosen
                 if below | chosen not in best or way[:3] < best[below | chosen][:3]:
                     best[below | chosen] = way
             chosen = (chosen - 1) & rest

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
 
@@ -14,93 +13,86 @@ from ...errors import DesignError
 from ...linkage.linkage import Linkage, Slider
 from ...linkage.motion import Motion
 from ...linkage.openings import never_closed
-from ...part import Part
-from ...plane.primitives import Circle, rounded_hull, slot
+from ...part import HoleFit, Part
+from ...plane.curve import AbstractCurve
+from ...plane.hulls import separation
+from ...plane.primitives import Circle, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, cross, direction_deg
-from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import clearance as wider
-from ..fasteners import Fastener, fastener_of
 from .guides import guide_places
-from .sweep import Sweep, path_in, separation
+from .seats import Seat, seats
+from .stock import LinkStock
+from .sweep import Sweep, path_in
 
 # Places that differ by no more than this share of their coordinates are one. Smaller takes rounding for a second hole
 # beside the first; larger makes one hole of two that were meant to be apart.
 EQUAL = 8 * np.finfo(float).eps
 
 
-@dataclass(frozen=True)
-class LinkStock:
-    """What links are cut from, and the pins that join them."""
-
-    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
-    bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
-    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
-    clearance: float = wider(0.2)
-    fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; left out, screws where pin_diameter is that of one and sheets bear it",
-        default=None,
-    )
-    play: float = quantity("along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
-    head_height: float | None = quantity(
-        "of the screws' heads, where they are not those of the standard", "mm", default=None, at_least=0, at_most=100
-    )
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-        # Refuses a screw that there is none of.
-        _ = self.fastener_used
-        if self.bar_width <= self.hole_diameter:
-            raise DesignError(
-                "bar_width",
-                f"found {self.bar_width:g} mm, but the pin holes are {self.hole_diameter:g} mm wide",
-                "give wider bars or thinner pins",
-            )
-
-    @property
-    def fastener_used(self) -> Fastener:
-        """What holds the pins."""
-        return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
-
-    @property
-    def hole_diameter(self) -> float:
-        """Diameter of a pin hole, mm."""
-        return self.pin_diameter + self.clearance
-
-
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A plate in the frame of a body. openings: by pin or point, one place, mm, for a hole, two for a slot's ends."""
+    """A plate in the frame of a body.
+
+    openings: by pin or point, one place, mm, for a hole, two for a slot's ends. seat: what a motor has of it.
+    """
 
     body: str
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
+    seat: Seat | None = None
 
     __repr__ = one_line
 
     @property
     def centres(self) -> Complex:
         """What the plate is stretched round, complex mm."""
-        return np.array([place for places in self.openings.values() for place in places])
+        places = [place for places in self.openings.values() for place in places]
+        return np.array([*places, *(self.seat.rim if self.seat else ())])
 
-    def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float]]:
-        """Pairs of openings that would run into each other, and how far apart their centres are, mm."""
+    @property
+    def hull(self) -> Complex:
+        """Those between which its edges are stretched, counterclockwise."""
+        return np.array(convex_hull(self.centres))
+
+    @property
+    def taken(self) -> list[list[complex]]:
+        """Corners of what other openings keep off, mm."""
+        return [self._corners(name).tolist() for name in self.openings]
+
+    def _corners(self, name: str) -> Complex:
+        return self.seat.corners if self.seat and name == self.seat.pin else np.array(self.openings[name])
+
+    def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float, float]]:
+        """Pairs of openings that would run into each other, how far apart their middles are, and should be, mm.
+
+        Of a motor's face it is its edge that counts.
+        """
         for (one, a), (two, b) in combinations(self.openings.items(), 2):
-            apart = max(0.0, float(separation(np.array(a), np.array(b))))
+            apart = max(0.0, float(separation(self._corners(one), self._corners(two))))
+            needed = stock.hole_diameter
+            if self.seat and self.seat.pin in (one, two):
+                needed = stock.hole_diameter / 2 + self.seat.radius
             # Two guide pins may share one slot.
-            if apart <= stock.hole_diameter and not (a == b and len(a) == 2):
-                yield one, two, apart
+            if apart <= needed and not (a == b and len(a) == 2):
+                yield one, two, apart, needed
 
     def part(self, name: str, stock: LinkStock, linkage: Linkage, letters: Mapping[str, str]) -> Part:
         """What is cut; DesignError, under a traced point's name if one is the cause, where openings meet.
 
         letters: engraved at the holes of pins, by the pins' names.
         """
-        for one, two, apart in self.crossings(stock):
+        for one, two, apart, needed in self.crossings(stock):
             traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
             kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
+            if self.seat and self.seat.rim.size and self.seat.pin in (one, two):
+                raise DesignError(
+                    "stock.motor",
+                    f"the {kinds[self.seat.pin == one]} in the {name} is {apart:.4g} mm from the face of the motor, "
+                    f"and what goes through it needs {needed:.4g} mm",
+                    'move them apart, give a smaller pin_diameter or fastener = "rod", or leave out motor',
+                )
             raise DesignError(
                 traced[0] if traced else self.body,
                 f"the {kinds[0]} and the {kinds[1]} in the {name} are {apart:.4g} mm apart, "
-                f"and they are {stock.hole_diameter:g} mm wide",
+                f"and they are {needed:g} mm wide",
                 "change the sizes that bring them together, or give a smaller pin_diameter",
             )
         radius = stock.hole_diameter / 2
@@ -108,16 +100,29 @@ class Plate:
         shared: dict[tuple[complex, ...], str] = {}
         for pin, ends in self.openings.items():
             shared[ends] = shared.get(ends, "") + letters.get(pin, "")
-        holes = tuple(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius) for ends in shared)
-        outline, named = rounded_hull(self.centres, stock.bar_width / 2), tuple(shared.values())
-        return Part(name, outline, holes, stock.thickness, body=self.body, hole_names=named if any(named) else ())
+        holes: list[AbstractCurve] = []
+        named: list[str] = []
+        fits: list[HoleFit] = []
+        for ends, letter in shared.items():
+            if self.seat and ends == self.openings.get(self.seat.pin):
+                # Of a motor's holes the one round its shaft has the letter.
+                holes += self.seat.holes
+                named += [letter, *("" for _ in self.seat.holes[1:])]
+                fits += self.seat.fits
+            else:
+                holes.append(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius))
+                named.append(letter)
+                fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=abs(ends[-1] - ends[0])))
+        outline, told = rounded_hull(self.centres, stock.bar_width / 2), tuple(named) if any(named) else ()
+        return Part(name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=told, fits=tuple(fits))
 
 
 @dataclass(frozen=True, eq=False)
 class Pin:
     """A pin that moves as the point `place`, mm, of a body. holes: plates it turns in; slots: plates it runs in.
 
-    joint: the pin's own name, or that of the sliding joint that it guides together with another.
+    joint: the pin's own name, or that of the sliding joint that it guides together with another. shaft: diameter, mm,
+    of the motor's shaft that it is, 0 for a pin.
     """
 
     name: str
@@ -126,6 +131,7 @@ class Pin:
     place: complex
     holes: tuple[str, ...]
     slots: tuple[str, ...]
+    shaft: float = 0.0
 
     __repr__ = one_line
 
@@ -150,7 +156,8 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     slide line and nothing else, is no plate: it is that pin, in a slot of the body that it slides on. Any other
     sliding body is kept from turning by two guide pins in slots of its guide, and so is what slides on a hub: a
     body on a fixed shaft that nothing but the slide turns. Slots are as long as the travel over the motion's
-    frames. Raises DesignError where no frame closes, where guide pins find no room, and for many linkages at once.
+    frames. Raises DesignError where no frame closes, where guide pins find no room, where the stock's motor has no
+    crank to turn, and for many linkages at once.
     """
     if motion.linkage.many:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
@@ -159,7 +166,8 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     linkage = motion.linkage
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
     axes = _axes(linkage)
-    plates = {body: Plate(body) for body in linkage.bodies if body not in blocks.values()}
+    held = seats(linkage, axes, stock)
+    plates = {body: Plate(body, {}, held.get(body)) for body in linkage.bodies if body not in blocks.values()}
     for name, places in axes.items():
         for body, place in places.items():
             if body in plates:
@@ -178,7 +186,15 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
         holes = tuple(body for body in places if body in plates)
         if len(holes) + len(riding[name]) > 1:
             body = next(iter(holes or places))
-            pins.append(Pin(name, name, body, places[body], holes, tuple(riding[name])))
+            on_shaft = any(seat.pin == name for seat in held.values())
+            if on_shaft and riding[name]:
+                raise DesignError(
+                    "stock.motor",
+                    f"found {stock.motor}, on whose shaft the {riding[name][0]} would slide",
+                    "leave it out, or move the slide off the crank's pivot",
+                )
+            shaft = stock.shaft.bore if stock.shaft and on_shaft else 0.0
+            pins.append(Pin(name, name, body, places[body], holes, tuple(riding[name]), shaft))
     for slider in linkage.sliders:
         if slider.name not in blocks:
             pins += _guide_pins(motion, slider, plates, stock)
@@ -256,8 +272,8 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], sto
         ahead,
         complex(slider.point),
         direction,
-        plate.openings.values(),
-        guide.openings.values(),
+        plate.taken,
+        guide.taken,
     )
     if found is None:
         raise DesignError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, product
+from itertools import product
 from string import ascii_uppercase
 
 import numpy as np
@@ -16,21 +16,18 @@ from ...errors import DesignError
 from ...linkage.motion import Motion
 from ...part import Bought, Part
 from ...plane.primitives import Circle
-from ...plane.vec import Complex, direction_deg, dot
+from ..bore import fits_of
 from ..fasteners import Fastener, gathered
+from ..shafts import Bill, shaft_bill
+from .bridge import Way, pile_places, split, ways
 from .heads import Heads, Reach, placed
-from .layers import Meetings, Order, Passing, Run, order
-from .plates import Assembly, LinkStock, Pin, Plate, assemble
-from .sweep import path_in
+from .layers import Meetings, Order, Passing, Run, order, runs
+from .plates import Pin, Plate, assemble
+from .stock import LinkStock
 
 # Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
 # refuse linkages that could be stacked.
 LARGEST = 15
-# Directions tried for the two piles that hold up a bridge, in half a turn. Fewer make the bridge longer than need be;
-# more take time and save a few hundredths of it at most.
-DIRECTIONS = 36
-# Joints that the bridge carries.
-Way = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,8 @@ class PinSpan:
     """A pin of a stack.
 
     first, last: lowest and highest layer; length: through all of them, mm; holes, slots: plates it turns or runs in;
-    spacers: layers, empty of its plates, where a disc keeps them apart.
+    spacers: layers, empty of its plates, where a disc keeps them apart. motor: what is bought where it is the shaft of
+    a motor, which is screwed below the ground; empty for a pin.
     """
 
     name: str
@@ -48,6 +46,7 @@ class PinSpan:
     holes: tuple[str, ...]
     slots: tuple[str, ...]
     spacers: tuple[int, ...] = ()
+    motor: Bill = ()
 
     __repr__ = one_line
 
@@ -103,7 +102,7 @@ class Stack:
     @property
     def bought(self) -> tuple[Bought, ...]:
         """What is bought to join the plates, for joints by their letters."""
-        return gathered([(self.letters[pin.name], self.fastener.bill(pin.length)) for pin in self.pins])
+        return gathered([(self.letters[pin.name], pin.motor or self.fastener.bill(pin.length)) for pin in self.pins])
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -112,13 +111,16 @@ class Stack:
 
     def _steps(self) -> Iterator[str]:
         of = self.letters
+        motors, pins = ([pin for pin in self.pins if bool(pin.motor) == turns] for turns in (True, False))
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, at in self.layers.items() if at == layer]
             told = [
-                ("put {} through from below", [of[pin.name] for pin in self.pins if pin.first == layer]),
+                ("put {} through from below", [of[pin.name] for pin in pins if pin.first == layer]),
                 ("lay {}", plates),
+                ("screw the motor below, its shaft at {}", [of[pin.name] for pin in motors if pin.first == layer]),
                 ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
-                ("close {}", [of[pin.name] for pin in self.pins if pin.last == layer]),
+                ("close {}", [of[pin.name] for pin in pins if pin.last == layer]),
+                ("fix the crank on the shaft at {}", [of[pin.name] for pin in motors if pin.last == layer]),
             ]
             yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
 
@@ -153,7 +155,7 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
     `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
     collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, where no frame
-    closes, and for many linkages at once. Derived here.
+    closes, for more frames than can be looked at, and for many linkages at once. Derived here.
     """
     found = assemble(motion, stock)
     meetings = Meetings(motion, stock, found)
@@ -180,14 +182,15 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     `stack_links(motion, stock)`, where the plates are to lie on each other so that nothing collides: a bridge that it
     needs is one more plate, and the discs that keep plates apart are the part `spacer`, as many as its count says.
     Without it, the fixed body is one plate. Raises DesignError where no frame closes, where openings run into each
-    other, where guide pins find no room, and for many linkages at once. Derived here.
+    other or lie over a motor, where guide pins find no room, and for many linkages at once. Derived here.
     """
     plates = stack.plates if stack else assemble(motion, stock).plates
     letters = stack.letters if stack else {}
     parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers))
+        fits = fits_of(stock.pin_diameter, stock.clearance)
+        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
     return tuple(parts)
 
 
@@ -249,17 +252,30 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     places = placed(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
     spans, joints = [], {pin.name for pin in meetings.assembly.pins}
+    shafts = {pin.name for pin in pins if pin.shaft}
     for span in stack.pins:
         first, last = places[span.first], places[span.last]
         own = {layers[name] for name in span.holes + span.slots}
         # A pile fills all between its plates; another pin what is empty: elsewhere a plate may be in the way.
         pile = span.name not in joints
         crossed = range(first + 1, last)
-        discs = [n for n in crossed if n not in own and (pile or n not in places)]
+        # Under a crank on a motor's shaft is the hole for the motor's boss, so that it is held by the shaft alone.
+        free = () if span.name in shafts else crossed
+        discs = [n for n in free if n not in own and (pile or n not in places)]
         length = (last - first + 1) * meetings.stock.thickness
         spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
+    spans = [
+        replace(span, motor=_motor_bill(meetings.stock, span.length, heads.is_open(reach))) if reach.pin.shaft else span
+        for span, reach in zip(spans, reaches)
+    ]
     found = replace(stack, layers=layers, pins=tuple(spans))
     return replace(found, collisions=tuple(_collisions(meetings, found, heads.collisions(gaps))))
+
+
+def _motor_bill(stock: LinkStock, length: float, is_open: bool) -> Bill:
+    """The motor, its shaft through plates of a length together, mm, and no longer where anything passes over it."""
+    assert stock.shaft is not None
+    return shaft_bill(stock.shaft, length, base=stock.thickness, is_cut=not is_open)
 
 
 def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, str, Run]]) -> Iterator[Collision]:
@@ -267,47 +283,10 @@ def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, st
     spans = {span.name: span for span in stack.pins}
     pins = (
         (name, plate, run)
-        for (name, plate), runs in meetings.pin_and_plate.items()
-        for run in runs
+        for (name, plate), pair in meetings.pin_and_plate.items()
         if spans[name].first <= stack.layers[plate] <= spans[name].last
+        for run in runs(meetings.motion, pair)
     )
     for name, what, run in (*pins, *others):
         first, last = run if slides else np.degrees(run)
         yield Collision(name, what, float(first), float(last), "mm" if slides else "deg")
-
-
-def ways(assembly: Assembly, ground: str) -> list[Way]:
-    """All choices of joints for the bridge, the fewest first; the first is none."""
-    fixed = list(dict.fromkeys(pin.joint for pin in assembly.pins if ground in pin.plates))
-    # All of them on the bridge would be the same stack upside down.
-    return [way for size in range(max(1, len(fixed))) for way in combinations(fixed, size)]
-
-
-def split(assembly: Assembly, ground: str, way: Way) -> tuple[Plate, Plate]:
-    """Ground and bridge, each with its own openings."""
-    joints = {pin.name: pin.joint for pin in assembly.pins}
-    plates = Plate(ground), Plate(ground)
-    for name, places in assembly.plates[ground].openings.items():
-        plates[joints.get(name, name) in way].openings[name] = places
-    return plates
-
-
-def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[complex, complex]:
-    """Places in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
-
-    The two sides are those between which the mechanism is narrowest.
-    """
-    ground = motion.linkage.ground
-    still = assembly.plates[ground].centres
-    moving = [path_in(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground]
-    middle = complex(still.mean())
-
-    def out(direction: Complex) -> float:
-        reach = max(float(dot(direction, still).max()), *(path.reach(complex(direction)) for path in moving))
-        return reach - float(dot(direction, middle)) + near
-
-    directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
-    widths = [out(u) + out(-u) for u in directions]
-    # Compared to ten digits, so that rounding does not choose between two directions that are equally good.
-    best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
-    return middle + complex(best) * out(best), middle - complex(best) * out(-best)

@@ -8,7 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from ...linkage.motion import Motion
-from ...plane.vec import Complex, Real, Whole, dot, unit
+from ...plane.hulls import separation
+from ...plane.vec import Array, Complex, Real, Whole, dot
+
+# Numbers in each array at once, so that they stay in a processor's cache. More take memory and are slower; with fewer,
+# most of the time is spent between arrays.
+AT_ONCE = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,29 +34,19 @@ class Sweep:
         return np.flatnonzero(np.isfinite(self.points).all(axis=1))
 
     @cached_property
+    def _steps(self) -> tuple[Complex, Complex, Real]:
+        start, end, bulge = steps(with_unknown(self.drive), with_unknown(self.points.T))
+        return start[:, self.frames].T, end[:, self.frames].T, bulge[:, self.frames].T
+
+    @property
     def ends(self) -> tuple[Complex, Complex]:
         """The points where each step starts and where it ends, (steps, n)."""
-        following = np.append(self.points[1:], np.full_like(self.points[:1], np.nan), axis=0)
-        start, end = self.points[self.frames], following[self.frames]
-        return start, np.where(np.isfinite(end), end, start)
+        return self._steps[:2]
 
-    @cached_property
+    @property
     def bulge(self) -> Real:
-        """How far the paths leave their chords at most, mm, (steps, n).
-
-        A path of second derivative P'' over a step h leaves its chord by |P''| h^2 / 8. P'' is the second
-        divided difference about either end, whichever is larger; the bound is twice that, for what P'' itself
-        changes within a step. Where no neighbour tells P'', half a chord: a half circle.
-        """
-        start, end = self.ends
-        step = np.append(np.diff(self.drive), np.nan)[:, None]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            slope = np.append(np.diff(self.points, axis=0), np.full_like(self.points[:1], np.nan), axis=0) / step
-            bend = np.abs(2 * (slope[1:] - slope[:-1]) / (step[1:] + step[:-1]))
-        unknown = np.full((1, self.points.shape[1]), np.nan)
-        before, after = np.concatenate([unknown, bend]), np.concatenate([bend, unknown])
-        most = np.fmax(before[self.frames], after[self.frames]) * step[self.frames] ** 2 / 4
-        return np.where(np.isfinite(most), most, np.abs(end - start) / 2)
+        """How far the paths leave their chords at most, mm, (steps, n)."""
+        return self._steps[2]
 
     def reach(self, direction: complex) -> float:
         """How far the paths go along a direction at most, mm from the origin."""
@@ -64,9 +59,39 @@ class Sweep:
         A lower bound: the hull of a step's two ends holds all chords between them. It falls short by the bulge,
         and beside the middle of a turning bar by half of what the bar's ends travel. 0 or less where they meet.
         """
-        still = np.broadcast_to(np.asarray(corners, dtype=complex), (len(self.frames), len(corners)))
+        start, end = self.ends
         bulge: Real = self.bulge.max(axis=1)
-        return separation(np.concatenate(self.ends, axis=1), still) - bulge
+        found = np.empty(len(bulge))
+        count = AT_ONCE // (2 * start.shape[1] + len(corners)) ** 2 + 1
+        for some in (slice(k, k + count) for k in range(0, len(bulge), count)):
+            moving = np.concatenate([start[some], end[some]], axis=1)
+            still = np.broadcast_to(np.asarray(corners, dtype=complex), (len(moving), len(corners)))
+            found[some] = separation(moving, still) - bulge[some]
+        return found
+
+
+def steps(drive: Real, points: Complex) -> tuple[Complex, Complex, Real]:
+    """Of steps from each frame to the next: start, end, and how far the path leaves its chord at most, (..., steps).
+
+    points: (..., steps + 3), at a frame before the first step, at its start and so on, and at two more after the last
+    start; nan where open or unknown. drive: likewise. A path of second derivative P'' over a step h leaves its chord
+    by |P''| h^2 / 8. P'' is the second divided difference about either end, whichever is larger; the bound is twice
+    that, for what P'' itself changes within a step. Where no neighbour tells P'', half a chord: a half circle.
+    """
+    start, end = points[..., 1:-2], points[..., 2:-1]
+    end = np.where(np.isfinite(end), end, start)
+    step = np.diff(drive)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        slope = np.diff(points) / step
+        bend = np.abs(2 * np.diff(slope) / (step[1:] + step[:-1]))
+        most = np.fmax(bend[..., :-1], bend[..., 1:]) * step[1:-1] ** 2 / 4
+    return start, end, np.where(np.isfinite(most), most, np.abs(end - start) / 2)
+
+
+def with_unknown(values: Array) -> Array:
+    """Values (..., frames) with a nan before the first and two after the last, as `steps` takes them."""
+    unknown = np.full_like(values[..., :1], np.nan)
+    return np.concatenate([unknown, values, unknown, unknown], axis=-1)
 
 
 def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> Sweep:
@@ -76,24 +101,3 @@ def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) ->
     world = moving.origin.position[:, None] + moving.direction[:, None] * local
     here = (world - seen.origin.position[:, None]) * np.conj(seen.direction[:, None])
     return Sweep(motion.drive, np.where(motion.closed[:, None], here, np.nan))
-
-
-def separation(a: Complex, b: Complex) -> Real:
-    """Distance, mm, (...,), between the convex hulls of points a (..., n) and b (..., m); 0 or less where they meet.
-
-    Two convex shapes are as far apart as the widest strip between them. Its sides stand square to the line
-    between two corners, or lie along an edge, so that trying all pairs of points is exact.
-    """
-    across = (b[..., None, :] - a[..., :, None]).reshape(*a.shape[:-1], -1)
-    normals = [1j * _pairs(a), 1j * _pairs(b)]
-    directions = unit(np.concatenate([across, *normals, *(-n for n in normals)], axis=-1))[..., None]
-    strip = dot(directions, b[..., None, :]).min(axis=-1) - dot(directions, a[..., None, :]).max(axis=-1)
-    # Points that fall together have no direction between them.
-    widest: Real = np.where(np.isfinite(strip), strip, -np.inf).max(axis=-1)
-    return widest
-
-
-def _pairs(z: Complex) -> Complex:
-    """Differences of all pairs of points."""
-    one, two = np.triu_indices(z.shape[-1], 1)
-    return z[..., two] - z[..., one]

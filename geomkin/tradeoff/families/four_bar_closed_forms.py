@@ -57,7 +57,7 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
 
     def call() -> Directions:
         solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
-        return solution.direction("coupler"), solution.direction("rocker")
+        return solution.told("direction", "coupler"), solution.told("direction", "rocker")
 
     return call
 

@@ -35,7 +35,7 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
 
     def call() -> Rates:
         solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
-        first, second = ((solution.turning("coupler", k), solution.turning("rocker", k)) for k in (1, 2))
+        first, second = ((solution.told(k, "coupler"), solution.told(k, "rocker")) for k in ("first", "second"))
         return *first, *second
 
     return call

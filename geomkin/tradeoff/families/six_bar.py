@@ -44,7 +44,7 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).direction("output")
+    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).told("direction", "output")
 
 
 def _circles(track: Track, _: float) -> Call:
@@ -149,7 +149,7 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 def _loops(track: Track, _: float) -> Call:
     told = with_estimate("crank", track.drive)
-    return lambda: _iterated(told, track.drive).direction("output")
+    return lambda: _iterated(told, track.drive).told("direction", "output")
 
 
 def with_estimate(driver: str, drive: Real) -> Linkage:

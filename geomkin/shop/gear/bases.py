@@ -6,14 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arguments import Positive, checked
-from ..errors import DesignError
-from ..gear.planetary import PlanetarySet
-from ..gear.rack import RackPair
-from ..part import Part
-from ..sizes import Length
-from .base import BaseOpening, BaseStock, RackBaseStock, standing_plate
-from .bore import bore
+from ...arguments import Positive, checked
+from ...errors import DesignError
+from ...gear.planetary import PlanetarySet
+from ...gear.rack import RackPair
+from ...part import Part
+from ...sizes import Length
+from ..base import BaseOpening, BaseStock, RackBaseStock, standing_plate
+from ..bore import bore, fits_of
+from ..motors import MotorName
 
 # Least distance of a rack's two guide pins in thicknesses of its bar under the teeth. Nearer, the play of the pins in
 # their slot lets the rack tilt; farther asks for longer racks.
@@ -30,16 +31,18 @@ def pair_base(
     thickness: Positive,
     stock: BaseStock = BaseStock(),
     keys: tuple[str, str] = ("first_stock.bore", "second_stock.bore"),
+    motor: MotorName | None = None,
 ) -> Part:
     """The base of two wheels: one shaft at the origin, the other at `distance`, mm, on +x; letters A and B.
 
     reaches: how far each wheel reaches from its axis; shafts: their diameters, mm. keys: of these in a recipe, for
-    refusals. Raises DesignError where a shaft has no diameter, or the holes meet.
+    refusals. motor: what turns the first shaft; the base has its holes there. Raises DesignError where a shaft has no
+    diameter, the holes meet, or the second one lies over the motor.
     """
     axes = (0j, complex(distance))
     openings = [
-        BaseOpening("a gear's shaft", key, shaft, (axis,), letter)
-        for key, shaft, axis, letter in zip(keys, shafts, axes, "AB")
+        BaseOpening("a gear's shaft", key, shaft, (axis,), letter, motor=below)
+        for key, shaft, axis, letter, below in zip(keys, shafts, axes, "AB", (motor, None))
     ]
     # Of wheels within each other the larger one counts.
     low, high = (f(side * r + z.real for z, r in zip(axes, reaches)) for f, side in ((min, -1), (max, 1)))
@@ -49,13 +52,19 @@ def pair_base(
 
 @checked
 def rack_base(
-    pair: RackPair, rack: Part, shaft: Length, stock: RackBaseStock = RackBaseStock(), key: str = "stock.bore"
+    pair: RackPair,
+    rack: Part,
+    shaft: Length,
+    stock: RackBaseStock = RackBaseStock(),
+    key: str = "stock.bore",
+    motor: MotorName | None = None,
 ) -> tuple[Part, Part]:
     """The rack with holes for two guide pins, and the base: the pinion's shaft, A, and the slot of the pins, B.
 
     The pinion is about the base's origin, the rack below it. The slot lets the rack go as far as the pinion's axis
     stays between the middles of its outer teeth. rack: its plate without the holes. shaft: diameter, mm; key: of it in
-    a recipe. Raises DesignError where the rack is too short or too thin for the pins. Derived here.
+    a recipe. motor: what turns it; the base has its holes there. Raises DesignError where the rack is too short or too
+    thin for the pins, or the slot lies over the motor. Derived here.
     """
     bar, pinion = pair.rack, pair.pinion
     middle = -1j * (bar.root_depth + bar.solid_rim / 2)
@@ -72,7 +81,7 @@ def rack_base(
     first, last = (end - side * bar.pitch / 2 for side, end in zip((-1, 1), bar.ends))
     slide = middle - 1j * pair.distance
     openings = [
-        BaseOpening("the pinion's shaft", key, shaft, (0j,), "A"),
+        BaseOpening("the pinion's shaft", key, shaft, (0j,), "A", motor=motor),
         BaseOpening(
             "the guide pins", "base.guide_pin", stock.guide_pin, (slide + left - last, slide + right - first), "B"
         ),
@@ -81,19 +90,25 @@ def rack_base(
     wide = max(pinion.tip_radius, last - left + half, right - first + half)
     back = pair.distance + bar.root_depth + bar.solid_rim
     box = complex(-wide, -back), complex(wide, pinion.tip_radius)
-    guided = replace(rack, holes=(*rack.holes, *pins), hole_names=("B", "B"))
+    fits = 2 * fits_of(stock.guide_pin, stock.clearance)
+    guided = replace(rack, holes=(*rack.holes, *pins), hole_names=("B", "B"), fits=fits)
     return guided, standing_plate(box, openings, stock, rack.thickness)
 
 
 @checked
 def planetary_base(
-    gears: PlanetarySet, ring: Part, rim: Positive, shaft: Length, stock: BaseStock = BaseStock()
+    gears: PlanetarySet,
+    ring: Part,
+    rim: Positive,
+    shaft: Length,
+    stock: BaseStock = BaseStock(),
+    motor: MotorName | None = None,
 ) -> tuple[Part, Part]:
     """The ring with holes for screws in its rim, and the base: the sun's shaft, A, and the same screws, B.
 
     The base lies under the gears, so that the carrier lies over them. ring: its plate without the holes; rim: its
-    width, mm, outside the teeth. shaft: diameter of the sun's, mm. Raises DesignError where rim or sun are too small.
-    Derived here.
+    width, mm, outside the teeth. shaft: diameter of the sun's, mm. motor: what turns it; the base has its holes there.
+    Raises DesignError where rim or sun are too small, or the ring's screws lie over the motor. Derived here.
     """
     if not stock.screw:
         raise DesignError("base.screw", "found 0 mm, but screws hold the ring", "give their diameter")
@@ -102,8 +117,11 @@ def planetary_base(
     # The ring stands turned by a part of a pitch, so that its teeth meet those of the planets.
     turned = complex(np.asarray(gears.poses(0.0)[2].direction))
     holes = [bore(stock.screw, stock.clearance, rim, "base.screw", complex(z))[0] for z in places / turned]
-    openings = [BaseOpening("the sun's shaft", "sun_stock.bore", shaft, (0j,), "A")]
-    openings += [BaseOpening("a screw of the ring", "base.screw", stock.screw, (complex(z),), "B") for z in places]
-    held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)))
+    openings = [BaseOpening("the sun's shaft", "sun_stock.bore", shaft, (0j,), "A", motor=motor)]
+    # Their heads and nuts are at most twice as wide.
+    screw = "a screw of the ring", "base.screw", stock.screw
+    openings += [BaseOpening(*screw, (complex(z),), "B", head=2 * stock.screw) for z in places]
+    fits = (*(None for _ in ring.holes), *(RING_SCREWS * fits_of(stock.screw, stock.clearance)))
+    held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
     corner = complex(outer, outer)
     return held, standing_plate((-corner, corner), openings, stock, ring.thickness)

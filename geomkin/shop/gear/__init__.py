@@ -1,0 +1,1 @@
+"""Plates of gears, their bores, spokes, carriers and base plates."""

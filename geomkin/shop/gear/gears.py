@@ -1,0 +1,149 @@
+"""Plates of gears: wheels, rings and racks, and what holds them at their distances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...arguments import Count, Positive, checked
+from ...brief import one_line
+from ...errors import DesignError
+from ...gear.contract import AbstractGear
+from ...gear.helix import Helix
+from ...gear.planetary import PlanetarySet
+from ...part import HoleFit, Part, Twist
+from ...plane.curve import AbstractCurve
+from ...plane.primitives import Circle, rounded_hull
+from ...sizes import FARTHEST, check_sizes, entry, quantity
+from ..bore import bore
+from ..fits import AbstractBored
+from .spokes import Web, openings
+
+
+@dataclass(frozen=True)
+class GearStock(AbstractBored):
+    """What a gear is cut from, and how it sits on its shaft."""
+
+    web: Web | None = entry("openings between hub and rim; left out, none", default=None)
+
+    __repr__ = one_line
+
+    def rim_under(self, gear: AbstractGear) -> float:
+        """What holds a gear's teeth: the thickness under them, mm."""
+        if gear.solid_rim is None:
+            raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
+        if not gear.hole_room:
+            return gear.solid_rim
+        return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
+
+    def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
+        """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
+        if not gear.hole_room:
+            return ()
+        # Flat or keyway stand under the tooth on +y, so that the gear is put on its shaft with that tooth known.
+        hole = self.hole(1j, gear.hole_room, key)
+        cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
+        return (*hole, *cut)
+
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """Of the bore, which is the first of the holes; none in a rack."""
+        return self.fits if gear.hole_room else ()
+
+
+@dataclass(frozen=True)
+class RingStock:
+    """What a ring gear is cut from."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
+    rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    def rim_under(self, gear: AbstractGear) -> float:
+        """What holds a ring's teeth: the thickness outside them, mm."""
+        return self.rim
+
+    def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
+        """None besides the teeth."""
+        if not gear.is_ring:
+            raise DesignError(key, "found that of a ring for a wheel", "give a GearStock")
+        return ()
+
+    def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
+        """None."""
+        return ()
+
+
+@checked
+def gear_parts(
+    gear: AbstractGear,
+    stock: GearStock | RingStock,
+    name: str = "gear",
+    key: str = "stock",
+    count: Count = 1,
+    helix: Helix = Helix(),
+) -> tuple[Part, ...]:
+    """The plate of any gear about its axis, or of a rack, teeth up.
+
+    stock: a RingStock for a ring, a GearStock for all else. key: of the stock in a recipe, for refusals; count: how
+    many to make. helix: on which the teeth lie along the face, which is as wide as the stock is thick; bore, keyway and
+    web go straight through. Raises DesignError where bore, keyway or web leave no plate.
+    """
+    plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
+    return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
+
+
+def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
+    """How the section of a gear turns, or that of a rack slides; None for straight teeth."""
+    if helix.helix_angle_deg == 0:
+        return None
+    advance = helix.advance(face_width)
+    if np.isinf(gear.pitch_radius):
+        return Twist(0.0, advance, helix.herringbone)
+    return Twist(advance / gear.pitch_radius, 0.0, helix.herringbone, "holes" if gear.is_ring else "outline")
+
+
+def plate_of(
+    gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
+) -> Part:
+    """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
+    if gear.is_ring:
+        return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
+    return Part(name, gear.outline, holes, thickness, count=count, body=name)
+
+
+@checked
+def base_plate(
+    name: str, axes: Sequence[complex], holes: Sequence[float], margin: Positive, thickness: Positive
+) -> Part:
+    """A plate with a hole of a diameter for each of two axes, mm; it reaches `margin` beyond the widest hole."""
+    for field, given in (("axes", axes), ("holes", holes)):
+        if len(given) != 2:
+            raise DesignError(field, f"found {len(given)}", "give two")
+    apart = abs(axes[0] - axes[1])
+    if apart <= (holes[0] + holes[1]) / 2:
+        raise DesignError(
+            "stock.bore",
+            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
+            "meet in the plate",
+            f"give bores and clearances of less than {2 * apart:.6g} mm together",
+        )
+    circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
+    return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
+
+
+@checked
+def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
+    """The plate that holds the planets at their distance, the sun's shaft passing its middle.
+
+    diameters: of the holes for the shafts of sun and planets, mm.
+    """
+    sun, planet = diameters
+    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
+    outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
+    holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
+    holes += [Circle(complex(z), planet / 2) for z in around if planet]
+    return Part("carrier", outline, tuple(holes), thickness, body="carrier")

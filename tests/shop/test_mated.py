@@ -1,0 +1,135 @@
+"""Bores of a gear and the mate it shapes, each by its own name: read back from the drawings of their plates."""
+
+import dataclasses
+
+import ezdxf
+import ezdxf.path
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+
+STRAIGHT = """
+kind = "straight-sided-gears"
+gear = { teeth = 30, module = 2, flank_angle_deg = 20, addendum = 0.8, dedendum = 1.2 }
+mate = { teeth = 40, addendum = 1.6 }
+"""
+LANTERN = """
+kind = "lantern-gears"
+pinion = { pins = 12, module = 4, pin_diameter = 5.5 }
+mate = { teeth = 48, addendum = 7 }
+"""
+BOTH = """
+[stock]
+clearance = 0.1
+interference = 0.08
+bore = 5
+bore_form = "D"
+fit = "press"
+mate_bore = 12
+mate_bore_form = "keyed"
+"""
+
+
+def drawn(folder, part):
+    """The outline's middle and polygons of the holes about it, as written."""
+    gk.write([dataclasses.replace(part, count=1)], folder / "part.dxf", curves="arcs")
+    found = {}
+    for entity in ezdxf.readfile(folder / "part.dxf").modelspace():
+        if entity.dxf.layer in ("CUT", "HOLE"):
+            loop = shapely.Polygon([(p.x, p.y) for p in ezdxf.path.make_path(entity).flattening(1e-4)])
+            found.setdefault(entity.dxf.layer, []).append(loop)
+    return found["CUT"][0], found["HOLE"]
+
+
+def across(hole):
+    left, low, right, high = hole.bounds
+    return right - left, high - low
+
+
+@pytest.mark.parametrize("text", [STRAIGHT, LANTERN])
+def test_gear_and_mate_have_the_bores_that_their_keys_name(tmp_path, text):
+    driver, mate = gk.load(text + BOTH).parts
+    _, holes = drawn(tmp_path, driver)
+    flat = min(holes, key=lambda hole: hole.area)
+    # A D-shaft of 5 mm is 4.5 mm across its flat, wherever that faces; the hole is 0.08 mm narrower all round.
+    box = np.array(flat.minimum_rotated_rectangle.exterior.coords)
+    sides = np.sort(np.hypot(*np.diff(box, axis=0).T))[[0, -1]]
+    assert sides == pytest.approx([4.42, 4.92], abs=2e-3)
+    _, (keyed,) = drawn(tmp_path, mate)
+    # The standard measures 13.8 mm over bore and keyway; the bore is 0.1 mm wider.
+    assert across(keyed) == pytest.approx((12.1, 13.9), abs=2e-3)
+
+
+def test_flats_of_a_lantern_s_discs_face_a_pin_and_both_discs_are_alike(tmp_path):
+    disc, _ = gk.load(LANTERN + BOTH).parts
+    plate, holes = drawn(tmp_path, disc)
+    middle = plate.centroid
+    flat, *pins = sorted(holes, key=lambda hole: hole.area)
+    # What the flat side takes away moves the centroid to the other side.
+    away = complex(middle.x - flat.centroid.x, middle.y - flat.centroid.y)
+    angles = [np.angle(complex(pin.centroid.x - middle.x, pin.centroid.y - middle.y) / away) for pin in pins]
+    assert disc.count == 2 and len(pins) == 12 and min(abs(a) for a in angles) < 1e-2
+
+
+@pytest.mark.parametrize(("text", "keys"), [(STRAIGHT, 1), (LANTERN, 2)])
+def test_the_bill_has_both_shafts_and_a_key_for_each_plate(text, keys):
+    recipe = gk.load(
+        text + '[stock]\nthickness = 8\nbore = 8\nbore_form = "keyed"\nmate_bore = 6\nmate_bore_form = "D"\n'
+    )
+    told = {one.name: (one.count, one.joints[0]) for one in recipe.bought}
+    first = recipe.parts[0].name
+    assert told["parallel key DIN 6885-1 A 2 x 2 x 8"] == (keys, first)
+    assert told[f"shaft 8 mm, at least {8 * (2 * keys - 1)} mm long"] == (1, first)
+    assert told["D-shaft 6 mm, 5.5 mm across its flat, at least 8 mm long"] == (1, "mate")
+
+
+@pytest.mark.parametrize("text", [STRAIGHT, LANTERN])
+def test_a_motor_turns_the_gear_on_a_plate_of_its_own_or_over_a_base(text):
+    asked = text + '[stock]\nbore = 5\nbore_form = "D"\nmotor = "nema17"\nmate_bore = 10\n'
+    plain, based = gk.load(asked), gk.load(asked + "[base]\n")
+    assert [part.name for part in plain.parts][2:] == ["motor_plate"]
+    motor, *others = plain.scene.bodies
+    assert (motor.name, motor.layer) == ("motor", 0) and min(body.layer for body in others) >= 1
+    base = based.parts[-1]
+    assert sorted(round(2 * hole.radius, 6) for hole in base.holes) == [3.4] * 4 + [4.2] * 4 + [10.2, 22.2]
+    assert [body.name for body in based.scene.bodies if body.name == "motor"] == []
+    for recipe, screw in ((plain, "button head"), (based, "countersunk")):
+        assert recipe.bought[0].name.startswith("motor NEMA 17, D-shaft 5 mm") and screw in recipe.bought[1].name
+
+
+REFUSED = [
+    ({"mate_bore": 7, "mate_bore_form": "D"}, "mate_flat", "mate_bore as one of 3, 4, 5, 6, 8"),
+    ({"mate_bore": 2, "mate_bore_form": "keyed"}, "mate_bore", "mate_keyway_width and mate_keyway_depth of your own"),
+    ({"mate_flat": 3}, "mate_flat", 'mate_bore_form = "D"'),
+    ({"mate_bore": 0, "mate_bore_form": "D"}, "mate_bore", 'mate_bore_form = "round"'),
+    ({"mate_bore": 0.1, "mate_fit": "press"}, "interference", "at most 0.09 mm"),
+    ({"bore": 7, "bore_form": "D"}, "flat", "or bore as one of"),
+    ({"bore": 22, "motor": "nema17"}, "bore", "less than 22 mm"),
+]
+
+
+@pytest.mark.parametrize(("sizes", "field", "remedy"), REFUSED)
+@pytest.mark.parametrize("stock", [gk.shop.PairStock, gk.shop.LanternStock])
+def test_bores_that_cannot_be_are_refused_by_the_name_of_their_own_key(stock, sizes, field, remedy):
+    with pytest.raises(gk.DesignError) as caught:
+        stock(**sizes)
+    assert caught.value.field == field and remedy in caught.value.remedy
+
+
+def test_a_mate_s_bore_wider_than_the_mate_is_refused_by_its_key():
+    recipe = gk.load(STRAIGHT)
+    for sizes, field in (({"mate_bore": 90}, "mate_bore"), ({"mate_keyway_width": 3}, "mate_keyway_depth")):
+        with pytest.raises(gk.DesignError) as caught:
+            _ = dataclasses.replace(recipe, stock=gk.shop.PairStock(**sizes)).parts
+        assert caught.value.field == f"stock.{field}"
+
+
+def test_words_of_fitted_bores_tell_both_fits_and_those_of_pins_do_not():
+    told = {
+        field.name: field.metadata["description"]
+        for field in dataclasses.fields(gk.shop.CamStock)
+        if "bore" in field.name
+    }
+    assert "narrower" in told["bore"] and "narrower" not in told["roller_bore"] + told["pivot_bore"]
