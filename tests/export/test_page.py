@@ -17,7 +17,7 @@ from geomkin.export.island import MOST_FRAMES, island, kept_frames, packed
 from geomkin.export.job import Loose
 from geomkin.export.page import page, write
 from geomkin.export.path import path
-from geomkin.export.sections import notes, worst_frame
+from geomkin.export.sections import notes, with_unit, worst_frame
 from geomkin.recipe import Files
 from geomkin.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 
@@ -305,3 +305,14 @@ def test_what_is_known_besides_is_told_in_words_sizes_and_tables():
     assert tables[3] == ["Peak", "Units", "1", "mm", "2", "mm"]
     assert tables[4] == ["Name", "Span, teeth", "Span, measure", "first &lt;b&gt;", "3", "15.4", "second", "4", ""]
     assert notes({"stack": held["stack"], "found": {}}) == ""
+
+
+def test_values_stand_by_their_units_as_people_write_them():
+    told = [
+        with_unit(40.25, "deg"),
+        with_unit(-3, "mm"),
+        with_unit(0.5, ""),
+        with_unit(12345.6, "N"),
+        with_unit(np.nan, "mm"),
+    ]
+    assert told == ["40.25°", "−3 mm", "0.5", "12,346 N", "none mm"]

@@ -125,3 +125,9 @@ def test_the_least_transmission_angle_is_that_of_the_frames_reached():
     many = gk.move(gk.FourBar(4, 3, 2, np.array([2.5, 0.1, 2.6])), drive)
     assert gk.least_transmission_angle(many).shape == (3,)
     assert gk.least_transmission_angle(many)[0] == gk.least_transmission_angle(motion)
+
+
+def test_many_linkages_are_refused_by_their_number():
+    motion = gk.move(gk.FourBar(100, np.array([30.0, 31.0, 32.0]), 50, 55), np.linspace(0, 6, 5))
+    with pytest.raises(gk.DesignError, match=r"motion: found \(3,\) linkages; give one at a time"):
+        gk.linkage.opening(motion)

@@ -434,3 +434,13 @@ def test_what_is_made_of_a_recipe_leaves_its_sweep_alone(file, tmp_path):
     gk.make(file, tmp_path, ["csv"])
     gk.make(file, tmp_path)
     assert bytes_of(sweep) == before
+
+
+def test_a_file_that_cannot_be_used_is_named_with_the_reason(file, tmp_path):
+    swept(file, tmp_path)
+    for path in (tmp_path / "bar").iterdir():
+        if path.suffix not in (".csv", ".html"):
+            path.unlink()
+            path.mkdir()
+    with pytest.raises(gk.GeomkinError, match=r"cannot be used \(something that is no plain file .*\); choose another place"):
+        swept(file, tmp_path)

@@ -343,3 +343,11 @@ def test_hundreds_of_random_starts_find_nothing_better(seed):
         assert (
             found.largest / (np.degrees(1) if call is gk.function_generator else task.length) < 1.01 * kept.min() + 1e-9
         )
+
+
+def test_the_others_come_by_their_largest_error():
+    """Each a linkage of its own, none better than the one that is given."""
+    found = gk.function_generator("log10(x)", (1, 2))
+    errors = [found.largest_error_deg, *(other.largest_error_deg for other in found.others)]
+    assert len(errors) >= 4 and errors == sorted(errors)
+    assert all(b > a * 1.001 for a, b in zip(errors, errors[1:]))
