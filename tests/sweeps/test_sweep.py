@@ -442,5 +442,7 @@ def test_a_file_that_cannot_be_used_is_named_with_the_reason(file, tmp_path):
         if path.suffix not in (".csv", ".html"):
             path.unlink()
             path.mkdir()
-    with pytest.raises(gk.GeomkinError, match=r"cannot be used \(something that is no plain file .*\); choose another place"):
+    with pytest.raises(
+        gk.GeomkinError, match=r"cannot be used \(something that is no plain file .*\); choose another place"
+    ):
         swept(file, tmp_path)
