@@ -50,20 +50,20 @@ if TYPE_CHECKING:
     from .gear.pair import GearPair as GearPair
     from .gear.ring import RingGear as RingGear
     from .gear.spur import SpurGear as SpurGear
-    from .linkage.coupler.curves import CouplerCurve as CouplerCurve
-    from .linkage.limits import driver_limits as driver_limits
+    from .linkage.coupler_curve import CouplerCurve as CouplerCurve
+    from .linkage.four_bar import FourBar as FourBar
     from .linkage.linkage import Linkage as Linkage
     from .linkage.linkage import Slider as Slider
+    from .linkage.measures import driver_limits as driver_limits
     from .linkage.measures import least_transmission_angle as least_transmission_angle
-    from .linkage.named.double_sliders import EllipticTrammel as EllipticTrammel
-    from .linkage.named.double_sliders import OldhamCoupling as OldhamCoupling
-    from .linkage.named.double_sliders import ScotchYoke as ScotchYoke
-    from .linkage.named.four_bar import FourBar as FourBar
-    from .linkage.named.six_bars import Shaper as Shaper
-    from .linkage.named.six_bars import StephensonSixBar as StephensonSixBar
-    from .linkage.named.six_bars import WattSixBar as WattSixBar
-    from .linkage.named.slider_crank import InvertedSliderCrank as InvertedSliderCrank
-    from .linkage.named.slider_crank import SliderCrank as SliderCrank
+    from .linkage.six_bars import Shaper as Shaper
+    from .linkage.six_bars import StephensonSixBar as StephensonSixBar
+    from .linkage.six_bars import WattSixBar as WattSixBar
+    from .linkage.sliders import EllipticTrammel as EllipticTrammel
+    from .linkage.sliders import InvertedSliderCrank as InvertedSliderCrank
+    from .linkage.sliders import OldhamCoupling as OldhamCoupling
+    from .linkage.sliders import ScotchYoke as ScotchYoke
+    from .linkage.sliders import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move
     from .notebook import show as show

@@ -176,7 +176,7 @@ def schema() -> None:
     import json
 
     from .kinds import KINDS
-    from .recipe.schema import schema
+    from .recipe.template import schema
 
     click.echo(json.dumps(schema(KINDS), indent=1))
 

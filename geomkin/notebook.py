@@ -29,10 +29,9 @@ from .judge.gear import mesh_checks
 from .judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, linkage_checks
 from .kinds.disk_cam import DiskCamRecipe
 from .kinds.planetary import PlanetaryRecipe
-from .kinds.ring_gear import RingGearRecipe
-from .kinds.spur_gear import SpurGearRecipe
-from .linkage.limits import TURN, driver_limits
+from .kinds.single_gears import RingGearRecipe, SpurGearRecipe
 from .linkage.linkage import AbstractLinkage
+from .linkage.measures import TURN, driver_limits
 from .linkage.motion import Motion, motion_table
 from .linkage.solve.branch import Branch
 from .linkage.solve.move import move

@@ -13,7 +13,7 @@ from .display import still
 from .errors import DesignError
 from .names import check_names
 from .plane.curve import AbstractCurve
-from .plane.pose import Pose
+from .plane.vec import Pose
 from .sizes import Length
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 import geomkin as gk
 from geomkin.plane import Arc, Mirrored, Moved, Path, Polyline, Reversed, Ring, Segment
-from geomkin.plane.derived import Stretch
+from geomkin.plane.curve import Stretch
 
 # Samples for each chord: a chord ends at one of them, so that it lacks half a sample of its reach.
 SAMPLES = 160

@@ -3,7 +3,7 @@
 from functools import cache
 
 from geomkin.kinds import KINDS
-from geomkin.recipe import load, schema, template
+from geomkin.recipe import load, template
 
 
 def parse(text, file="recipe", folder="."):
@@ -24,7 +24,7 @@ def recipe_of(name):
 
 def schema_of_all():
     """The schema that editors read."""
-    return schema.schema(KINDS)
+    return template.schema(KINDS)
 
 
 def choices_of(name):

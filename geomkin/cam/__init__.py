@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from .followers.plates import Plate as Plate
     from .followers.roller import AbstractRoller as AbstractRoller
     from .measures import SegmentLimits as SegmentLimits
+    from .measures import cam_table as cam_table
     from .measures import contact_travel as contact_travel
+    from .measures import polar_radius as polar_radius
     from .measures import segment_limits as segment_limits
     from .program.program import FollowerMotion as FollowerMotion
     from .program.segments import LiftPolynomial as LiftPolynomial
@@ -22,8 +24,6 @@ if TYPE_CHECKING:
     from .program.segments import LiftTable as LiftTable
     from .program.segments import OptimisedPolynomial as OptimisedPolynomial
     from .program.segments import OptimisedSpline as OptimisedSpline
-    from .tables import cam_table as cam_table
-    from .tables import polar_radius as polar_radius
     from .undercut import Undercut as Undercut
 else:
     from ..lazy import attach

@@ -12,8 +12,7 @@ from ..brief import one_line
 from ..display import moving
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..plane.pose import Pose
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Pose, Real
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .followers.follower import AbstractFollower, Contact, Follower
 from .followers.roller import TranslatingRoller

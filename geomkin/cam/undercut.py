@@ -17,8 +17,7 @@ from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole, dot
 from .cam import Cam
 from .maxima import climb, highest_between, samples
-from .self_crossings import chord_crossings, crossings
-from .untrimmed_outline import UntrimmedOutline
+from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings
 
 # Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within
 # which its loop closes. Fewer may miss a small loop, more take longer.

@@ -31,10 +31,10 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
         temporary: dict[str, Path] = {}
         try:
             for name, content in contents.items():
-                with _naming(folder / name):
+                with naming(folder / name):
                     temporary[name] = _set_down(folder / name, content)
             for name in contents:
-                with _naming(folder / name):
+                with naming(folder / name):
                     temporary[name].replace(folder / name)
                 del temporary[name]
         finally:
@@ -79,14 +79,14 @@ def _sweep(folder: Path) -> None:
 
 
 @contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Turns what the system says into an error that names the file."""
+def naming(path: Path, done: str = "written") -> Iterator[None]:
+    """Turns what the system says into an error that names the file, which cannot be `done`."""
     try:
         yield
     except (OSError, ValueError) as error:
         # A path with a sign that none may have is a ValueError.
         reason = getattr(error, "strerror", None) or str(error)
-        raise FileError(f"{printable(path)}: cannot be written ({reason}); choose another place (--out)") from error
+        raise FileError(f"{printable(path)}: cannot be {done} ({reason}); choose another place (--out)") from error
 
 
 def remove(path: Path) -> None:

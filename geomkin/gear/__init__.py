@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from .cutters import RackCutter as RackCutter
     from .helix import Helix as Helix
     from .measures import chord as chord
+    from .measures import contact_table as contact_table
     from .measures import over_pins as over_pins
     from .measures import span as span
+    from .measures import tooth_table as tooth_table
     from .planetary import PlanetarySet as PlanetarySet
     from .profile_shifts import balanced_shifts as balanced_shifts
     from .profile_shifts import undercut_free_shift as undercut_free_shift
     from .rack import GearRack as GearRack
     from .rack import RackPair as RackPair
-    from .tables import contact_table as contact_table
-    from .tables import tooth_table as tooth_table
 else:
     from ..lazy import attach
 

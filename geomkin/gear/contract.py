@@ -13,8 +13,7 @@ from ..arguments import checked
 from ..display import still
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import Length
 
 __all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]

@@ -8,12 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Moved
+from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring
-from ..plane.pose import Pose
 from ..plane.primitives import Arc, Polyline, Segment
 from ..plane.roulettes import Involute
+from ..plane.vec import Pose
 from ..sizes import check_sizes, quantity, rounded_down
 from .involute import TipRounding, inverse_involute, involute_function, largest_rounding, tip_rounding
 from .tooth import toothed

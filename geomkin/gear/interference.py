@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from .contract import AbstractInvoluteGear
 from .involute import involute_function, roll_at
 

@@ -11,8 +11,7 @@ from ..arguments import RealsOrNan, checked
 from ..brief import one_line
 from ..display import moving
 from ..errors import DesignError
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
 from .contract import check_alike
 from .interference import InternalMesh, tip_margin

@@ -11,8 +11,7 @@ from ..arguments import NUMBER, RealsOrNan, checked, refused
 from ..brief import one_line
 from ..display import moving
 from ..errors import DesignError
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, quantity
 from .pair import GearPair
 from .ring import RingGear

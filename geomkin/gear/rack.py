@@ -10,9 +10,8 @@ from ..arguments import RealsOrNan, checked
 from ..brief import one_line
 from ..display import moving
 from ..errors import DesignError
-from ..plane.pose import Pose
 from ..plane.primitives import Polyline
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractGear, check_alike
 from .cutters import RackCutter

@@ -10,8 +10,7 @@ import numpy as np
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.joined import Ring
-from ..plane.pose import Pose
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
 from .cutters import PinionCutter

@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..brief import one_line
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Mirrored, Moved, Reversed
-from ..plane.pose import Pose
+from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.roulettes import Involute
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth
 from .cutters import PinionCutter
 from .interference import InternalMesh

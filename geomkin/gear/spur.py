@@ -12,9 +12,8 @@ from ..arguments import NUMBER, Sort
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.joined import Ring
-from ..plane.pose import Pose
 from ..plane.primitives import Polyline
-from ..plane.vec import Real
+from ..plane.vec import Pose, Real
 from ..sizes import SMALLEST, check_sizes, entry, last_fit, quantity, rounded_down
 from .contract import AbstractInvoluteGear
 from .cutters import RackCutter

@@ -9,12 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from ..brief import one_line
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Mirrored, Moved, Reversed
+from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
-from ..plane.pose import Pose
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid
+from ..plane.vec import Pose
 from .contract import AbstractTooth
 from .involute import TipRounding, involute_function, roll_at, tip_rounding
 

@@ -12,11 +12,9 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..part import Part
-from ..plane.curve import AbstractCurve
-from ..plane.derived import Moved, Stretch
-from ..plane.pose import Pose
+from ..plane.curve import AbstractCurve, Moved, Stretch
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Pose, Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Plot, Scene, SceneCurve, SceneMark

@@ -32,7 +32,7 @@ from ..shop.gear.bases import pair_base
 from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
-from .tooth_points import check_tooth_points
+from .gear_recipes import check_tooth_points
 
 
 @dataclass(frozen=True)

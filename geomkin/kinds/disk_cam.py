@@ -12,6 +12,7 @@ import numpy as np
 from ..cam.base_circle import least_base_circle
 from ..cam.cam import Cam
 from ..cam.followers.follower import FOLLOWERS
+from ..cam.measures import cam_table
 from ..cam.program.program import Program
 from ..cam.program.segments import (
     Dwell,
@@ -24,7 +25,6 @@ from ..cam.program.segments import (
     Rise,
     Segment,
 )
-from ..cam.tables import cam_table
 from ..cam.undercut import Undercut, undercut
 from ..check import Check
 from ..errors import DesignError

@@ -1,17 +1,121 @@
-"""What a linkage of a family was chosen from, as it is plotted: all of them along the angle that stays free."""
+"""What goals have in common whose linkages are a family: their keys, the best of it, and what it was chosen from."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG
-from ..plane.vec import Real
+from ..plane.vec import Real, rounded
 from ..scene import Choice, Limit, Plot
+from ..sizes import check_sizes, quantity
 from ..synthesis.rockers.crank_rockers import CrankRocker
 from ..synthesis.rockers.double_rockers import DoubleRocker
+from ..synthesis.rockers.families import RATIO
 from ..synthesis.rockers.strokes import StrokeCrank
 from ..table import Column, Table
+from .linkage_goals import AbstractLinkageGoal
+
+# What a search in a family finds.
+M = TypeVar("M", bound=CrankRocker | DoubleRocker | StrokeCrank)
+M_co = TypeVar("M_co", bound=CrankRocker | DoubleRocker | StrokeCrank, covariant=True)
+# deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
+# there is a little less; whoever cuts them misses more by a thousand times. Derived here.
+MISSED_DEG = 1e-4
+# Members of a family that are ranked besides the best. More are only more of the same between them.
+OTHERS = 19
+
+
+def ratio_entry() -> Any:
+    """How unlike the links of the best may be."""
+    return quantity(
+        "longest link over the shortest; 100 where left out", default=None, example=None, above=1, at_most=1e6
+    )
+
+
+def turn_entry(example: float) -> Any:
+    """The crank's turn in the stroke that is told."""
+    meaning = "crank's turn in that stroke; 180 where neither this nor time_ratio is given"
+    return quantity(meaning, "deg", default=None, example=example, above=0, below=360)
+
+
+def time_ratio_entry() -> Any:
+    """The same as a ratio of times."""
+    return quantity("time of that stroke over the time of the stroke back", default=None, above=0, at_most=1e6)
+
+
+def crank_turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
+    """The crank's turn, deg, from whichever of the two is given."""
+    if time_ratio is not None and crank_turn_deg is not None:
+        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
+    if time_ratio is not None:
+        return 360 * time_ratio / (1 + time_ratio)
+    return 180.0 if crank_turn_deg is None else crank_turn_deg
+
+
+def missed(found: float, wanted: float) -> float:
+    """How far what was simulated is off, without the last digits, in which processors differ."""
+    return float(rounded(abs(found - wanted), 9))
+
+
+class Wanted(Protocol[M_co]):
+    """What is wanted of a linkage that has a family: all that do it, told apart by one angle."""
+
+    @property
+    def largest_ratio(self) -> float | None: ...
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the best of the family is looked for."""
+
+    def search(self, free_angle_deg: float | None = None) -> M_co:
+        """The best or the one with the sizes that are given, or the one at a free angle."""
+
+
+class AbstractFamilyGoal(AbstractLinkageGoal[M]):
+    """A goal that takes the best of a family, and ranks others of it.
+
+    A subclass is a dataclass with `wanted`, `choose`, `drive`, `stock` and `files`.
+    """
+
+    wanted: Wanted[M]
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+
+    @cached_property
+    def ranked(self) -> Sequence[M]:
+        best = self.wanted.search()
+        if not self.wanted.is_free:
+            return (best,)
+        step = -(-len(best.family.free_angle_deg) // OTHERS)
+        others = [self.wanted.search(float(angle)) for angle in best.family.free_angle_deg[step // 2 :: step]]
+        most = RATIO if self.wanted.largest_ratio is None else self.wanted.largest_ratio
+        return best, *sorted((one for one in others if one.ratio <= most and not one.defects), key=self.rank)
+
+    def rank(self, one: M) -> tuple[float, ...]:
+        """The less, the better."""
+        return (-float(one.transmission_angle_deg),)
+
+    @property
+    def way(self) -> tuple[float, float]:
+        """The full turn."""
+        return 0.0, 360.0
+
+    @property
+    def choice(self) -> Choice:
+        return family_choice(self.found, self.wanted.largest_ratio)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        ends = [float(f"{end:.10g}") for end in self.ranked[0].family.range_deg]
+        return {"family": {"free_angle_deg": ends}, **super().notes}
 
 
 def family_choice(found: CrankRocker | DoubleRocker | StrokeCrank, largest_ratio: float | None) -> Choice:

@@ -11,10 +11,10 @@ from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Helix
+from ..gear.measures import contact_table
 from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
-from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
 from ..recipe.settings import Files
@@ -27,9 +27,7 @@ from ..shop.gear.bases import pair_base
 from ..shop.gear.gears import GearStock, base_plate, gear_parts
 from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, helices_notes, mesh_notes
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes
 
 
 @dataclass(frozen=True, kw_only=True)

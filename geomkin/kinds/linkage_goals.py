@@ -12,10 +12,9 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
+from ..linkage.four_bar import FourBar
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.named.double_sliders import EllipticTrammel
-from ..linkage.named.four_bar import FourBar
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.sliders import EllipticTrammel, SliderCrank
 from ..recipe.recipe import AbstractGoal
 from ..recipe.settings import Drive, Files, Stroke, Turn
 from ..scene import Choice, Plot, Scene, SceneCurve

@@ -13,14 +13,12 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
-from ..linkage.limits import driver_limits
+from ..linkage.four_bar import FourBar
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.measures import grashof_type
+from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
-from ..linkage.named.double_sliders import EllipticTrammel, OldhamCoupling, ScotchYoke
-from ..linkage.named.four_bar import FourBar
-from ..linkage.named.six_bars import Shaper, StephensonSixBar, WattSixBar
-from ..linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
+from ..linkage.six_bars import Shaper, StephensonSixBar, WattSixBar
+from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, SliderCrank
 from ..linkage.solve.branch import Branch, chosen
 from ..linkage.solve.move import move
 from ..part import Bought, Part

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
-from ..linkage.coupler.curves import CouplerCurve
+from ..linkage.coupler_curve import CouplerCurve
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve

@@ -26,9 +26,7 @@ from ..shop.gear.bases import planetary_base
 from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
 from ..sizes import entry
 from ..table import Column, Table
-from .gear_notes import gear_notes, helices_notes, mesh_notes, shown
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes, shown
 
 
 @dataclass(frozen=True, kw_only=True)

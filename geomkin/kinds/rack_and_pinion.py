@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.measures import contact_table
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
-from ..gear.tables import contact_table
 from ..judge.gear import gear_checks, mesh_checks
 from ..part import Bought, Part
 from ..recipe.settings import Files
@@ -23,9 +23,7 @@ from ..shop.gear.bases import rack_base
 from ..shop.gear.gears import GearStock, gear_parts
 from ..sizes import entry, quantity
 from ..table import Table
-from .gear_notes import gear_notes, helices_notes, overlap_notes, shown
-from .helical import AbstractHelicalRecipe
-from .tooth_points import check_tooth_points
+from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, overlap_notes, shown
 
 
 @dataclass(frozen=True, kw_only=True)

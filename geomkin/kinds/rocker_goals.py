@@ -1,73 +1,24 @@
-"""Goals of rockers that swing: the crank-rocker of a swing and a crank's turn, and two rockers that swing together."""
+"""Goals of rockers and sliders: the crank-rocker of a swing, two rockers that swing together, and a slider's stroke."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 from ..check import Check
 from ..errors import DesignError
-from ..plane.vec import rounded
 from ..recipe.settings import Drive, Files
-from ..scene import Choice
 from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, check_sizes, entry, quantity
+from ..synthesis.rockers import strokes
 from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
 from ..synthesis.rockers.double_rockers import DoubleRocker, double_rocker
-from ..synthesis.rockers.families import RATIO, Family
-from .families import family_choice
-from .linkage_goals import AbstractLinkageGoal, choose_entry
+from ..synthesis.rockers.strokes import StrokeCrank, slider_crank_stroke
+from .families import MISSED_DEG, AbstractFamilyGoal, crank_turn_of, missed, ratio_entry, time_ratio_entry, turn_entry
+from .linkage_goals import choose_entry
 
-# deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
-# there is a little less; whoever cuts them misses more by a thousand times. Derived here.
-MISSED_DEG = 1e-4
-# Members of a family that are ranked besides the best. More are only more of the same between them.
-OTHERS = 19
-
-
-def ratio_entry() -> Any:
-    """How unlike the links of the best may be."""
-    return quantity(
-        "longest link over the shortest; 100 where left out", default=None, example=None, above=1, at_most=1e6
-    )
-
-
-def turn_entry(example: float) -> Any:
-    """The crank's turn in the stroke that is told."""
-    meaning = "crank's turn in that stroke; 180 where neither this nor time_ratio is given"
-    return quantity(meaning, "deg", default=None, example=example, above=0, below=360)
-
-
-def time_ratio_entry() -> Any:
-    """The same as a ratio of times."""
-    return quantity("time of that stroke over the time of the stroke back", default=None, above=0, at_most=1e6)
-
-
-def crank_turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
-    """The crank's turn, deg, from whichever of the two is given."""
-    if time_ratio is not None and crank_turn_deg is not None:
-        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
-    if time_ratio is not None:
-        return 360 * time_ratio / (1 + time_ratio)
-    return 180.0 if crank_turn_deg is None else crank_turn_deg
-
-
-def missed(found: float, wanted: float) -> float:
-    """How far what was simulated is off, without the last digits, in which processors differ."""
-    return float(rounded(abs(found - wanted), 9))
-
-
-def spread(family: Family) -> Sequence[float]:
-    """Free angles, deg, of the members that are ranked besides the best."""
-    step = -(-len(family.free_angle_deg) // OTHERS)
-    return [float(angle) for angle in family.free_angle_deg[step // 2 :: step]]
-
-
-def told_family(family: Family) -> Mapping[str, object]:
-    """The family as `summary.json` tells it."""
-    return {"free_angle_deg": [float(f"{end:.10g}") for end in family.range_deg]}
+# Share of the stroke that the simulated one may miss: rounding is less. Derived here.
+MISSED = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,8 +52,13 @@ class WantedSwing:
         """The crank's, in the stroke that is told."""
         return crank_turn_of(self.crank_turn_deg, self.time_ratio)
 
-    def search(self, free_angle_deg: float | None) -> CrankRocker:
-        """The best, or the one at a free angle."""
+    @property
+    def is_free(self) -> bool:
+        """Whether the best is looked for."""
+        return self.free_angle_deg is None
+
+    def search(self, free_angle_deg: float | None = None) -> CrankRocker:
+        """The best or the one at the angle that is given, or the one at a free angle."""
         return crank_rocker(
             self.swing_deg,
             self.turn_deg,
@@ -111,13 +67,13 @@ class WantedSwing:
             crank=self.crank,
             coupler=self.coupler,
             rocker=self.rocker,
-            free_angle_deg=free_angle_deg,
+            free_angle_deg=self.free_angle_deg if free_angle_deg is None else free_angle_deg,
             largest_ratio=self.largest_ratio,
         )
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrankRockerRecipe(AbstractLinkageGoal[CrankRocker]):
+class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
     """The crank-rocker of a swing and a time ratio that drives best, found and made: plates and motion."""
 
     kind: Literal["crank-rocker"] = "crank-rocker"
@@ -127,23 +83,6 @@ class CrankRockerRecipe(AbstractLinkageGoal[CrankRocker]):
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-        self.drive.check_rows()
-
-    @cached_property
-    def ranked(self) -> Sequence[CrankRocker]:
-        best = self.wanted.search(self.wanted.free_angle_deg)
-        if self.wanted.free_angle_deg is not None:
-            return (best,)
-        others = [self.wanted.search(angle) for angle in spread(best.family)]
-        return best, *by_transmission(others, self.wanted.largest_ratio)
-
-    @property
-    def way(self) -> tuple[float, float]:
-        """The full turn."""
-        return 0.0, 360.0
-
     @property
     def met(self) -> tuple[Check, ...]:
         found, wanted = self.found, self.wanted
@@ -152,21 +91,6 @@ class CrankRockerRecipe(AbstractLinkageGoal[CrankRocker]):
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
             Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
         )
-
-    @property
-    def choice(self) -> Choice:
-        return family_choice(self.found, self.wanted.largest_ratio)
-
-    @property
-    def notes(self) -> Mapping[str, object]:
-        return {"family": told_family(self.ranked[0].family), **super().notes}
-
-
-def by_transmission(found: Sequence[Any], largest_ratio: float | None) -> Sequence[Any]:
-    """Those without a defect whose links are not too unlike, the best drive first."""
-    most = RATIO if largest_ratio is None else largest_ratio
-    good = [one for one in found if one.ratio <= most and not one.defects]
-    return sorted(good, key=lambda one: -float(one.transmission_angle_deg))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,6 +117,11 @@ class WantedSwings:
     def __post_init__(self) -> None:
         check_sizes(self)
 
+    @property
+    def is_free(self) -> bool:
+        """Whether the best is looked for."""
+        return self.crank is None and self.rocker is None
+
     def search(self, free_angle_deg: float | None = None) -> DoubleRocker:
         """The best or the one with the length that is given, or the one at a free angle."""
         asked = free_angle_deg is None
@@ -210,7 +139,7 @@ class WantedSwings:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DoubleRockerRecipe(AbstractLinkageGoal[DoubleRocker]):
+class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     """Two rockers that swing together from given places, as the four-bar that drives best: found and made."""
 
     kind: Literal["double-rocker"] = "double-rocker"
@@ -224,15 +153,9 @@ class DoubleRockerRecipe(AbstractLinkageGoal[DoubleRocker]):
         check_sizes(self)
         self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
 
-    @cached_property
-    def ranked(self) -> Sequence[DoubleRocker]:
-        best = self.wanted.search()
-        if self.wanted.crank is not None or self.wanted.rocker is not None:
-            return (best,)
-        others = [self.wanted.search(angle) for angle in spread(best.family)]
-        ranked: Sequence[DoubleRocker] = by_transmission(others, self.wanted.largest_ratio)
+    def rank(self, one: DoubleRocker) -> tuple[float, ...]:
         # As the search does: those that go beyond their places come behind those that do not.
-        return best, *sorted(ranked, key=lambda one: one.overshoot_deg > MISSED_DEG)
+        return one.overshoot_deg > MISSED_DEG, *super().rank(one)
 
     @property
     def way(self) -> tuple[float, float]:
@@ -249,10 +172,74 @@ class DoubleRockerRecipe(AbstractLinkageGoal[DoubleRocker]):
             Check("rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
         )
 
-    @property
-    def choice(self) -> Choice:
-        return family_choice(self.found, self.wanted.largest_ratio)
+
+@dataclass(frozen=True, kw_only=True)
+class WantedStroke:
+    """How far a slider goes, and how far the crank turns, counterclockwise, while it goes towards +x."""
+
+    stroke: float = quantity("of the slider, there and back", "mm", example=80, above=0, at_most=FARTHEST)
+    crank_turn_deg: float | None = turn_entry(190)
+    time_ratio: float | None = time_ratio_entry()
+    offset: float | None = quantity(
+        "height of the slide line above the crank's pivot, instead of the best",
+        "mm",
+        default=None,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    crank: float | None = quantity(
+        "length of the crank, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
+    )
+    coupler: float | None = quantity(
+        "length of the connecting rod, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
+    )
+    largest_ratio: float | None = ratio_entry()
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        strokes.check_turn(self.turn_deg, "crank_turn_deg" if self.time_ratio is None else "time_ratio")
 
     @property
-    def notes(self) -> Mapping[str, object]:
-        return {"family": told_family(self.ranked[0].family), **super().notes}
+    def turn_deg(self) -> float:
+        """The crank's, in the stroke towards +x."""
+        return crank_turn_of(self.crank_turn_deg, self.time_ratio)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the best is looked for."""
+        return self.offset is None and self.crank is None and self.coupler is None
+
+    def search(self, free_angle_deg: float | None = None) -> StrokeCrank:
+        """The best or the one with the size that is given, or the one at a free angle."""
+        asked = free_angle_deg is None
+        return slider_crank_stroke(
+            self.stroke,
+            self.turn_deg,
+            offset=self.offset if asked else None,
+            crank=self.crank if asked else None,
+            coupler=self.coupler if asked else None,
+            free_angle_deg=free_angle_deg,
+            largest_ratio=self.largest_ratio,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
+    """The slider-crank of a stroke and a time ratio that drives best, found and made: plates and motion."""
+
+    kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
+    wanted: WantedStroke
+    choose: int = choose_entry()
+    drive: Drive = entry("how the crank turns", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def met(self) -> tuple[Check, ...]:
+        found, wanted = self.found, self.wanted
+        stroke = missed(found.stroke / wanted.stroke, 1.0) * wanted.stroke
+        turn = missed(found.crank_turn_deg, wanted.turn_deg)
+        return (
+            Check("missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
+            Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
+        )

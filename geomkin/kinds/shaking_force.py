@@ -12,14 +12,14 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import MOST_FORCE_TO_BEST, collision_check, reached
-from ..linkage.forces.shaking import (
+from ..linkage.shaking import (
     Counterbalance,
     SliderCrankMasses,
     best_counterbalance,
     judged_counterbalance,
     shaking_force,
 )
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.sliders import SliderCrank
 from ..linkage.solve.branch import Branch
 from ..part import HoleFit, Part
 from ..plane.primitives import Circle

@@ -6,21 +6,13 @@ if TYPE_CHECKING:
     from .body_motion import Body as Body
     from .body_motion import PointMotion as PointMotion
     from .body_motion import SlideMotion as SlideMotion
-    from .coupler.cognates import Cognate as Cognate
-    from .coupler.cognates import cognates as cognates
-    from .coupler.cognates import roberts_linkage as roberts_linkage
-    from .coupler.cognates import third_pivot as third_pivot
-    from .coupler.curves import coupler_curves as coupler_curves
-    from .coupler.curves import coupler_grid as coupler_grid
-    from .coupler.curves import dashes as dashes
-    from .forces.shaking import Counterbalance as Counterbalance
-    from .forces.shaking import SliderCrankMasses as SliderCrankMasses
-    from .forces.shaking import best_counterbalance as best_counterbalance
-    from .forces.shaking import judged_counterbalance as judged_counterbalance
-    from .forces.shaking import shaking_force as shaking_force
-    from .instant.bobillier import Bobillier as Bobillier
-    from .instant.bobillier import bobillier as bobillier
-    from .instant.bobillier import bobillier_path as bobillier_path
+    from .cognate_linkages import Cognate as Cognate
+    from .cognate_linkages import cognates as cognates
+    from .cognate_linkages import roberts_linkage as roberts_linkage
+    from .cognate_linkages import third_pivot as third_pivot
+    from .coupler_curve import coupler_curves as coupler_curves
+    from .coupler_curve import coupler_grid as coupler_grid
+    from .coupler_curve import dashes as dashes
     from .instant.centres import InstantCentre as InstantCentre
     from .instant.centres import instant_centre as instant_centre
     from .instant.centres import instant_centres as instant_centres
@@ -31,15 +23,18 @@ if TYPE_CHECKING:
     from .instant.curvature import euler_savary as euler_savary
     from .instant.curvature import path_curvature as path_curvature
     from .instant.equivalent import DirectContact as DirectContact
+    from .instant.inflection import Bobillier as Bobillier
     from .instant.inflection import InflectionCircle as InflectionCircle
+    from .instant.inflection import bobillier as bobillier
+    from .instant.inflection import bobillier_path as bobillier_path
     from .instant.inflection import inflection_circle as inflection_circle
     from .instant.inflection import inflection_circle_of_cranks as inflection_circle_of_cranks
     from .instant.polygons import VectorPolygon as VectorPolygon
     from .instant.polygons import acceleration_polygon as acceleration_polygon
     from .instant.polygons import velocity_polygon as velocity_polygon
-    from .limits import dead_centres as dead_centres
     from .linkage import AbstractLinkage as AbstractLinkage
     from .measures import circuits as circuits
+    from .measures import dead_centres as dead_centres
     from .measures import grashof_type as grashof_type
     from .motion import Motion as Motion
     from .motion import mechanical_advantage as mechanical_advantage
@@ -50,6 +45,11 @@ if TYPE_CHECKING:
     from .sampled import central_difference as central_difference
     from .sampled import mid_ordinate_integral as mid_ordinate_integral
     from .sampled import velocity_difference as velocity_difference
+    from .shaking import Counterbalance as Counterbalance
+    from .shaking import SliderCrankMasses as SliderCrankMasses
+    from .shaking import best_counterbalance as best_counterbalance
+    from .shaking import judged_counterbalance as judged_counterbalance
+    from .shaking import shaking_force as shaking_force
     from .solve.continuation import Root as Root
     from .solve.continuation import newton_raphson as newton_raphson
 else:

@@ -1,15 +1,37 @@
-"""What designers judge a linkage by."""
+"""What designers judge a linkage by: which links turn fully, circuits, transmission angle, limits and dead centres."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
-from ..plane.vec import Real, Whole, dot
-from .motion import Motion
-from .named.four_bar import FourBar
-from .named.slider_crank import SliderCrank
+from ..plane.vec import Mask, Real, Whole, dot
+from .four_bar import FourBar
+from .linkage import OneLinkage
+from .motion import Motion, goes_without_turning
+from .sliders import SliderCrank
+from .solve.branch import Branch, chosen
+from .solve.drive_range import DriveRange
+from .solve.driver_dyads import Driven
+from .solve.dyads import Dyad
+from .solve.loops import Loops
+from .solve.move import move, planned
+from .solve.placement import Placement
+from .solve.solution import reach_of, with_branches
+
+# Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
+# only the driver moves the dyad, whose limits are known in closed form.
+LOOKS = 1440
+TURN = (0.0, 2 * np.pi)
+# Reaches of the linkage within which a driving slide is looked for, ever coarser outwards: a slide whose limits lie
+# farther is taken for one without limits. Larger, and rails that rounding alone turns would give it some.
+FARTHEST = 1e6
+# Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
+# half of all digits tell all of them. Fewer, and a linkage that closes at hardly more than one place is missed.
+NARROWED = 10
 
 
 @checked
@@ -85,3 +107,175 @@ def least_transmission_angle(motion: Motion) -> Real:
     """Least transmission angle over the frames that are reached, rad, () or (linkages,); nan where none is."""
     least: Real = np.fmin.reduce(np.where(motion.closed, motion.transmission_angle, np.nan), axis=0)
     return least
+
+
+@checked
+def driver_limits(
+    linkage: OneLinkage, branch: Branch = 1, span: tuple[float, float] | None = None
+) -> tuple[tuple[float, float], ...]:
+    """The parts of `span` in which the linkage closes, each from its first to its last drive, rad or mm.
+
+    Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes.
+    DesignError where these have no end, and where a start has to be told: for a branch that is followed or near given
+    pins, and for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched
+    or folded; there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of
+    dyads is followed from the start of the span, where its estimate holds, to its first limit. Derived here: in closed
+    form where the driver alone moves a dyad, by bisection to the last bit elsewhere.
+    """
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return ()
+    start, end = span
+    if not end > start:
+        raise DesignError("span", f"found {span}", "give a rising pair")
+
+    def closed(q: Real) -> Mask:
+        # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
+        return move(linkage, np.append(start, q), branch).closed[1:]
+
+    looks = np.linspace(start, end, LOOKS + 1)
+    placements = planned(linkage.linkage, branch)
+    ends = [start, end, *_exact(placements, span)]
+    cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
+    middles = 0.5 * (cuts[:-1] + cuts[1:])
+    parts: list[list[float]] = []
+    for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(middles).tolist()):
+        if inside and parts and parts[-1][1] == low:
+            parts[-1][1] = high
+        elif inside:
+            parts.append([low, high])
+    return tuple((low, high) for low, high in parts)
+
+
+@checked
+def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tuple[float, float] | None = None) -> Real:
+    """Drives, rising, (n,), at which the body `output` stands still and turns back: the ends of its swing or stroke.
+
+    Without a span they are looked for in the one that `driver_limits` takes. Derived here: zeros of the body's
+    first kinematic coefficient.
+    """
+    general = linkage.linkage
+    if output not in general.bodies or output == general.ground:
+        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
+    if span is None:
+        span = _whole(linkage, branch)
+        if span is None:
+            return np.empty(0)
+    looks = np.linspace(*span, LOOKS + 1)
+    motion = move(linkage, looks, branch)
+    line = None
+    if goes_without_turning(motion, output):
+        # It goes along one line: that of its largest step.
+        steps = np.nan_to_num(motion.bodies[output].origin.first, nan=0.0, posinf=0.0, neginf=0.0)
+        line = steps[np.argmax(np.abs(steps))]
+
+    def way(q: Real) -> Real:
+        moved = move(linkage, np.append(span[0], q), branch).bodies[output]
+        return (moved.first if line is None else dot(line, moved.origin.first))[1:]
+
+    values = way(looks)
+    found = [*looks[values == 0].tolist(), *_crossings(way, looks, values)]
+    return np.unique(np.array(found))
+
+
+def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
+    """One turn, or from the first to the last place of a driving slide at which the linkage closes; None if at none."""
+    general = linkage.linkage
+    if general.driven_slider is None:
+        return TURN
+    asked, placements = chosen(branch), planned(general, branch)
+    if asked.follow or asked.near or any(isinstance(one, Loops) for one in placements):
+        first = "such a branch" if asked.follow or asked.near else "the estimate"
+        raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
+    reach = reach_of(general)
+    outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
+    looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
+
+    def closed(q: Real) -> Mask:
+        return move(linkage, q, branch).closed
+
+    ends = looks[[0, -1]]
+    if closed(ends).any():
+        raise DesignError("span", "the linkage closes at places without end", f"give a span, such as {(-reach, reach)}")
+    whole = with_branches(general, placements, looks, (), asked)
+    looks = np.concatenate(
+        [looks, _exact(placements, (float(ends[0]), float(ends[1]))), _nearest_to_closing(whole, looks)]
+    )
+    edges = _changes(closed, np.unique(looks))
+    return (min(edges), max(edges)) if edges else None
+
+
+def _nearest_to_closing(whole: DriveRange, looks: Real) -> Real:
+    """Places between open looks at which a dyad comes nearest to closing, and there may close between two of them."""
+
+    def least(q: Real) -> Real:
+        """The least gap, mm, of the first dyad that is open, or of all; -inf where none is told."""
+        with np.errstate(all="ignore"):
+            p = whole.poses(q)
+            dyads = [one for one in whole.placements if isinstance(one, Dyad)]
+            gaps = [np.broadcast_to(gap, q.shape) for dyad in dyads for gap in dyad.gaps(p)]
+        found: Real = np.fmin.reduce([*gaps, np.full(len(q), np.inf)])
+        return np.nan_to_num(found, nan=-np.inf)
+
+    gap = least(looks)
+    at = 1 + np.flatnonzero((gap[1:-1] < 0) & (gap[1:-1] >= gap[:-2]) & (gap[1:-1] >= gap[2:]))
+    low, high, best = looks[at - 1], looks[at + 1], looks[at]
+    for _ in range(NARROWED):
+        places = np.linspace(low, high, 17)
+        top = np.argmax(least(places.ravel()).reshape(places.shape), axis=0)
+        low, best, high = (
+            np.take_along_axis(places, np.clip(k, 0, 16)[None], axis=0)[0] for k in (top - 1, top, top + 1)
+        )
+    return best
+
+
+def _all_driven(placements: Sequence[Placement]) -> bool:
+    return all(isinstance(one, Driven) or not isinstance(one, (Dyad, Loops)) for one in placements)
+
+
+def _exact(placements: Sequence[Placement], span: tuple[float, float]) -> list[float]:
+    """Limits of the dyads that the driver alone moves, in closed form, inside the span."""
+    found: list[float] = []
+    for dyad in placements:
+        if isinstance(dyad, Driven):
+            for limit in dyad.limits():
+                turns = np.zeros(1)
+                if dyad.period:
+                    turns = np.arange(
+                        np.floor((span[0] - limit) / dyad.period), np.ceil((span[1] - limit) / dyad.period) + 1
+                    )
+                found += [q for q in (limit + dyad.period * turns).tolist() if span[0] < q < span[1]]
+    return found
+
+
+def _changes(closed: Callable[[Real], Mask], looks: Real) -> list[float]:
+    """Where `closed` changes between two looks, to the last bit."""
+    state = closed(looks)
+    at = np.flatnonzero(state[1:] != state[:-1])
+    low, high = _narrowed(closed, looks[at], looks[at + 1], state[at])
+    changes: list[float] = np.where(state[at], low, high).tolist()
+    return changes
+
+
+def _crossings(f: Callable[[Real], Real], looks: Real, values: Real) -> list[float]:
+    """Zeros of f between neighbouring looks of opposite sign; a jump through infinity is none."""
+    with np.errstate(invalid="ignore"):
+        at = np.flatnonzero(values[1:] * values[:-1] < 0)
+    low, _ = _narrowed(lambda q: np.sign(f(q)), looks[at], looks[at + 1], np.sign(values[at]))
+    ends = np.abs(f(low)) if at.size else np.empty(0)
+    calm = ends <= np.minimum(np.abs(values[at]), np.abs(values[at + 1]))
+    zeros: list[float] = low[calm].tolist()
+    return zeros
+
+
+def _narrowed(f: Callable[[Real], Real | Mask], low: Real, high: Real, start: Real | Mask) -> tuple[Real, Real]:
+    """Neighbouring numbers between which f, `start` at each low end and something else at the high one, changes."""
+    # Sixteen parts at a time: four bits for one call of f, which costs little more for a row than for one place.
+    while np.any(np.nextafter(low, high) < high):
+        places = np.linspace(low, high, 17)
+        same = (f(places.ravel()).reshape(places.shape) == start) & (places < high)
+        same[0] = True
+        last = np.argmin(same, axis=0) - 1
+        low, high = (np.take_along_axis(places, k[None], axis=0)[0] for k in (last, last + 1))
+    return low, high

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import checked
 from ..brief import one_line
 from ..errors import DesignError, printable
-from .limits import driver_limits
+from .measures import driver_limits
 from .motion import Motion
 from .solve.actuators import ActuatedRRP, ActuatedRRR
 from .solve.branch import Chosen

@@ -3,16 +3,15 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .derived import Mirrored as Mirrored
-    from .derived import Moved as Moved
-    from .derived import Offset as Offset
-    from .derived import Reversed as Reversed
+    from .curve import Mirrored as Mirrored
+    from .curve import Moved as Moved
+    from .curve import Offset as Offset
+    from .curve import Reversed as Reversed
     from .joined import Path as Path
     from .joined import Ring as Ring
     from .measure import centroid as centroid
     from .measure import convexity as convexity
     from .measure import signed_area as signed_area
-    from .pose import Pose as Pose
     from .primitives import Arc as Arc
     from .primitives import Circle as Circle
     from .primitives import Polyline as Polyline
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from .roulettes import Involute as Involute
     from .roulettes import Trochoid as Trochoid
     from .spline import Spline as Spline
+    from .vec import Pose as Pose
     from .vec import xy as xy
 else:
     from ..lazy import attach

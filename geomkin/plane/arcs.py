@@ -6,8 +6,7 @@ import numpy as np
 
 from ..arguments import checked
 from ..errors import DesignError
-from .curve import AbstractCurve
-from .derived import Mirrored, Moved, Reversed
+from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
 from .spread import Intervals, Judge, direction, probes, spread, tops, turns

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from ..arguments import checked
 from ..errors import DesignError
 from ..sizes import rounded_up
-from .curve import AbstractCurve
-from .derived import Mirrored, Moved, Reversed
+from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
 from .spread import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, towards, turns

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import Count, check_fields
 from ..errors import DesignError
-from .curve import AbstractCurve
-from .derived import Mirrored, Reversed
+from .curve import AbstractCurve, Mirrored, Reversed
 from .vec import Complex, Real, Whole
 
 # Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets

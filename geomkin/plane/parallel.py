@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curve import AbstractCurve
-from .derived import Mirrored, Offset, Reversed, Stretch
+from .curve import AbstractCurve, Mirrored, Offset, Reversed, Stretch
 from .flatten import smooth_runs
 from .joined import Path, Ring
 from .primitives import Arc, Polyline, Segment

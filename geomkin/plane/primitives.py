@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Points, Positive, RealRow, Row, check_fields, checked
 from ..errors import DesignError
-from .curve import AbstractCurve
-from .derived import Moved
+from .curve import AbstractCurve, Moved
 from .joined import Path
-from .pose import Pose
-from .vec import Complex, Real, Whole, cross
+from .vec import Complex, Pose, Real, Whole, cross
 
 
 @dataclass(frozen=True, eq=False, repr=False)

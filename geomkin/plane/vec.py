@@ -1,13 +1,18 @@
-"""Points and directions as complex numbers: x + iy in mm, a direction is a unit complex number."""
+"""Points, directions and poses as complex numbers: x + iy in mm; a direction is a unit complex number.
+
+A pose is where a body is: the place of its origin and the direction of its x axis.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arguments import Numbers, checked
+from ..arguments import Numbers, check_fields, checked
+from ..brief import one_line
 
 # Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no. They hold float64,
 # complex128, intp and bool; the wider names are what NumPy's own annotations give for `1j * x` or `abs(z)`.
@@ -77,3 +82,23 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
         most = np.abs(z[np.isfinite(z)]).max(initial=0.0)
     even: Real = np.round(z + np.copysign(BESIDE_HALF * most, z), decimals)
     return even + 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A rigid placement: origin, mm, and direction, a unit complex number; arrays of one shape."""
+
+    origin: Complex | complex = 0j
+    direction: Complex | complex = 1 + 0j
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def place(self, z: ArrayLike) -> Complex:
+        """A body's own points as seen from outside."""
+        return np.asarray(self.origin + self.direction * np.asarray(z))
+
+    def locate(self, z: ArrayLike) -> Complex:
+        """Outside points in the body's own coordinates: the inverse of `place`."""
+        return (np.asarray(z) - self.origin) * np.conj(self.direction)

@@ -11,9 +11,8 @@ from ..cam.cam import Cam
 from ..cam.undercut import Undercut, undercut
 from ..cam.untrimmed_outline import UntrimmedOutline
 from ..part import Part
-from ..plane.pose import Pose
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Real, dot, unit
+from ..plane.vec import Complex, Pose, Real, dot, unit
 from ..scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Table
 from .dimensions import cam_dimensions

@@ -11,9 +11,8 @@ from ..arguments import checked
 from ..gear.conjugate.conjugate import Conjugate
 from ..part import Part
 from ..plane.curve import AbstractCurve
-from ..plane.pose import Pose
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Pose, Real
 from ..scene import Plot, Scene, SceneCurve, SceneMark
 from ..table import Column, Table
 from .dimensions import centre_distance

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..linkage.motion import Motion
 from ..part import Part
-from ..plane.derived import Mirrored
+from ..plane.curve import Mirrored
 from ..plane.vec import Complex, Whole
 from ..scene import Scene, SceneBody, SceneMark
 from .linkage import placed_bodies, traced_points

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..arguments import checked
-from ..linkage.instant.bobillier import bobillier
 from ..linkage.instant.curvature import path_curvature
-from ..linkage.instant.inflection import inflection_circle
+from ..linkage.instant.inflection import bobillier, inflection_circle
 from ..linkage.motion import Motion
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real

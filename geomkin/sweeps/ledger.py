@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import FileError, printable
+from ..export.files import naming
 
 # Bytes that are read back; those of the most combinations there may be stay below it.
 LARGEST = 500_000_000
@@ -24,7 +23,7 @@ class Ledger:
     def __init__(self, path: Path, title: Mapping[str, Any]):
         self.path = path
         self.known: dict[str, Any] = {}
-        with _naming(path):
+        with naming(path, "used"):
             content = self._content()
             lines = content.split(b"\n")
             self.anew: bool = bool(content) and _read(lines[0]) != title
@@ -52,7 +51,7 @@ class Ledger:
 
     def add(self, rows: Mapping[str, Any]) -> None:
         """Set down further rows, by key, whole lines at once."""
-        with _naming(self.path), self.path.open("ab") as file:
+        with naming(self.path, "used"), self.path.open("ab") as file:
             file.write(b"".join(_line({"key": key, "row": row}) for key, row in rows.items()))
 
 
@@ -65,13 +64,3 @@ def _read(line: bytes) -> Any:
         return json.loads(line)
     except (ValueError, RecursionError):
         return None
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Turns what the system says into an error that names the file."""
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise FileError(f"{printable(path)}: cannot be used ({reason}); choose another place (--out)") from error

@@ -6,9 +6,9 @@ if TYPE_CHECKING:
     from .found import Found as Found
     from .function.expression import Expression as Expression
     from .function.expression import named_function as named_function
+    from .function.function import chebyshev_points as chebyshev_points
     from .function.function import function_generator as function_generator
     from .function.function import slider_function_generator as slider_function_generator
-    from .function.precision_points import chebyshev_points as chebyshev_points
     from .function.results import FunctionGenerator as FunctionGenerator
     from .function.results import Peak as Peak
     from .function.results import SliderFunctionGenerator as SliderFunctionGenerator

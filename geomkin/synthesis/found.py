@@ -9,10 +9,9 @@ import numpy as np
 
 from ..brief import one_line
 from ..display import moving
+from ..linkage.four_bar import FourBar
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.named.double_sliders import EllipticTrammel
-from ..linkage.named.four_bar import FourBar
-from ..linkage.named.slider_crank import SliderCrank
+from ..linkage.sliders import EllipticTrammel, SliderCrank
 from ..plane.vec import Real
 
 

@@ -1,15 +1,19 @@
-"""The chart as files: all points as CSV, a picture of each family, and a page."""
+"""The chart as files: all points as CSV, a picture of each family, and a page with a table of each."""
 
 from __future__ import annotations
 
 import csv
 import io
+from base64 import b64encode
 from collections.abc import Iterator, Mapping
+from hashlib import sha256
 
 import numpy as np
 
-from .page import page
-from .picture import picture
+from ..export.sections import text
+from .family import Method
+from .measurement import Measurement
+from .picture import drawing, picture
 from .results import Chart, FamilyChart
 from .study import Stability
 
@@ -19,6 +23,30 @@ COLUMNS = (
     "missed_share", "per", "seconds_per_result", "results_per_call", "calls_per_batch", "batches", "spread",
     "weight_name", "weight", "on_weight_front",
 )  # fmt: skip
+STYLE = """
+:root { color-scheme: light dark; --paper: #fff; --ink: #1b2127; --soft: #55606b; --edge: #c9d0d6; --key: #0064a0; }
+@media (prefers-color-scheme: dark) {
+  :root { --paper: #14181c; --ink: #e8ecef; --soft: #a9b4bd; --edge: #3d464e; --key: #6fbdf2; }
+}
+* { box-sizing: border-box; }
+body { margin: 0 auto; padding: 16px clamp(10px, 3vw, 32px) 48px; max-width: 1000px; background: var(--paper);
+  color: var(--ink); font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", "DejaVu Sans", sans-serif; }
+h1 { margin: 0; font-size: 26px; }
+h2 { margin: 44px 0 8px; font-size: 20px; }
+p, dd, li { max-width: 75ch; }
+a { color: var(--key); }
+:focus-visible { outline: 2px solid var(--key); outline-offset: 2px; }
+.soft { color: var(--soft); }
+.wide { overflow-x: auto; margin: 12px 0; }
+svg { display: block; background: #fff; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--edge); white-space: nowrap; }
+th:first-child, td:first-child { text-align: left; }
+tr.default th { font-weight: 700; } tbody th { font-weight: 400; }
+summary { cursor: pointer; min-height: 28px; }
+dt { font-weight: 600; margin-top: 8px; } dd { margin: 0 0 0 1.2em; }
+@media print { details > * { display: block; } }
+""".strip()
 
 
 def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, bytes]:
@@ -61,3 +89,149 @@ def _rows(one: FamilyChart) -> Iterator[list[object]]:
 
 def _n(value: float) -> str:
     return f"{value:.6g}" if np.isfinite(value) else ""
+
+
+def page(chart: Chart, study: Stability | None = None) -> bytes:
+    """One HTML file that asks for nothing else and runs no script."""
+    policy = (
+        f"default-src 'none'; style-src 'sha256-{b64encode(sha256(STYLE.encode()).digest()).decode()}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+    hurried = " This is a quick run: fewer settings, and times that are less steady." if chart.quick else ""
+    versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
+    links = "".join(f'<li><a href="#{_id(one)}">{text(one.family.title)}</a></li>' for one in chart.families)
+    links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
+    told = f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>geomkin: speed against accuracy</title>
+<link rel="icon" href="data:,">
+<style>{STYLE}</style>
+</head>
+<body>
+<header><h1>Speed against accuracy</h1></header>
+<main>
+<p>There are many ways to each result of geomkin. Each picture below shows the ways to one kind of result: how long a
+way takes, from left to right, and how far its results are from the right ones, from bottom to top. Both go by factors
+of ten. The lower left is best: fast and accurate. The grey line is the Pareto front: a point on it is beaten by no
+other in both; a point off it is, or misses results. A ring marks the way that the library takes when it is not told
+otherwise.</p>
+<p>Measured with {text(versions)} on {text(chart.processor)}.{hurried} A time is the processor's, the least of
+several batches of calls, divided by the number of results; what a method may get ready once is not in it, and the
+method says what that is. The spread tells by how much the median batch took longer than the least: what of a time is
+noise. Errors are told down to rounding, and whatever is smaller counts as equal.</p>
+<nav aria-label="Families"><ul>{links}</ul></nav>
+{"".join(_section(one) for one in chart.families)}{study.section() if study else ""}</main>
+</body>
+</html>
+"""
+    return told.encode("utf-8", "replace")
+
+
+def _section(one: FamilyChart) -> str:
+    family = one.family
+    return f"""<section id="{_id(one)}">
+<h2>{text(family.title)}</h2>
+<p>{text(family.about)}</p>
+{_verdict(one)}
+<div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{drawing(one)}</div>
+{_weights(one)}<p class="soft">The right results are known by {text(family.reference)}. Errors below
+{_number(family.floor)} {text(family.unit)} are rounding.</p>
+<details><summary>The methods</summary><dl>{"".join(_told(method) for method in family.methods)}</dl></details>
+<details><summary>The numbers</summary>
+<div class="wide" tabindex="0" role="region" aria-label="Numbers: {text(family.title)}">{_table(one)}</div></details>
+</section>
+"""
+
+
+def _weights(one: FamilyChart) -> str:
+    """The same with the results' weight for their time, where they have one."""
+    family = one.family
+    if not family.weigh:
+        return ""
+    label, weighed = f"Picture: {text(family.title)}, {text(family.weighed)}", text(family.weighed)
+    light = [bool(on) for p, on in zip(one.points, one.on_weight_front) if p in [q for q, _ in one.defaults]]
+    stands = f"Here the default is on the front at {sum(light)} of {len(light)}." if light else ""
+    return f"""<p>Whoever goes on with them pays for their {weighed}. {stands}</p>
+<div class="wide" tabindex="0" role="region" aria-label="{label}">{drawing(one, True)}</div>
+"""
+
+
+def _verdict(one: FamilyChart) -> str:
+    """Which method is the default, why, and how it stands."""
+    lines = []
+    for method in one.family.methods:
+        stands = [on for point, on in one.defaults if point.method == method.name]
+        if not stands:
+            continue
+        how = "It is on the front."
+        if not all(stands):
+            many = (
+                "It is not on the front" if not any(stands) else f"It is on the front at {sum(stands)} of {len(stands)}"
+            )
+            how = f"{many}: {_beaten(one, method)}. {text(method.despite)}"
+        lines.append(f"<p>The default is <strong>{text(method.name)}</strong>: {text(method.because)} {how}</p>")
+    return "\n".join(lines)
+
+
+def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
+    """What beats the default most clearly, and by how much."""
+    told: dict[str, str] = {}
+    for point, on in one.defaults:
+        if on or point.method != method.name:
+            continue
+        error = one.shown_error(point)
+        better = [p for p, q in zip(one.points, one.on_front) if q and p.seconds <= point.seconds]
+        better = [p for p in better if one.shown_error(p) <= error]
+        if better:
+            best = min(better, key=lambda p: p.seconds)
+            told.setdefault(best.method, f"{best.method} takes {best.seconds / point.seconds:.0%} of its time")
+    return text("; ".join(told.values()) or "it misses results")
+
+
+def _told(method: Method[object, object]) -> str:
+    left_out = " It takes long, and a quick chart leaves it out." if method.slow else ""
+    return f"<dt>{text(method.name)}</dt><dd>{text(method.about)}{left_out}</dd>"
+
+
+def _table(one: FamilyChart) -> str:
+    methods = {method.name: method for method in one.family.methods}
+    unit, per = text(one.family.unit), text(one.family.per)
+    heads = (
+        "method", "setting", f"largest error, {unit}", f"rms error, {unit}", f"time per {per}", "on the front",
+        "measured", "spread", *([text(one.family.weighed)] if one.family.weigh else ()),
+    )  # fmt: skip
+    rows = "".join(_row(methods[p.method], p, bool(on)) for p, on in zip(one.points, one.on_front))
+    head = "".join(f'<th scope="col">{name}</th>' for name in heads)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _row(method: Method[object, object], p: Measurement, on: bool) -> str:
+    name = text(method.name) + (" (default)" if method.is_default else "")
+    setting = f"{text(method.setting)} {p.setting:g}" if method.setting else ""
+    missed = f", misses {p.missed:.1%}" if p.missed else ""
+    weight = f"<td>{p.weight:g}</td>" if np.isfinite(p.weight) else ""
+    often = f"{p.batches} times {p.calls} calls of {p.results}"
+    return (
+        f'<tr{" class=default" if method.is_default else ""}><th scope="row">{name}</th><td>{setting}</td>'
+        f"<td>{_number(p.largest)}{missed}</td><td>{_number(p.rms)}</td><td>{_time(p.seconds)}</td>"
+        f"<td>{'yes' if on else 'no'}</td><td>{often}</td><td>{p.spread:.0%}</td>{weight}</tr>"
+    )
+
+
+def _time(seconds: float) -> str:
+    for unit, scale in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= scale:
+            return f"{seconds / scale:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def _number(value: float) -> str:
+    return f"{value:.2g}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "none"
+
+
+def _id(one: FamilyChart) -> str:
+    return text(one.family.name)

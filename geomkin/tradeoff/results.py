@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import checked
+from ..arguments import Extended, checked
 from ..brief import one_line
 from ..errors import DesignError, shown
 from ..plane.vec import Mask
@@ -20,7 +20,6 @@ from ..progress import Watch
 from ..version import VERSION
 from .families import FAMILIES
 from .family import MethodFamily
-from .front import pareto_front
 from .measurement import Measurement, measured
 
 
@@ -106,3 +105,25 @@ def processor() -> str:
         lines = []
     model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "")
     return f"{model or platform.processor() or platform.machine()}, {os.cpu_count()} cores"
+
+
+@checked
+def pareto_front(seconds: Extended, errors: Extended) -> Mask:
+    """Which of these points (n,) no other one beats: as fast and as accurate, and better in one of the two.
+
+    Equal points stand on the front together; a point that is nan or infinite in either is never on it.
+    """
+    cost, miss = np.asarray(seconds, dtype=float), np.asarray(errors, dtype=float)
+    if cost.ndim != 1 or cost.shape != miss.shape:
+        raise DesignError("errors", f"found shapes {cost.shape} and {miss.shape}", "give two rows of one length")
+    front = np.zeros(cost.shape, dtype=bool)
+    known = np.flatnonzero(np.isfinite(cost) & np.isfinite(miss))
+    least = np.inf
+    # From the fastest on, a point is on the front where it errs less than all that are as fast.
+    for time in np.unique(cost[known]):
+        here = known[cost[known] == time]
+        best = miss[here].min()
+        if best < least:
+            front[here[miss[here] == best]] = True
+            least = best
+    return front

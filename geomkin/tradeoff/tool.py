@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..brief import one_line
-from ..plane.pose import Pose
 from ..plane.primitives import Polyline
-from ..plane.vec import Complex, Real, Whole, unit
+from ..plane.vec import Complex, Pose, Real, Whole, unit
 
 # Positions tried first. Fewer, and the least distance may lie in a valley that none of them is in; more take longer.
 POSITIONS = 241

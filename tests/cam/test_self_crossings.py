@@ -5,9 +5,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam import undercut as tracing
-from geomkin.cam.self_crossings import chord_crossings, crossings
 from geomkin.cam.undercut import undercut
-from geomkin.cam.untrimmed_outline import UntrimmedOutline
+from geomkin.cam.untrimmed_outline import UntrimmedOutline, chord_crossings, crossings
 from geomkin.plane.curve import AbstractCurve
 
 

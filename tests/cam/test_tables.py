@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.tables import polar_radius
+from geomkin.cam.measures import polar_radius
 
 
 def test_an_eccentric_circle_has_the_radius_of_the_cosine_rule():

@@ -13,8 +13,7 @@ from jsonschema import Draft202012Validator
 import geomkin as gk
 from geomkin.cam.maxima import highest
 from geomkin.kinds import KINDS
-from geomkin.recipe.schema import schema
-from geomkin.recipe.template import template
+from geomkin.recipe.template import schema, template
 from geomkin.sizes import check_sizes, quantity
 
 

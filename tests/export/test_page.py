@@ -13,9 +13,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.export import WRITERS, Job
-from geomkin.export.island import MOST_FRAMES, island, kept_frames
+from geomkin.export.island import MOST_FRAMES, island, kept_frames, packed
 from geomkin.export.job import Loose
-from geomkin.export.packed import packed
 from geomkin.export.page import page, write
 from geomkin.export.path import path
 from geomkin.export.sections import notes, with_unit, worst_frame

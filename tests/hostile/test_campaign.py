@@ -35,7 +35,7 @@ def _child(folder, *arguments):
     sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", closefd=False)  # noqa: SIM115
     warnings.simplefilter("always")
     sys.argv = ["geomkin", *arguments]
-    from geomkin.cli import main
+    from geomkin.__main__ import main
 
     try:
         main()

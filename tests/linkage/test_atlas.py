@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.coupler.curves import coupler_curves, coupler_grid, dashes
-from geomkin.linkage.named.slider_crank import SliderCrank
+from geomkin.linkage.coupler_curve import coupler_curves, coupler_grid, dashes
+from geomkin.linkage.sliders import SliderCrank
 
 CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)
 STEPS = np.radians(np.arange(0, 361, 5))

@@ -6,9 +6,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.linkage.instant.bobillier import bobillier, bobillier_path
 from geomkin.linkage.instant.curvature import PathCurvature, crank_path, path_curvature
-from geomkin.linkage.instant.inflection import inflection_circle, inflection_circle_of_cranks
+from geomkin.linkage.instant.inflection import bobillier, bobillier_path, inflection_circle, inflection_circle_of_cranks
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, origin=12 - 7j, ground_angle_deg=33.0)

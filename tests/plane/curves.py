@@ -9,12 +9,11 @@ import numpy as np
 
 import geomkin as gk
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import AbstractCurve
-from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed, Stretch
+from geomkin.plane.curve import AbstractCurve, Mirrored, Moved, Offset, Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.roulettes import Cycloid, Involute, Trochoid
+from geomkin.plane.vec import Pose
 
 RECIPES = File(__file__).parents[2] / "recipes"
 

@@ -9,11 +9,10 @@ from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.arcs import to_arcs
-from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
-from geomkin.plane.vec import xy
+from geomkin.plane.vec import Pose, xy
 
 from .curves import Bezier, Flower, cam_profile, edges, examples, flank, off_arcs, off_chord, size
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.parallel import parallel
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Circle, Segment
+from geomkin.plane.vec import Pose
 
 
 class Heart(gk.AbstractCurve):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.curve import AbstractCurve
-from geomkin.plane.derived import Reversed, Stretch
+from geomkin.plane.curve import AbstractCurve, Reversed, Stretch
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.primitives import Circle, Polyline
 

@@ -5,12 +5,11 @@ import pytest
 
 from geomkin.errors import DesignError
 from geomkin.plane import measure
-from geomkin.plane.derived import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
 from geomkin.plane.roulettes import Involute
-from geomkin.plane.vec import cross, direction_deg, dot, unit, xy
+from geomkin.plane.vec import Pose, cross, direction_deg, dot, unit, xy
 
 from .curves import Bezier, Flower
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomkin.plane.arcs import to_arcs
-from geomkin.plane.derived import Stretch
+from geomkin.plane.curve import Stretch
 from geomkin.plane.flatten import flatten
 
 from .curves import Flower, cam_profile, edges, examples, flank, off_arcs, off_chord

@@ -8,13 +8,12 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.derived import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.parallel import parallel
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
-from geomkin.plane.vec import xy
+from geomkin.plane.vec import Pose, xy
 
 from .curves import Bezier, Flower, cam_profile, examples, flank, off_chord, size
 from .test_fewest import fewest_chords

@@ -10,13 +10,12 @@ import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.derived import Mirrored, Moved, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, slot
 from geomkin.plane.roulettes import Involute, Trochoid
-from geomkin.plane.vec import xy
+from geomkin.plane.vec import Pose, xy
 
 from .curves import Flower, cam_profile, examples, flank, size
 

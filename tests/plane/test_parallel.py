@@ -6,13 +6,12 @@ import shapely
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.derived import Moved, Offset, Reversed, Stretch
+from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.parallel import parallel
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
-from geomkin.plane.vec import xy
+from geomkin.plane.vec import Pose, xy
 
 from .curves import Flower, cam_profile
 

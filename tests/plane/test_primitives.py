@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.flatten import flatten
-from geomkin.plane.pose import Pose
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, moved, rounded_hull, slot
-from geomkin.plane.vec import xy
+from geomkin.plane.vec import Pose, xy
 
 grid = st.integers(-20, 20)
 places = st.builds(complex, grid, grid)

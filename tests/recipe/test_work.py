@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.kinds import KINDS
 from geomkin.kinds.linkages import SlidRecipe, TurnedRecipe
-from geomkin.linkage.coupler import curves
+from geomkin.linkage import coupler_curve as curves
 from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
 from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up

@@ -13,7 +13,7 @@ from geomkin.gear import GearRack, RackPair
 from geomkin.part import Part
 from geomkin.plane import Circle
 from geomkin.scenes import gear_scene, pair_scene
-from geomkin.scenes.tooth import tooth_regions
+from geomkin.scenes.gear import tooth_regions
 from geomkin.shop.gear.gears import GearStock, RingStock, gear_parts
 
 from .gallery import FINE, frames, marks, named, point, recipe, seen

@@ -12,7 +12,7 @@ import shapely
 import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.plane import region
-from geomkin.plane.pose import Pose
+from geomkin.plane.vec import Pose
 from geomkin.shop.bore import keyed_bore
 from geomkin.shop.gear.spokes import Web, openings
 from geomkin.walls import least_wall, thinnest_wall, wall_checks

@@ -114,10 +114,10 @@ def geometry():
 
 
 def gears():
-    from geomkin.plane.derived import Moved, Stretch
+    from geomkin.plane.curve import Moved, Stretch
     from geomkin.plane.flatten import smooth_runs
     from geomkin.plane.joined import Path as Joined
-    from geomkin.plane.pose import Pose
+    from geomkin.plane.vec import Pose
 
     print("gears, module 2, warm: ms to make the gear and its outline as chords, and as arcs, at 0.01 mm")
     for teeth in (8, 24, 100):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.plane.pose import Pose
+from geomkin.plane.vec import Pose
 from geomkin.tradeoff.families import FAMILIES
 from geomkin.tradeoff.families import file_writing as files
 from geomkin.tradeoff.families import function_synthesis as functions

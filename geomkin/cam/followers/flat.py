@@ -10,9 +10,8 @@ import numpy as np
 
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.pose import Pose
 from ...plane.primitives import Segment
-from ...plane.vec import Complex, Real, dot
+from ...plane.vec import Complex, Pose, Real, dot
 from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program

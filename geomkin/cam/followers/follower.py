@@ -11,8 +11,7 @@ import numpy as np
 from ...arguments import Sort
 from ...brief import one_line
 from ...plane.curve import AbstractCurve
-from ...plane.pose import Pose
-from ...plane.vec import Complex, Real
+from ...plane.vec import Complex, Pose, Real
 from ...sizes import KindTable, OneOfKinds
 from ..program.program import FollowerMotion, Program
 from .plates import Bars, Plate

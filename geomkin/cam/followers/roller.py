@@ -11,9 +11,8 @@ import numpy as np
 
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, rounded_hull
-from ...plane.vec import Complex, Real, cross
+from ...plane.vec import Complex, Pose, Real, cross
 from ...sizes import FARTHEST, check_sizes, entry, quantity
 from ..maxima import highest, largest
 from ..program.program import FollowerMotion, Program

@@ -11,12 +11,10 @@ import numpy as np
 from ...arguments import RealsOrNan, checked, whole_between
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Reversed
+from ...plane.curve import AbstractCurve, Reversed
 from ...plane.joined import Path, Ring
-from ...plane.pose import Pose
 from ...plane.primitives import Arc
-from ...plane.vec import Real
+from ...plane.vec import Pose, Real
 from ...sizes import Size
 from ..contract import AbstractGear
 from .conjugate_curve import ConjugateCurve, ToothContact, ToothRun

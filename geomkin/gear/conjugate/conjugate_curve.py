@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...brief import one_line
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Stretch
+from ...plane.curve import AbstractCurve, Stretch
 from ...plane.vec import Complex, Mask, Real, unit
 
 # Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Stretch
+from ...plane.curve import AbstractCurve, Stretch
 from ...plane.flatten import smooth_runs
 from ...plane.spread import CORNER, direction
 from ...plane.vec import Complex, Mask, Real, Whole, cross

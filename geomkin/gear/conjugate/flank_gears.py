@@ -12,14 +12,13 @@ import numpy as np
 from ...arguments import checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Moved
+from ...plane.curve import AbstractCurve, Moved
 from ...plane.flatten import flatten
 from ...plane.joined import Ring
-from ...plane.pose import Pose
 from ...plane.primitives import Segment
 from ...plane.spline import Spline
 from ...plane.spread import direction
+from ...plane.vec import Pose
 from ...sizes import FARTHEST, Length, PointXY, check_sizes, entry, quantity, rounded_down, rounded_up
 from ..contract import AbstractGear, AbstractShaper, told
 from ..tooth import toothed

@@ -8,11 +8,10 @@ import numpy as np
 
 from ...arguments import checked
 from ...errors import DesignError
-from ...plane.curve import AbstractCurve
-from ...plane.derived import Mirrored, Moved, Reversed
+from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.joined import Path
-from ...plane.pose import Pose
 from ...plane.primitives import Arc, Circle, Segment
+from ...plane.vec import Pose
 from ...sizes import Length, check_sizes, quantity, rounded_down
 from ..contract import AbstractShaper
 

@@ -13,7 +13,7 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, dot
-from ..coupler.curves import moved_at
+from ..coupler_curve import moved_at
 from ..linkage import OneLinkage
 from ..motion import Motion
 from ..solve.branch import Branch

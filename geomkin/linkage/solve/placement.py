@@ -16,7 +16,7 @@ import numpy as np
 
 from ...brief import one_line
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
-from . import tape
+from ..solve import tape
 from .tape import Recorded
 
 Numbers = TypeVar("Numbers", Real, Complex)

@@ -72,7 +72,7 @@ def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple
     work = len(program.calls) * frames * prod(linkages)
     loaded = f"{__package__}.compiled" in sys.modules
     if work >= (WORTH_LOADED if loaded else WORTH_LOADING) and find_spec("numba"):
-        from . import compiled
+        from ..solve import compiled
 
         if compiled.runs(program):
             compiled.run(program, values, frames, linkages)

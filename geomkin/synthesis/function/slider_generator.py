@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...brief import one_line
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.sliders import SliderCrank
 from ...plane.vec import Real
 from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
 

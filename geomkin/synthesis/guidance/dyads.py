@@ -13,10 +13,9 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...plane.vec import Complex, Mask, Real
 from .burmester import both_ways, slides_of
-from .circle_fit import fitted_circles
 from .constraint import Pairs, joined, missed, pairs_of_least, relations, sharpened
 from .displacement_poles import PARALLEL
-from .dyad_fits import fitted_dyads
+from .dyad_fits import fitted_circles, fitted_dyads
 from .poses import Poses, inverse, placed
 
 # Largest miss of a dyad, in sizes of the poses and of its pin's way, that is called exact: what rounding leaves of

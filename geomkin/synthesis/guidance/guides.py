@@ -9,12 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from ...brief import one_line
+from ...linkage.four_bar import FourBar
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.named.double_sliders import EllipticTrammel
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.sliders import EllipticTrammel, SliderCrank
 from ...plane.vec import Complex, Mask, Real, dot, unit
-from . import transmission
+from ..guidance import transmission
 from .defects import Defects, four_bar_defects, slider_crank_defects, trammel_defects
 
 # Least angle between a trammel's slots, deg, that EllipticTrammel takes.

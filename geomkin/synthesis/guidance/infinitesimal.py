@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from ...arguments import Points, Reals, check_fields, checked
 from ...brief import one_line
 from ...errors import DesignError
+from ...linkage.four_bar import FourBar
 from ...linkage.instant.centres import InstantCentre
 from ...linkage.instant.inflection import InflectionCircle
-from ...linkage.named.four_bar import FourBar
 from ...plane.vec import Complex, Real, cross
 
 # Share of their size below which pins, pivots and the instant centre are in one line, and a pivot is its own pin.

@@ -9,17 +9,16 @@ import numpy as np
 
 from ...brief import one_line
 from ...errors import DesignError
+from ...linkage.four_bar import FourBar
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.sliders import SliderCrank
 from ...plane.vec import Complex, Real, Whole
 from ...progress import Watch
 from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, TURN, along, points_of
 from .fits import PathTask, nearest, polished, refined
-from .free_paths import free_starts
 from .nine_points import reached, through_nine, with_cognates
 from .results import USABLE_DEG, USABLE_RATIO, PathFound
-from .timed_paths import timed_starts
+from .starts import free_starts, timed_starts
 from .way import Way, way_through
 
 # Up to so many points are searched with, the rest come in when that is done: more take longer and find nothing else.

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...brief import one_line
-from ...linkage.limits import dead_centres
-from ...linkage.measures import least_transmission_angle
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.four_bar import FourBar
+from ...linkage.measures import dead_centres, least_transmission_angle
+from ...linkage.sliders import SliderCrank
 from ...linkage.solve.move import move
 from ...plane.vec import Real
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...arguments import between, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.sliders import SliderCrank
 from ...plane.vec import Real
 from ...sizes import FARTHEST, Size, rounded_down, rounded_up
 from ..found import Found

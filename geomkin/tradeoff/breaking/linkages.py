@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ...linkage.four_bar import FourBar
 from ...linkage.motion import Motion
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.six_bars import StephensonSixBar
-from ...linkage.named.slider_crank import InvertedSliderCrank, SliderCrank
+from ...linkage.six_bars import StephensonSixBar
+from ...linkage.sliders import InvertedSliderCrank, SliderCrank
 from ...linkage.solve.branch import Branch
 from ...linkage.solve.move import move
 from ..cell import Cell, Sizes

@@ -12,9 +12,8 @@ from ...cam.cam import Cam
 from ...cam.followers.roller import TranslatingRoller
 from ...cam.program.program import Program
 from ...cam.program.segments import Dwell, Return, Rise
-from ...plane.pose import Pose
 from ...plane.primitives import Polyline
-from ...plane.vec import Complex, Real, unit
+from ...plane.vec import Complex, Pose, Real, unit
 from ..family import Method, MethodFamily
 from ..tool import Tool
 

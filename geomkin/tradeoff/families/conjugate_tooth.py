@@ -9,9 +9,8 @@ import numpy as np
 
 from ...brief import one_line
 from ...gear.conjugate.conjugate import conjugate
-from ...plane.pose import Pose
 from ...plane.primitives import Polyline
-from ...plane.vec import Complex, Real
+from ...plane.vec import Complex, Pose, Real
 from ..family import Method, MethodFamily
 from ..tool import Tool
 

@@ -14,9 +14,9 @@ from ...plane.flatten import flatten
 from ...plane.joined import Path
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Real, cross
+from ..families import cam_profile, gear_root
 from ..family import Method, MethodFamily
 from ..tool import Tool
-from . import cam_profile, gear_root
 
 TOLERANCES = (0.1, 0.01, 1e-3, 1e-4)
 # Where a chord is compared with its curve when steps or intervals are halved. Fewer let an S pass for straight.

@@ -15,9 +15,9 @@ from ...part import Part
 from ...plane.primitives import Circle, Polyline
 from ...plane.vec import Complex, Real, Whole, cross, xy
 from ...table import Column, Table
+from ..families import gear_root
 from ..family import Method, MethodFamily
 from ..tool import Tool
-from . import gear_root
 from .curve_flattening import at_even_parameters
 
 TOLERANCES = (0.1, 0.01, 1e-3)

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...linkage.named.four_bar import FourBar
+from ...linkage.four_bar import FourBar
 from ...plane.vec import Real
 from ...synthesis.function.function import Method as Aim
-from ...synthesis.function.function import function_generator
-from ...synthesis.function.precision_points import chebyshev_points
+from ...synthesis.function.function import chebyshev_points, function_generator
 from ..family import Method, MethodFamily
 
 # Where the output is held against the function, and where the textbook's linkages are, to choose between them.

@@ -12,10 +12,9 @@ from ...gear.involute import roll_at
 from ...gear.spur import SpurGear
 from ...plane.arcs import to_arcs
 from ...plane.joined import Path
-from ...plane.pose import Pose
 from ...plane.primitives import Arc, Polyline
 from ...plane.roulettes import Involute, Trochoid
-from ...plane.vec import Complex, Real, cross
+from ...plane.vec import Complex, Pose, Real, cross
 from ..family import Method, MethodFamily
 from ..tool import Tool
 

@@ -7,15 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...linkage.named.four_bar import FourBar
+from ...linkage.four_bar import FourBar
 from ...plane.vec import Complex, Real
 from ...progress import Watch
 from ...synthesis.path.bounds import bounds_of
 from ...synthesis.path.coupler_paths import START, closing
 from ...synthesis.path.fits import PathTask, polished
 from ...synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
-from ...synthesis.path.random_linkages import random_linkages
-from ...synthesis.path.timed_paths import linear_fit
+from ...synthesis.path.starts import linear_fit, random_linkages
 from ..family import Method, MethodFamily
 
 # Kunjur and Krishnamurty, Genetic algorithms in mechanism synthesis, 1997: eighteen points, 20 deg of the crank apart.

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...linkage.four_bar import FourBar
 from ...linkage.linkage import Linkage
-from ...linkage.named.four_bar import FourBar
-from ...linkage.named.six_bars import StephensonSixBar
+from ...linkage.six_bars import StephensonSixBar
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.driver_dyads import CrankDriven

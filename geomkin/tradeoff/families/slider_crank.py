@@ -8,7 +8,7 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from ...linkage.named.slider_crank import SliderCrank
+from ...linkage.sliders import SliderCrank
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.driver_dyads import CrankDriven
 from ...linkage.solve.move import move, planned

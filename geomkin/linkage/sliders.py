@@ -1,4 +1,4 @@
-"""The slider-crank and its inversions (slotted lever, Whitworth, sliding coupler): sizes, and nothing else."""
+"""Linkages with one slide, the slider-crank and its inversions, and with two: trammel, Scotch yoke, Oldham coupling."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ...errors import DesignError
-from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
-from ..linkage import AbstractLinkage, Linkage, Slider
+from ..errors import DesignError
+from ..sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
+from .linkage import AbstractLinkage, Linkage, Slider
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,3 +137,124 @@ class InvertedSliderCrank(AbstractLinkage):
             }
             slide = Slider("slide", "rocker", "coupler", through=through)
         return Linkage(bodies, self.driver, (slide,), self.origin, self.ground_angle_deg)
+
+
+@dataclass(frozen=True, repr=False)
+class EllipticTrammel(AbstractLinkage):
+    """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
+
+    The first slot lies along +x, the second at `angle_deg`; lengths in mm. Driven by the rod's angle or by the first
+    shuttle's x; then branch +1 puts the second shuttle on the positive side of its slot's foot.
+    """
+
+    rod: Sizes = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
+    rod_point: PointsXY = entry(
+        "point traced by the rod, from its first pin, x towards the second, [x, y] in mm", default=0j, example=100 + 0j
+    )
+    angle_deg: float = quantity(
+        "angle from the first slot to the second", "deg", default=90.0, at_least=10, at_most=170
+    )
+    driver: Literal["rod", "shuttle"] = entry("what is driven: the rod's angle or the first shuttle", default="rod")
+    origin: Annotated[complex, PointXY()] = entry("where the slots cross, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity("direction of the first slot", "deg", default=0.0, at_least=-360, at_most=360)
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+        if self.driver not in ("rod", "shuttle"):
+            raise DesignError("driver", f"found {self.driver!r}", "give rod or shuttle")
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: shuttles "shuttle" and "cross_shuttle" in "slot" and "cross_slot"."""
+        return Linkage(
+            bodies={
+                "ground": {},
+                "shuttle": {"shuttle_pin": 0j},
+                "rod": {"shuttle_pin": 0j, "cross_pin": self.rod + 0j, "rod_point": self.rod_point},
+                "cross_shuttle": {"cross_pin": 0j},
+            },
+            driver=self.driver,
+            sliders=(
+                Slider("slot", "shuttle", "ground"),
+                Slider("cross_slot", "cross_shuttle", "ground", direction_deg=self.angle_deg),
+            ),
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class ScotchYoke(AbstractLinkage):
+    """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
+
+    The crank turns about the origin; the yoke is guided `guide` beyond its slot; lengths in mm.
+    """
+
+    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    guide: Sizes = quantity(
+        "from the middle of the yoke's slot to the middle of its guide", "mm", above=0, at_most=FARTHEST, example=100
+    )
+    slot_deg: float = quantity(
+        "direction of the yoke's slot from its way", "deg", default=90.0, at_least=10, at_most=170
+    )
+    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity("direction of the yoke's way", "deg", default=0.0, at_least=-360, at_most=360)
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: the sliding joints are "slot", block in yoke, and "way", yoke on ground."""
+        return Linkage(
+            bodies={
+                "ground": {"crank_pivot": 0j},
+                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
+                "block": {"crank_pin": 0j},
+                "yoke": {"yoke_end": self.guide + 0j},
+            },
+            driver="crank",
+            sliders=(
+                Slider("slot", "block", "yoke", direction_deg=self.slot_deg),
+                Slider("way", "yoke", "ground", point=self.guide + 0j, through=self.guide + 0j),
+            ),
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class OldhamCoupling(AbstractLinkage):
+    """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
+
+    The driving hub turns about the origin, the driven one about `shift` on +x; the disc's middle runs twice a
+    turn around the circle over the two centres; lengths in mm.
+    """
+
+    shift: Sizes = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
+    origin: Annotated[complex, PointXY()] = entry("centre of the driving shaft, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "direction from driving to driven shaft", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self, many=True)
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage: hubs "driving" and "driven", the disc's tongues "first" and "second" at right angles."""
+        return Linkage(
+            bodies={
+                "ground": {"driving_pivot": 0j, "driven_pivot": self.shift + 0j},
+                "driving": {"driving_pivot": 0j},
+                "disc": {},
+                "driven": {"driven_pivot": 0j},
+            },
+            driver="driving",
+            sliders=(
+                Slider("first", "disc", "driving"),
+                Slider("second", "disc", "driven", direction_deg=90.0, angle_deg=-90.0),
+            ),
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )

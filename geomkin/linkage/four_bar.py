@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ...errors import DesignError
-from ...sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
-from ..linkage import AbstractLinkage, Linkage
+from ..errors import DesignError
+from ..sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
+from .linkage import AbstractLinkage, Linkage
 
 
 @dataclass(frozen=True, repr=False)

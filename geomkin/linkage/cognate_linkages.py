@@ -9,14 +9,14 @@ from typing import Literal
 
 import numpy as np
 
-from ...arguments import checked
-from ...brief import one_line
-from ...errors import DesignError
-from ...plane.vec import Complex, cross, direction_deg
-from ..linkage import Linkage
-from ..named.four_bar import FourBar
-from ..solve.branch import Branch
-from ..solve.move import move
+from ..arguments import checked
+from ..brief import one_line
+from ..errors import DesignError
+from ..plane.vec import Complex, cross, direction_deg
+from .four_bar import FourBar
+from .linkage import Linkage
+from .solve.branch import Branch
+from .solve.move import move
 
 Link = Literal["crank", "coupler", "rocker"]
 

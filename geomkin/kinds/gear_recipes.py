@@ -1,18 +1,112 @@
-"""What a summary tells of gears besides their parts."""
+"""What recipes of gears have in common: keys of helices, points that are counted before they are drawn, and notes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
-from ..gear.helix import Helix
+from ..gear.helix import Hand, Helix, helix_angle
 from ..gear.measures import chord, over_pins, span
 from ..gear.pair import GearPair
+from ..plane.curve import AbstractCurve
+from ..plane.flatten import flatten
+from ..plane.joined import Ring
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Files
+from ..sizes import WIDEST, check_sizes, entry
 
+# Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
+MOST = 200_000
+# What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
+IN_A_RING = 2
+# Step from one tolerance to the next that is looked at, and how many: to a thousand times the one given.
+WIDER, LOOKS = 1.25, 31
 STRAIGHT = Helix()
+
+
+@dataclass(frozen=True, kw_only=True)
+class AbstractHelicalRecipe(AbstractRecipe):
+    """What recipes of involute gears have in common."""
+
+    advice: ClassVar[str] = (
+        "Where teeth lie on helices, all sizes, module first, are those of the transverse section, square to the axis, "
+        "which drawings show."
+    )
+
+    kind: str
+    helix_angle_deg: float = helix_angle()
+    hand: Hand = entry(
+        "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
+    )
+    herringbone: bool = entry("the upper half of the face has the other hand", default=False)
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.helix  # noqa: B018  refuses a herringbone of straight teeth
+
+    @property
+    def helix(self) -> Helix:
+        """Of the gear that drives."""
+        return Helix(self.helix_angle_deg, self.hand, self.herringbone)
+
+    @property
+    def subtitle(self) -> str:
+        """That of the kind, with the form of the teeth where they are not straight."""
+        told = self.about()
+        if not self.helix_angle_deg:
+            return told
+        form = "herringbone" if self.herringbone else "helical"
+        if "spur gear" in told:
+            return told.replace("spur gear", f"{form} gear")
+        return f"{told} Its teeth are {'herringbones' if self.herringbone else form}."
+
+    def check_faces(self, thicknesses: Mapping[str, float]) -> None:
+        """Refuse a herringbone whose faces bend at different heights. thicknesses: of each stock, mm, by its key."""
+        (_, first), *others = thicknesses.items()
+        for key, thickness in others:
+            if self.herringbone and thickness != first:
+                raise DesignError(
+                    f"{key}.thickness",
+                    f"found {thickness:g} mm beside {first:g} mm: the two bends of a herringbone do not meet",
+                    f"give {first:g} mm",
+                )
+
+
+def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[AbstractCurve] | None = None) -> None:
+    """Raise DesignError where outlines of gears, and holes of rings, take more points than can be drawn in time."""
+    if not files.wants_parts:
+        return
+    weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
+    # What is larger than any sheet is refused for that.
+    toothed = [(c, weight) for c, weight in weights if isinstance(c, Ring) and abs(c.point(0.0)) < WIDEST / 2]
+
+    def points(tolerance: float) -> int:
+        # Each pitch ends where the next begins.
+        return sum(weight * curve.count * (len(flatten(curve.piece, tolerance)) - 1) for curve, weight in toothed)
+
+    if (count := points(files.tolerance)) > MOST:
+        teeth = sum(curve.count for curve, _ in toothed)
+        raise DesignError(
+            "tolerance",
+            f"found {files.tolerance:g} mm, with which {teeth:,} teeth take the work of {count:,} points; "
+            f"{MOST:,} can be drawn",
+            # Gears of fewer teeth have more bend to each.
+            _remedy(files.tolerance, points, teeth * MOST // count * 9 // 10),
+        )
+
+
+def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str:
+    """The least tolerance, of some, with which so many teeth can be drawn, and the teeth that can be with this one."""
+    for k in range(1, LOOKS + 1):
+        wider = float(f"{tolerance * WIDER**k:.3g}")
+        if points(wider) <= MOST:
+            return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
+    return f"give at most {teeth:,} teeth"
 
 
 def shown(value: float) -> float:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
-from ...errors import DesignError
-from ...plane.vec import Array
-from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..linkage import AbstractLinkage, Linkage, Slider
+from ..errors import DesignError
+from ..plane.vec import Array
+from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
 from .four_bar import FourBar
+from .linkage import AbstractLinkage, Linkage, Slider
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,15 +8,15 @@ from typing import Annotated
 
 import numpy as np
 
-from ...arguments import checked
-from ...brief import one_line
-from ...errors import DesignError
-from ...plane.vec import Complex, Real, cross
-from ...sizes import FARTHEST, PointXY, check_sizes, entry, quantity
-from ..motion import Motion
-from ..named.slider_crank import SliderCrank
-from ..solve.branch import Branch
-from ..solve.move import move
+from ..arguments import checked
+from ..brief import one_line
+from ..errors import DesignError
+from ..plane.vec import Complex, Real, cross
+from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from .motion import Motion
+from .sliders import SliderCrank
+from .solve.branch import Branch
+from .solve.move import move
 
 # kg mm/s2 in N.
 NEWTON = 1e-3

@@ -9,18 +9,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Points, Reals, check_fields, checked
-from ...brief import one_line
-from ...errors import DesignError, shown
-from ...plane.curve import AbstractCurve
-from ...plane.vec import Complex, Real, Whole, cross, unit
-from ...sizes import rounded_up
-from ..body_motion import PointMotion
-from ..limits import driver_limits
-from ..linkage import AbstractLinkage, OneLinkage
-from ..motion import Motion
-from ..solve.branch import Branch, chosen
-from ..solve.move import move
+from ..arguments import Points, Reals, check_fields, checked
+from ..brief import one_line
+from ..errors import DesignError, shown
+from ..plane.curve import AbstractCurve
+from ..plane.vec import Complex, Real, Whole, cross, unit
+from ..sizes import rounded_up
+from .body_motion import PointMotion
+from .linkage import AbstractLinkage, OneLinkage
+from .measures import driver_limits
+from .motion import Motion
+from .solve.branch import Branch, chosen
+from .solve.move import move
 
 # Share of the tolerance that is aimed at. A chord's distance is sampled in three places, which may miss 3 % of it.
 # Nearer to 1, and such a chord exceeds the tolerance; smaller takes more chords than need be.

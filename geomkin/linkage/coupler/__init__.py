@@ -1,1 +1,0 @@
-"""Curves that points of the coupler draw."""

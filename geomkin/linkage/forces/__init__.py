@@ -1,1 +1,0 @@
-"""What a moving linkage does to its frame."""

@@ -1,1 +1,0 @@
-"""Linkages that have a name: their sizes, and nothing else."""

@@ -1,0 +1,309 @@
+"""What searches for paths start from: tens of thousands of random linkages, scored or held against the wanted curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...plane.vec import Complex, Real, Whole
+from ...progress import Watch
+from .coupler_paths import (
+    ARM_X,
+    ARM_Y,
+    COUPLER,
+    CRANK,
+    GROUND,
+    ORIGIN_X,
+    ORIGIN_Y,
+    ROCKER,
+    START,
+    TURN,
+    closing,
+    points_of,
+)
+from .fits import PathTask, nearest
+
+# Share of linkages whose crank turns fully, where it need not.
+TURNING = 0.6
+# Least transmission angle, rad, of random linkages: nearer to a toggle, least squares hardly get away from it.
+LEAST = np.radians(5)
+# Ratio of lengths within which random linkages are, at most: beyond it they hardly differ from one that slides.
+WIDEST = 40.0
+# Linkages whose lengths, as logarithms, and arms differ by no more are of one kind. Larger leaves kinds out, smaller
+# lets one kind crowd out the others.
+NEAR = 0.3
+# Of a timed path: linkages scored, and those of them that are improved. Fewer miss the best of problems with many
+# valleys; more take longer and find no better one.
+SCORED = 60_000
+STARTS = 140
+# Points that are few: so many more starts are then improved in the same time, and more valleys need them.
+FEW_TIMED, MORE = 12, 300
+# As many at a time: more do not fit into a processor's memory, fewer wait for Python.
+SCORED_AT_ONCE = 10_000
+# Of an untimed path: curves tried, so many at a time; those whose points are fitted as well; those that are improved.
+# Fewer curves miss rare shapes such as narrow eights; more take longer.
+TRIED, TRIED_AT_ONCE, FITTED, IMPROVED = 80_000, 4_000, 4_000, 400
+# Points of an open path that are few.
+FEW_OPEN = 6
+# Cranks at which a curve is worked out, and places at equal lengths of it that are compared.
+CRANKS, PLACES = 64, 32
+
+
+def random_linkages(task: PathTask, rng: np.random.Generator, count: int) -> Real:
+    """Lengths (count, 4): ground, crank, coupler, rocker with the crank 1; of a slider-crank offset, crank, coupler, 1.
+
+    Every four-bar whose crank turns fully is known by coupler, rocker and its two extreme transmission angles, which
+    are drawn between the limits; others are drawn by their lengths. Derived here.
+    """
+    least, ratio = max(task.least_transmission, LEAST), min(task.largest_ratio, WIDEST)
+    spread = np.log(ratio)
+    turning = np.ones(count, dtype=bool) if task.closed else rng.random(count) < TURNING
+    if task.slides:
+        coupler = np.exp(rng.uniform(-0.3, 1, count) * spread * 0.7)
+        reach = coupler * np.cos(least)
+        offset = rng.uniform(-1, 1, count) * np.where(turning, np.maximum(reach - 1, 0.0), reach + 1)
+        return np.stack([offset, np.ones(count), coupler, np.ones(count)], axis=1)
+    b, c = np.exp(rng.uniform(-0.5, 0.5, (2, count)) * spread)
+    first, second = np.sort(rng.uniform(least, np.pi - least, (2, count)), axis=0)
+    near, far = (np.sqrt(b**2 + c**2 - 2 * b * c * np.cos(angle)) for angle in (first, second))
+    ends = np.stack([far + near, far - near]) / 2
+    ends = np.where(rng.random(count) < 0.75, ends, ends[::-1])
+    made = np.stack([ends[0], ends[1], b, c], axis=1)
+    drawn = np.exp(rng.uniform(-0.5, 0.5, (count, 4)) * spread)
+    lengths = np.where(turning[:, None], made, drawn)
+    return lengths / lengths[:, 1:2]
+
+
+def unlike(x: Real, branch: Real, score: Real, count: int) -> Whole:
+    """The best of each kind: many that are near each other would all come to the same linkage."""
+    traits = np.concatenate(
+        [
+            np.log(np.abs(x[:, : ROCKER + 1]) + 1e-9),
+            x[:, [ARM_X, ARM_Y]] / np.abs(x[:, COUPLER, None]),
+            branch[:, None],
+        ],
+        axis=1,
+    )
+    left: Whole = np.argsort(score, kind="stable")
+    chosen: list[int] = []
+    left = left[np.isfinite(score[left])]
+    while len(left) and len(chosen) < count:
+        chosen.append(int(left[0]))
+        left = left[np.abs(traits[left] - traits[left[0]]).max(axis=1) > NEAR]
+    return np.array(chosen, dtype=int)
+
+
+def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real]:
+    """Linkages (s, 10) and branches (s,), the best of many.
+
+    The coupler point is z + g B + h (C - B) with B, C the pins of a linkage of crank 1: linear in the complex z, g, h,
+    which are fitted in closed form to each of the random linkages and starts of the crank. Derived here.
+    """
+    turns = np.zeros(0) if task.turns is None else task.turns
+    found, scores, branches = [], [], []
+    for k in range(SCORED // SCORED_AT_ONCE):
+        if watch.over():
+            break
+        watch.tell(0.3 * k * SCORED_AT_ONCE / SCORED)
+        x = np.zeros((SCORED_AT_ONCE, 10))
+        x[:, [GROUND, CRANK, COUPLER, ROCKER]] = random_linkages(task, rng, SCORED_AT_ONCE)
+        low, high = task.low[START], task.high[START]
+        x[:, START] = (
+            rng.uniform(low, high, SCORED_AT_ONCE)
+            if high - low < 2 * np.pi
+            else rng.uniform(0, 2 * np.pi, SCORED_AT_ONCE)
+        )
+        branch = rng.choice([-1.0, 1.0], SCORED_AT_ONCE)
+        crank, coupler = closing(x, x[:, START, None] + turns, branch, task.slides)
+        good = np.isfinite(coupler).all(axis=1) & (task.passed(x, x[:, START, None] + turns) < 0.05)
+        x, branch, crank, coupler = x[good], branch[good], crank[good], coupler[good]
+        fitted, score = linear_fit(task, x, crank, coupler)
+        best = np.argsort(score, kind="stable")[:MORE]
+        found.append(fitted[best])
+        scores.append(score[best])
+        branches.append(branch[best])
+    if not found:
+        return np.zeros((0, 10)), np.zeros(0)
+    x, score, branch = (np.concatenate(rows) for rows in (found, scores, branches))
+    chosen = unlike(x, branch, score, STARTS if len(task.wanted) > FEW_TIMED else MORE)
+    return x[chosen], branch[chosen]
+
+
+def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tuple[Real, Real]:
+    """The linkages turned, scaled, placed and given the coupler point that fit best, and the sums of squares (s,).
+
+    crank, coupler: their directions (s, n). Where bounds hold the pivot, it is held; the others are met by clipping.
+    """
+    placed = bool(np.all(task.low[[ORIGIN_X, ORIGIN_Y]] == task.high[[ORIGIN_X, ORIGIN_Y]]))
+    pivot = complex(task.low[ORIGIN_X], task.low[ORIGIN_Y])
+    one, two = x[:, CRANK, None] * crank, coupler
+    wanted = np.broadcast_to(task.wanted, one.shape)
+    middle = [pivot * np.ones(len(x)) if placed else wanted.mean(axis=1)]
+    middle += [np.zeros(len(x)) if placed else v.mean(axis=1) for v in (one, two)]
+    wanted, one, two = (v - m[:, None] for v, m in zip((wanted, one, two), middle))
+    aa, bb = (np.einsum("sn,sn->s", v.real, v.real) + np.einsum("sn,sn->s", v.imag, v.imag) for v in (one, two))
+    ab, aw, bw = (np.einsum("sn,sn->s", np.conj(p), q) for p, q in ((one, two), (one, wanted), (two, wanted)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spread = aa * bb - np.abs(ab) ** 2
+        # g scales and turns the linkage, h is the arm of the coupler point, turned with it.
+        g = (bb * aw - ab * bw) / spread
+        turned = np.angle(g)
+        turned = turned + 2 * np.pi * np.ceil((task.low[TURN] - turned) / (2 * np.pi))
+        beyond = turned > task.high[TURN]
+        # Where bounds do not let it turn that far, it turns as far as they let it, and only its size is fitted.
+        turned = np.where(beyond, np.where(turned - task.high[TURN] < np.pi, task.high[TURN], task.low[TURN]), turned)
+        ahead = np.exp(1j * turned)
+        size = ((bb * aw - ab * bw) * np.conj(ahead)).real / spread
+        g = np.where(beyond, np.where(size > 0, size, np.nan) * ahead, g)
+        h = (bw - np.conj(ab) * g) / bb
+        off = wanted - g[:, None] * one - h[:, None] * two
+        total = np.einsum("sn,sn->s", off.real, off.real) + np.einsum("sn,sn->s", off.imag, off.imag)
+        total = np.where(np.isfinite(total) & (spread > 1e-9 * aa * bb), total, np.inf)
+        origin = middle[0] - g * middle[1] - h * middle[2]
+        arm = h * np.conj(g) / np.abs(g)
+        found = x.copy()
+        for link in (GROUND, CRANK, COUPLER, *(() if task.slides else (ROCKER,))):
+            found[:, link] *= np.abs(g)
+        found[:, TURN], found[:, ARM_X], found[:, ARM_Y] = turned, arm.real, arm.imag
+        found[:, ORIGIN_X], found[:, ORIGIN_Y] = origin.real, origin.imag
+        # A linkage that the bounds change much is no longer the one that was scored.
+        held = np.clip(found, task.low, task.high)
+        cut = np.abs(np.log(np.abs(found[:, list(task.links)] / held[:, list(task.links)]))).max(axis=1)
+        score = np.where(np.isfinite(found).all(axis=1), total * (1 + cut) ** 2 + 0.01 * cut, np.inf)
+    return found, score
+
+
+def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
+    """Linkages (s, 10), cranks (s, n) at the points and branches (s,): those whose curves are most alike.
+
+    Curves are compared at equal shares of their length, turned, scaled and moved onto each other in closed form; a
+    closed one from each place on, by Fourier transforms, in both senses. Derived here.
+    """
+    rows: list[tuple[Real, Real, Real, Real]] = []
+    # Of few points nearly every linkage can be made to fit.
+    tried = TRIED if len(task.wanted) > FEW_OPEN else TRIED // 4
+    for k in range(tried // TRIED_AT_ONCE):
+        if watch.over():
+            break
+        watch.tell(0.3 * k * TRIED_AT_ONCE / tried)
+        x = np.zeros((TRIED_AT_ONCE, 10))
+        x[:, [GROUND, CRANK, COUPLER, ROCKER]] = random_linkages(task, rng, TRIED_AT_ONCE)
+        arm = x[:, COUPLER] * (0.5 + rng.normal(size=TRIED_AT_ONCE) + 1j * rng.normal(size=TRIED_AT_ONCE))
+        x[:, ARM_X], x[:, ARM_Y] = arm.real, arm.imag
+        branch = rng.choice([-1.0, 1.0], TRIED_AT_ONCE)
+        start = rng.uniform(0, 2 * np.pi, TRIED_AT_ONCE)
+        way = np.where(rng.random(TRIED_AT_ONCE) < 0.5, -1, 1) * rng.uniform(0.3, 2 * np.pi, TRIED_AT_ONCE)
+        if task.closed:
+            start, way = np.zeros(TRIED_AT_ONCE), np.full(TRIED_AT_ONCE, 2 * np.pi)
+        cranks = start[:, None] + way[:, None] * np.linspace(0, 1, CRANKS + 1)
+        path = points_of(x, cranks, branch, task.slides)
+        good = np.isfinite(path).all(axis=1)
+        if not task.closed:
+            good &= task.passed(x, cranks) < 0.05
+        x, cranks, branch, path = x[good], cranks[good], branch[good], path[good]
+        if len(x):
+            placed, score, of = _closed(task, x, path) if task.closed else _open(task, x, path, cranks)
+            best = np.argsort(score, kind="stable")[: FITTED * TRIED_AT_ONCE // tried]
+            rows.append((placed[best], of(best), branch[best], score[best]))
+    if not rows:
+        return np.zeros((0, 10)), np.zeros((0, len(task.wanted))), np.zeros(0)
+    x, cranks, branch, _ = (np.concatenate(column) for column in zip(*rows))
+    t = nearest(task, x, cranks, branch) if task.closed else cranks
+    crank, coupler = closing(x, t, branch, task.slides)
+    fitted, score = linear_fit(task, x, crank, coupler)
+    chosen = unlike(fitted, branch, score, IMPROVED if len(task.wanted) > FEW_OPEN else IMPROVED // 2)
+    return fitted[chosen], t[chosen], branch[chosen]
+
+
+def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
+    """The linkages turned and scaled by `turned` (s,), the middle of their paths brought to `at`."""
+    found = x.copy()
+    size = np.abs(turned)
+    found[:, [GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y]] *= size[:, None]
+    origin = at - turned * middle
+    found[:, ORIGIN_X], found[:, ORIGIN_Y], found[:, TURN] = origin.real, origin.imag, np.angle(turned)
+    return found
+
+
+def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
+    """Places (s, PLACES) at equal shares of the paths' lengths, both ends or the first only, and the shares (s, k)."""
+    length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
+    share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / np.maximum(length[:, -1:], 1e-300)
+    row = np.arange(len(path))[:, None]
+    at = row + np.linspace(0, 1, PLACES, endpoint=ends) * (1 - 1e-9)
+    return np.interp(at.ravel(), (row + share * (1 - 1e-9)).ravel(), path.ravel()).reshape(at.shape), share
+
+
+def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callable[[Whole], Real]]:
+    """The linkages placed, how unlike their closed paths are, and cranks at the points of some of them."""
+    wanted = _evenly(loop(task.wanted)[None], False)[0][0]
+    even = _evenly(path, False)[0]
+    target, curves = np.fft.fft(wanted), np.fft.fft(even, axis=1)
+    middle, at = curves[:, 0] / PLACES, target[0] / PLACES
+    target[0], curves[:, 0] = 0, 0
+    power = np.einsum("sn,sn->s", np.conj(curves), curves).real
+    back = np.roll(curves[:, ::-1], 1, axis=1)
+    both = np.concatenate([np.fft.ifft(np.conj(v) * target, axis=1) * PLACES for v in (curves, back)], axis=1)
+    best = np.take_along_axis(both, np.argmax(np.abs(both), axis=1)[:, None], axis=1)[:, 0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        score = np.nan_to_num(1 - np.abs(best) ** 2 / (power * np.sum(np.abs(target) ** 2)), nan=np.inf)
+        placed = _placed(x, best / power, at, middle)
+    return placed, score, lambda rows: np.zeros((len(rows), len(task.wanted)))
+
+
+def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
+    """The same of paths from end to end."""
+    target, shares = _evenly(task.wanted[None], True)
+    even, reached = _evenly(path, True)
+    at, middle = target[0].mean(), even.mean(axis=1)
+    target, even = target[0] - at, even - middle[:, None]
+    power = np.einsum("sn,sn->s", np.conj(even), even).real
+    with np.errstate(invalid="ignore", divide="ignore"):
+        turned = np.conj(even) @ target / power
+        score = np.nan_to_num(1 - np.abs(turned) ** 2 * power / np.sum(np.abs(target) ** 2), nan=np.inf)
+
+    def t(rows: Whole) -> Real:
+        row = np.arange(len(rows))[:, None]
+        asked = row + shares * (1 - 1e-9)
+        known = row + reached[rows] * (1 - 1e-9)
+        return np.interp(asked.ravel(), known.ravel(), cranks[rows].ravel()).reshape(len(rows), -1)
+
+    return _placed(x, turned, at, middle), score, t
+
+
+def loop(points: Complex) -> Complex:
+    """A smooth closed line (k,) through points in the order of a short tour, its end the start."""
+    ahead = points[short_tour(points)]
+    before, after, next_but_one = np.roll(ahead, 1), np.roll(ahead, -1), np.roll(ahead, -2)
+    t = np.linspace(0, 1, 8, endpoint=False)[:, None]
+    slope, slope_after = (after - before) / 2, (next_but_one - ahead) / 2
+    bend = 2 * (ahead - after) + slope + slope_after
+    line = ahead + t * (slope + t * (3 * (after - ahead) - 2 * slope - slope_after + t * bend))
+    line = line.T.ravel()
+    return np.append(line, line[0])
+
+
+def short_tour(points: Complex) -> Whole:
+    """An order (n,) in which points lie along a closed line: as given, or a tour by uncrossing if that is shorter."""
+    far = np.abs(points[:, None] - points)
+
+    def length(order: Whole) -> float:
+        return float(far[order, np.roll(order, -1)].sum())
+
+    given = np.arange(len(points))
+    left, tour = set(range(1, len(points))), [0]
+    while left:
+        tour.append(min(left, key=lambda k: (far[tour[-1], k], k)))
+        left.remove(tour[-1])
+    order = np.array(tour)
+    for _ in range(4 * len(points)):
+        after = np.roll(order, -1)
+        # What two lines of the tour are longer than those that join their starts, and their ends.
+        gain = far[order, after][:, None] + far[order, after] - far[np.ix_(order, order)] - far[np.ix_(after, after)]
+        i, j = np.unravel_index(np.argmax(np.triu(gain, 1)), gain.shape)
+        if gain[i, j] <= 1e-9 * far.max():
+            break
+        order[i + 1 : j + 1] = order[i + 1 : j + 1][::-1].copy()
+    # As it was given, unless that jumps to and fro: a curve that crosses itself has no shortest tour along it.
+    return given if length(given) <= 1.3 * length(order) else order
