@@ -147,6 +147,9 @@ def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: fl
 def smooth_runs(curve: AbstractCurve) -> list[Real]:
     """The breaks, cut into stretches without a corner; a chord may well span a jump of curvature."""
     b = curve.breaks
+    if len(b) == 2:
+        # Nothing is asked of a curve that need not be: tangents of a centrode are made of accelerations.
+        return [b]
     inner = np.arange(1, len(b) - 1)
     corners = inner[_is_corner(curve, inner)].tolist()
     return [b[i : j + 1] for i, j in pairwise([0, *corners, len(b) - 1])]
