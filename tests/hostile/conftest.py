@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+import zipfile
 from pathlib import Path
 
 import ezdxf
@@ -196,6 +197,20 @@ def _stl(file):
     assert (corners != np.roll(corners, 1, axis=1)).any(axis=2).all(), f"{file.name}: triangles without area"
 
 
+def _3mf(file):
+    package = zipfile.ZipFile(file)
+    assert package.testzip() is None
+    model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
+    core = model.tag.removesuffix("model")
+    for mesh in model.iter(f"{core}mesh"):
+        points = np.array([[float(v.get(k)) for k in "xyz"] for v in mesh.iter(f"{core}vertex")])
+        faces = np.array([[int(t.get(f"v{k}")) for k in (1, 2, 3)] for t in mesh.iter(f"{core}triangle")])
+        assert np.isfinite(points).all() and len(faces) and 0 <= faces.min() and faces.max() < len(points)
+        # Each edge is run along once each way.
+        edges = np.concatenate([faces, faces[:, [1, 2, 0]]]).reshape(2, -1).T
+        assert {tuple(edge) for edge in edges} == {tuple(edge[::-1]) for edge in edges}, file.name
+
+
 def _dxf(file):
     for entity in ezdxf.readfile(file).modelspace():
         if entity.dxftype() == "CIRCLE":
@@ -229,4 +244,13 @@ def _toml(file):
     assert gk.load(file).kind
 
 
-JUDGES = {".toml": _toml, ".html": _html, ".json": _json, ".csv": _csv, ".svg": _svg, ".stl": _stl, ".dxf": _dxf}
+JUDGES = {
+    ".toml": _toml,
+    ".html": _html,
+    ".json": _json,
+    ".csv": _csv,
+    ".svg": _svg,
+    ".stl": _stl,
+    ".3mf": _3mf,
+    ".dxf": _dxf,
+}

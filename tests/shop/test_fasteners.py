@@ -12,6 +12,7 @@ from geomkin.shop.fasteners import LENGTHS, SIZES, Fastener, fastener_of
 from geomkin.shop.linkage.plates import assemble
 from geomkin.shop.linkage.stack import link_parts, stack_links
 from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.motors import MOTORS
 
 from .mechanisms import BUILDABLE, TURN
 
@@ -34,6 +35,10 @@ def discs(motion, stack, stock):
         low, high = span.first * t, (span.last + 1) * t
         solids = [(wide, low - below, low), (wide, high, high + above)]
         solids += [(stock.bar_width / 2, layer * t, (layer + 1) * t) for layer in span.spacers]
+        if span.motor:
+            # A motor's shaft has no head, and stands bare between its plates.
+            bare = set(range(span.first, span.last)) - {stack.layers[name] for name in span.holes}
+            solids = [(MOTORS[stock.motor].shaft / 2, layer * t, (layer + 1) * t) for layer in bare]
         yield span.name, np.broadcast_to(place, motion.drive.shape), solids
 
 
