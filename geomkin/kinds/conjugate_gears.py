@@ -19,9 +19,8 @@ from ..gear.conjugate.lantern import LanternPinion
 from ..gear.conjugate.tables import flank_table, pin_table
 from ..gear.contract import AbstractShaper
 from ..judge.conjugate import conjugate_checks, touch_check
-from ..part import Bought, Part
+from ..part import Part
 from ..plane.curve import AbstractCurve
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.conjugate import conjugate_scene
@@ -32,6 +31,7 @@ from ..shop.gear.bases import pair_base
 from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
+from .assembled import AbstractAssembledRecipe
 from .gear_recipes import check_tooth_points
 
 
@@ -63,7 +63,7 @@ class Mate:
 KEYS = {"mate_teeth": "mate.teeth"} | {name: f"mate.{name}" for name in ("addendum", "clearance", "backlash")}
 
 
-class AbstractShapedRecipe(AbstractRecipe):
+class AbstractShapedRecipe(AbstractAssembledRecipe):
     """What recipes of a gear and the mate that its teeth shape have in common."""
 
     mate: Mate
@@ -110,19 +110,6 @@ class AbstractShapedRecipe(AbstractRecipe):
         keys = ("stock.bore", "stock.mate_bore")
         plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
-
-    @property
-    @abstractmethod
-    def assembly(self) -> Assembly:
-        """Shafts and pins, what holds the base, and how all of it goes together."""
-
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
         """Whether the teeth of gears and their mate can be drawn in time."""

@@ -29,8 +29,7 @@ from ..cam.undercut import Undercut, undercut
 from ..check import Check
 from ..errors import DesignError
 from ..judge.cam import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
-from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
+from ..part import Part
 from ..recipe.settings import Drive, Files
 from ..recipe.template import example
 from ..scene import Limit, Scene
@@ -41,6 +40,7 @@ from ..shop.cam import CamStock, cam_parts
 from ..shop.cam_assembly import cam_assembly
 from ..sizes import entry
 from ..table import Table
+from .assembled import AbstractAssembledRecipe
 
 # Of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -59,7 +59,7 @@ LIFTS: dict[str, Segment] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class DiskCamRecipe(AbstractRecipe):
+class DiskCamRecipe(AbstractAssembledRecipe):
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
 
     kind: Literal["disk-cam"] = "disk-cam"
@@ -101,14 +101,6 @@ class DiskCamRecipe(AbstractRecipe):
     def assembly(self) -> Assembly:
         """What cam and follower turn on and are held by, and how all of it goes together."""
         return cam_assembly(self.cam, self.stock, self.base)
-
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:

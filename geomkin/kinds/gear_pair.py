@@ -16,7 +16,7 @@ from ..gear.pair import GearPair
 from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.spur import SpurGear
 from ..judge.gear import gear_checks, mesh_checks
-from ..part import Bought, Part
+from ..part import Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
@@ -118,14 +118,6 @@ class GearPairRecipe(AbstractHelicalRecipe):
         first, second = (Wheel(name, letter, stock) for (name, _, stock, _), letter in zip(self.gears, "AB"))
         plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
         return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
-
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:

@@ -16,9 +16,9 @@ from ..gear.pair import GearPair
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..sizes import WIDEST, check_sizes, entry
+from .assembled import AbstractAssembledRecipe
 
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000
@@ -30,7 +30,7 @@ STRAIGHT = Helix()
 
 
 @dataclass(frozen=True, kw_only=True)
-class AbstractHelicalRecipe(AbstractRecipe):
+class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """What recipes of involute gears have in common."""
 
     advice: ClassVar[str] = (

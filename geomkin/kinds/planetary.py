@@ -15,7 +15,7 @@ from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Helix
 from ..gear.planetary import PlanetarySet
 from ..judge.gear import gear_checks, planetary_checks
-from ..part import Bought, Part
+from ..part import Part
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
 from ..scenes.gear import planetary_scene
@@ -112,14 +112,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
         return planetary_assembly(self.gears, stocks, self.base, self.helix)
-
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:

@@ -12,7 +12,7 @@ from ..gear.measures import contact_table
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
 from ..judge.gear import gear_checks, mesh_checks
-from ..part import Bought, Part
+from ..part import Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import pair_scene
@@ -77,14 +77,6 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def assembly(self) -> Assembly:
         """The pinion's shaft, the rack's pins, what the base takes, and how all of it goes together."""
         return rack_assembly(self.stock, self.design.distance, self.base, self.helix)
-
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
 
     @cached_property
     def scene(self) -> Scene:

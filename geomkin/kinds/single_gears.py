@@ -13,7 +13,7 @@ from ..gear.profile_shifts import undercut_free_shift
 from ..gear.ring import RingGear
 from ..gear.spur import SpurGear
 from ..judge.gear import gear_checks
-from ..part import Bought, Part
+from ..part import Part
 from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
@@ -62,14 +62,6 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         """The gear's shaft and what holds it there."""
         return single_assembly("gear", self.stock)
 
-    @property
-    def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
-
     @cached_property
     def scene(self) -> Scene:
         """The gear under the rack that cuts it."""
@@ -107,6 +99,11 @@ class RingGearRecipe(AbstractHelicalRecipe):
     def parts(self) -> tuple[Part, ...]:
         check_tooth_points(self.files, [], [self.gear.outline])
         return gear_parts(self.gear, self.stock, "ring", helix=self.helix)
+
+    @property
+    def assembly(self) -> Assembly:
+        """Of nothing: the ring is all there is."""
+        return Assembly((), ())
 
     @cached_property
     def scene(self) -> Scene:
