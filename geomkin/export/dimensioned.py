@@ -36,6 +36,8 @@ MOST_HOLES = 12
 SAME = 1e-6
 
 Shape = tuple[str, Circle | Polyline]
+# What a hole without a letter is called, before its number.
+NUMBERED = "hole "
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +225,7 @@ def _holes(cut: Cut) -> list[_Hole]:
         circle = loop.shape if isinstance(loop.shape, Circle) else None
         if circle or fit:
             size = _size_of(fit, 2 * circle.radius if circle else None)
-            holes.append(_Hole(harmless(name) or f"hole {k}", size, complex(circle.centre) if circle else None))
+            holes.append(_Hole(harmless(name) or f"{NUMBERED}{k}", size, complex(circle.centre) if circle else None))
     return holes
 
 
@@ -254,11 +256,12 @@ def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
 
 
 def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
-    """Pairs of holes whose distances are told: all of three, the next of more."""
+    """Pairs of holes whose distances are told: all of three, the next of more, those with letters first."""
     if len(holes) <= 3:
         yield from combinations(holes, 2)
     elif len(holes) <= MOST_HOLES:
-        yield from pairwise(holes)
+        # What turns is at the letters: screws between two of them would hide the distance that must be right.
+        yield from pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED)))
 
 
 def _measures(job: Job, part: Part) -> Sequence[str]:

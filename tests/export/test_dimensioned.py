@@ -276,3 +276,24 @@ def test_it_is_written_where_it_is_asked_for(tmp_path):
     made = {path.name for path in gk.make(gk.load(text), tmp_path).files}
     assert made == {"spur-gear.dxf", "spur-gear-sheet.dxf", "spur-gear-sheet.svg", "summary.json"}
     assert not any("-sheet" in path.name for path in gk.make(gk.load(text.partition("[files]")[0]), tmp_path).files)
+
+
+def test_the_distance_of_shafts_is_told_whatever_screws_are_between(tmp_path):
+    """A base with a motor's holes: its screws come between the letters, and the working distance is that of the pair."""
+    recipe = gk.load(
+        """
+kind = "gear-pair"
+first = { teeth = 18, module = 2 }
+second = { teeth = 40, module = 2 }
+first_stock = { bore = 5, bore_form = "D", motor = "nema17" }
+second_stock = { bore = 8 }
+base = {}
+"""
+    )
+    gk.write(recipe, tmp_path / "a-sheet.dxf")
+    texts = [t.dxf.text for t in read(tmp_path / "a-sheet.dxf").query("TEXT")]
+    circles = {round(2 * c.dxf.radius, 6): complex(c.dxf.center.x, c.dxf.center.y)
+               for c in (gk.write(recipe, tmp_path / "a.dxf"), read(tmp_path / "a.dxf"))[1].query("CIRCLE[layer=='HOLE']")}  # fmt: skip
+    apart = abs(circles[22.2] - circles[8.2])
+    assert recipe.design.centre_distance == pytest.approx(58) and apart == pytest.approx(58, abs=1e-4)
+    assert "58" in texts or "A to B: 58" in texts
