@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 
 from ..part import Bought
 from ..recipe.recipe import AbstractRecipe
 from ..shop.assembling import Assembly
 
 
-@dataclass(frozen=True, kw_only=True)
 class AbstractAssembledRecipe(AbstractRecipe):
     """A recipe of gears or of a cam. Bill and steps come from one thing, so that names and letters agree."""
 
