@@ -20,7 +20,8 @@ export class Names {
       const [x, y] = spot(k, half), over = x - max(half, min(this.drawing.wide - half, x));
       return [abs(over) > 2 * half ? x : x - over, y];
     });
-    this.all.push({ shape, role, spots, half });
+    // Shown before it is arranged, a name is at its first place.
+    this.all.push({ shape, role, spots, half, spot: spots[0] });
   }
 
   arrange() {
@@ -30,7 +31,7 @@ export class Names {
     const pinned = looks.map((k) => pins.map((pin) => this.drawing.screen(pin.x[k], pin.y[k])));
     for (const name of this.all) {
       if (hidden.has(name.role)) continue;
-      let { half, spots } = name, least = Infinity;
+      let { half, spots } = name, low = Infinity;
       spots.forEach((spot, cost) => {
         const places = looks.map(spot);
         places.forEach(([x, y], look) => {
@@ -41,7 +42,7 @@ export class Names {
           }
           for (const [u, v] of pinned[look]) if (abs(x - u) < half + 2 && abs(y - v) < LINE / 2 + 4) cost++;
         });
-        if (cost < least) { least = cost; Object.assign(name, { spot, places }); }
+        if (cost < low) { low = cost; Object.assign(name, { spot, places }); }
       });
       taken.push(name);
     }
@@ -50,9 +51,9 @@ export class Names {
   show(k) {
     for (const { shape, spot, role } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k), there = isFinite(x + y);
-      see(shape, there);
-      if (there) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
+      const [x, y] = spot(k), on = isFinite(x + y);
+      see(shape, on);
+      if (on) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }
   }
 }
