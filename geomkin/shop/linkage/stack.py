@@ -117,9 +117,9 @@ class Stack:
     def _steps(self) -> Iterator[str]:
         of = self.letters
         motors, pins = ([pin for pin in self.pins if bool(pin.motor) == turns] for turns in (True, False))
+        from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, at in self.layers.items() if at == layer]
-            from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
             told = [
                 (
                     "put {} through from below",
