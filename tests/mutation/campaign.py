@@ -7,11 +7,11 @@
 
 Each fault is one change of one operator, number, name, sign or condition of a random line. In a copy of the project the
 tests that run the line are run until one fails, the quickest first, for so many seconds. What survives is tried again
-with all tests that run the line, the folder of tests that has the name of the source's folder, the kept results and the kept
-drawings.
+with all tests that run the line, the folder of tests that has the name of the source's folder, the kept results, the
+kept drawings, and that folder's campaigns.
 What then survives is for a person to judge: some changes alter nothing that can be seen (an equal bound, a message's
 wording, an example's size, a speed). The first round takes
-some 5 seconds a fault, the second a minute or two a survivor.
+some 5 seconds a fault, the second a minute or more a survivor. With numba beside it the compiled engine is tried, too.
 
 The map leaves out the tests that work in processes of their own for long (kills, same bytes), so a fault that only they
 would see is printed as a survivor. After tests are renamed the map has to be drawn again: a test that is not found
@@ -49,6 +49,8 @@ NET = "tests/kept"
 AT_IMPORT = "tests/test_quantities.py"
 # Of the tests that run a line, as many as take this long together are tried first: more, and a survivor costs minutes.
 SECONDS = 15
+# Seconds after which tests of a second look count as hanging: campaigns of one folder take up to ten minutes.
+LONGEST = 3600
 # A fault that asks for more than this fails instead of taking the machine down.
 MEMORY = 6 << 30
 COMPARISONS = {ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "==", ast.In: "not in",
@@ -163,19 +165,25 @@ def try_fault(home, file, fault, seconds):
     if not chosen:
         return "not run"
     with put(home, file, fault):
-        return "survived" if all(_pass(home, tests, 60 + 5 * expected) for tests in rounds) else "caught"
+        return "survived" if all(_pass(home, tests, 60 + 10 * expected) for tests in rounds) else "caught"
 
 
 def look_again(home, file, fault):
-    """Try a survivor with all tests that run the line and the whole folder of its name, then with the kept drawings."""
-    folder = f"tests/{Path(file).parts[1]}"
+    """Try a survivor with all tests that run the line and those of its name, then with the kept ones and campaigns."""
+    room = Path(file).parts[1]
+    folder = f"tests/{room}" if (home / "tests" / room).is_dir() else f"tests/test_{room}"
+    named = [folder] * (home / folder).exists()
     tests = sorted(name for name in tests_by_line(file).get(fault[0], ()) if not name.startswith((folder, NET)))
     with put(home, file, fault):
-        if not _pass(home, [folder] * (home / folder).is_dir() + [AT_IMPORT, *tests], 900):
-            return "caught at the second look"
-        if not _pass(home, [NET], 900):
-            return "caught by the kept results"
-        return "survived" if _pass(home, [GALLERY], 900) else "caught by the kept drawings only"
+        for what, again in (
+            ("at the second look", [*named, AT_IMPORT, *tests]),
+            ("by the kept results", [NET]),
+            ("by the kept drawings only", [GALLERY]),
+            ("by the campaigns only", [*named, "-m", "campaign"] if named else []),
+        ):
+            if not _pass(home, again, LONGEST):
+                return f"caught {what}"
+        return "survived"
 
 
 @contextlib.contextmanager
