@@ -40,7 +40,7 @@ MOST_ORDER = 5
 
 def kept_frames(frames: int) -> Whole:
     """Which of so many frames a page shows, both ends included."""
-    return np.unique(np.rint(np.linspace(0, frames - 1, min(frames, MOST_FRAMES))).astype(np.intp))
+    return np.rint(np.linspace(0, frames - 1, min(frames, MOST_FRAMES))).astype(np.intp)
 
 
 def shown_columns(scene: Scene) -> list[Column]:

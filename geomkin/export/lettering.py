@@ -1,10 +1,9 @@
-"""Names engraved on parts in single strokes, where they find room. Alone in loading the font."""
+"""Names engraved on parts in single strokes, where they find room."""
 
 from __future__ import annotations
 
 import unicodedata
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from ..plane import measure, region
 from ..plane.flatten import flatten
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, rounded
+from .letters import lines_of
 
 # Heights of capitals, mm, tried from the largest: above the first a name shouts, below the last a laser burns it shut.
 HEIGHTS = (5.0, 4.0, 3.0, 2.5)
@@ -34,8 +34,6 @@ EVEN = 0.02
 HAIR = 1e-5
 # Decimals of mm of the strokes.
 DIGITS = 3
-# Name of the font: plain single strokes.
-FONT = "futural"
 
 
 def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
@@ -46,7 +44,7 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
     """
     room = _Room(part)
     strokes: list[Complex] = []
-    for hole, letter in zip(part.holes, part.hole_names):
+    for hole, letter in zip(part.holes, map(_plain, part.hole_names)):
         if letter:
             # The few chords of a small hole may all face aside where a narrow bar has room along it alone.
             strokes += room.beside(flatten(hole, CHORDS), letter) or room.beside(flatten(hole, FINER), letter)
@@ -59,27 +57,15 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
 def _plain(name: str) -> str:
     """The name in letters that the font has, accents left out; "" where it has not all of them."""
     bare = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
-    return bare if bare.isascii() else ""
+    return bare.strip() if bare.isascii() and bare.isprintable() else ""
 
 
 @cache
 def strokes_of(words: str) -> tuple[Complex, ...]:
     """The strokes of a text, capitals 1 high, on y = 0 from x = 0."""
-    lines = [
-        np.array([x + 1j * (BASELINE - y) for x, y in stroke]) / CAPITAL for stroke in _font().strokes_for_text(words)
-    ]
+    lines = [np.array([x + 1j * (BASELINE - y) for x, y in stroke]) / CAPITAL for stroke in lines_of(words)]
     left = min((line.real.min() for line in lines), default=0.0)
     return tuple(line - left for line in lines)
-
-
-@cache
-def _font() -> Any:
-    """The font, unpacked once: that takes longer than all the strokes of a part."""
-    from HersheyFonts import HersheyFonts  # type: ignore[import-untyped]
-
-    font = HersheyFonts()
-    font.load_default_font(FONT)
-    return font
 
 
 class _Room:

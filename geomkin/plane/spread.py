@@ -165,10 +165,11 @@ def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real
         low, high = edges[:-1][over], edges[1:][over]
         inside = np.searchsorted(breaks, low, side="right")
         at = breaks[np.minimum(inside, len(breaks) - 1)]
-        merged = np.union1d(edges, np.where(at < high, at, 0.5 * (low + high)))
-        if len(merged) == len(edges):
+        new = np.where(at < high, at, 0.5 * (low + high))
+        new = new[(low < new) & (new < high)]
+        if not len(new):
             break
-        edges = merged
+        edges = np.sort(np.append(edges, new))
         error, turn = yield edges
         over = _spoilt(error, turn, tolerance)
     return edges

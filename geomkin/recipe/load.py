@@ -13,7 +13,6 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..errors import FileError, Problem, RecipeError, printable, shown
 from ..sizes import KindTable
-from .explain import explain, nearest, slip
 from .recipe import AbstractRecipe
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
@@ -54,6 +53,9 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
     except RecursionError:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
+        # Only what is wrong needs the words for it, here and below.
+        from .explain import slip
+
         slipped = slip(text, str(error))
         if slipped:
             raise RecipeError(file, [slipped]) from None
@@ -64,6 +66,8 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
     if not isinstance(name, str) or name not in kinds:
+        from .explain import nearest
+
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
         held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
@@ -72,6 +76,8 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     try:
         return adapter(kinds[name]).validate_python(data, extra="forbid", context={"folder": folder})
     except ValidationError as error:
+        from .explain import explain
+
         raise RecipeError(file, explain(error, kinds[name])) from None
 
 

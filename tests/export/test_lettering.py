@@ -4,10 +4,12 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+from HersheyFonts import HersheyFonts
 
 import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.lettering import MARGIN, lettered, strokes_of
+from geomkin.export.letters import lines_of
 
 BAR = gk.plane.rounded_hull([0, 60j], 7)
 HOLES = (gk.plane.Circle(0, 2.1), gk.plane.Circle(60j, 2.1))
@@ -117,3 +119,20 @@ def test_a_small_hole_in_a_narrow_bar_has_its_letter_along_the_bar():
         _, strokes = lettered(gk.Part("crank", *turned, 2.5, hole_names=("A", "C")), 2)
         assert len(strokes) == sum(len(strokes_of(sign)) for sign in "AC2")
     assert lettered(gk.Part("crank", outline, holes, 2.5, hole_names=("A", "C")), 2)[0] == "2"
+
+
+def test_the_signs_are_those_of_the_font():
+    """Another library has the whole of it."""
+    font, signs = HersheyFonts(), "".join(map(chr, range(32, 127)))
+    font.load_default_font("futural")
+    assert lines_of(signs + signs[::-1]) == list(font.strokes_for_text(signs + signs[::-1]))
+
+
+def test_what_the_font_has_not_is_left_out():
+    bare = gk.Part("crank", BAR, HOLES, 3.0)
+    for odd in ("\u03b1", "\n", "\x7f", " "):
+        _, strokes = lettered(gk.Part("crank", BAR, HOLES, 3.0, hole_names=(odd, odd)), 1)
+        assert len(strokes) == len(lettered(bare, 1)[1])
+    _, accented = lettered(gk.Part("crank", BAR, HOLES, 3.0, hole_names=("\u00c4", "B")), 1)
+    _, plain = lettered(gk.Part("crank", BAR, HOLES, 3.0, hole_names=("A", "B")), 1)
+    assert all(np.array_equal(one, other) for one, other in zip(accented, plain, strict=True))

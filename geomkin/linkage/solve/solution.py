@@ -153,7 +153,7 @@ class LinkageSolution:
         if worked is None:
             return self._placed(str(what), body)
         found = worked.value(what, body)
-        if self._all_closed and found.shape == self.closed.shape:
+        if found.shape == self._whole:
             return found
         key = what, body
         if key not in self._kept:
@@ -174,7 +174,7 @@ class LinkageSolution:
 
     def over_frames(self, body: str, values: Numbers) -> Numbers:
         """Values at every frame, of what moves nan where the linkage is open."""
-        if not self._all_closed and body != self.linkage.ground:
+        if self._whole is None and body != self.linkage.ground:
             values = np.where(self.closed, values, np.nan)
         return values if values.shape == self.closed.shape else spread(values, self.closed.shape)
 
@@ -251,11 +251,14 @@ class LinkageSolution:
         """The branch of each dyad, by its inner joint: its sign, and 0 where the linkage is open."""
         return {joint: np.where(self.closed, sign, 0).astype(int) for joint, sign in self.signs.items()}
 
-    @cached_property
+    @property
     def transmission_angle(self) -> Real:
         """Least over the joints that it is told of, rad; nan where there is none."""
-        if self.worked is not None:
-            return self.told("angle", "")
+        return self._least_angle if self.worked is None else self.told("angle", "")
+
+    @cached_property
+    def _least_angle(self) -> Real:
+        """The same by the placements."""
         least = np.full(self.shape, np.nan)
         for placement in self.placements:
             angle = placement.transmission_angle(self.poses)
@@ -264,5 +267,7 @@ class LinkageSolution:
         return np.where(self.closed, least, np.nan)
 
     @cached_property
-    def _all_closed(self) -> bool:
-        return bool(np.count_nonzero(self.closed) == self.closed.size)
+    def _whole(self) -> tuple[int, ...] | None:
+        """The shape of what needs no nan and is told as it is; None where the linkage is open at some frame."""
+        closed = self.closed
+        return closed.shape if np.count_nonzero(closed) == closed.size else None
