@@ -8,15 +8,14 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
-from ..gear.contact import contact_table
+from ..gear.measures import contact_table
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
-from ..judge.gear import gear_checks
-from ..judge.mesh import mesh_checks
+from ..judge.gear import gear_checks, mesh_checks
 from ..part import Part
 from ..recipe.settings import Files
 from ..scene import Scene
-from ..scenes.mesh import pair_scene
+from ..scenes.gear import pair_scene
 from ..shop.assembling import Assembly
 from ..shop.base import RackBaseStock
 from ..shop.gear.assemblies import rack_assembly

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from .gear.bases import pair_base as pair_base
     from .gear.bases import planetary_base as planetary_base
     from .gear.bases import rack_base as rack_base
-    from .gear.carrier import carrier as carrier
     from .gear.conjugate import LanternStock as LanternStock
     from .gear.conjugate import PairStock as PairStock
     from .gear.conjugate import lantern_parts as lantern_parts
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from .gear.gears import GearStock as GearStock
     from .gear.gears import RingStock as RingStock
     from .gear.gears import base_plate as base_plate
+    from .gear.gears import carrier as carrier
     from .gear.gears import gear_parts as gear_parts
     from .gear.spokes import Web as Web
     from .linkage.stack import Stack as Stack
