@@ -11,11 +11,10 @@ from ..errors import DesignError
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring
 from ..plane.primitives import Arc, Polyline, Segment
-from ..plane.roulettes import Involute
+from ..plane.roulettes import Involute, inverse_involute, involute_function
 from ..plane.vec import Pose
 from ..sizes import check_sizes, quantity, rounded_down
-from .involute import TipRounding, inverse_involute, involute_function, largest_rounding, tip_rounding
-from .tooth import toothed
+from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
 
 
 @dataclass(frozen=True)

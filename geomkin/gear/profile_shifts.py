@@ -8,8 +8,8 @@ import numpy as np
 
 from ..arguments import Count, between, checked, whole_between
 from ..errors import DesignError
+from ..plane.roulettes import inverse_involute, involute_function, roll_at
 from .cutters import RackCutter
-from .involute import inverse_involute, involute_function, roll_at
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
 LEAST, MOST = -2.0, 3.0

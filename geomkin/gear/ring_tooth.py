@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike
 
 from ..brief import one_line
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
-from ..plane.roulettes import Involute
+from ..plane.roulettes import Involute, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth
 from .cutters import PinionCutter
 from .interference import InternalMesh
-from .involute import inverse_involute, involute_function, roll_at
 
 
 @dataclass(frozen=True)
