@@ -10,10 +10,10 @@ from typing import Literal
 from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
+from ..gear.cutters import balanced_shifts, undercut_free_shift
 from ..gear.helix import Helix
 from ..gear.measures import contact_table
 from ..gear.pair import GearPair
-from ..gear.profile_shifts import balanced_shifts, undercut_free_shift
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
 from ..judge.gear import gear_checks, mesh_checks
