@@ -12,9 +12,9 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import SAME_CURVE, collision_check, reached
+from ..linkage.bars import FourBar
 from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..linkage.coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
-from ..linkage.four_bar import FourBar
 from ..linkage.motion import Motion
 from ..linkage.sliders import SliderCrank
 from ..linkage.solve.move import move

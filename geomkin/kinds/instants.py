@@ -11,8 +11,8 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LARGEST_DRAWN, reached
+from ..linkage.bars import FourBar
 from ..linkage.coupler_curve import CouplerCurve
-from ..linkage.four_bar import FourBar
 from ..linkage.instant.centrodes import CentrodeCurve, Centrodes
 from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle

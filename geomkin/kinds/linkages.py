@@ -13,12 +13,11 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
-from ..linkage.four_bar import FourBar
+from ..linkage.bars import FourBar, StephensonSixBar, WattSixBar
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
-from ..linkage.six_bars import Shaper, StephensonSixBar, WattSixBar
-from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, SliderCrank
+from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, Shaper, SliderCrank
 from ..linkage.solve.branch import Branch, chosen
 from ..linkage.solve.move import move
 from ..part import Bought, Part

@@ -11,7 +11,7 @@ import numpy as np
 from ...arguments import between, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Real
 from ...sizes import Size, rounded_down, rounded_up
 from ..found import Found

@@ -10,7 +10,7 @@ import numpy as np
 from ...arguments import LARGEST
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Mask, Real
 from ...sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
