@@ -11,7 +11,8 @@ counterclockwise positive. Recipes need more than NumPy and are loaded only by `
 
 from typing import TYPE_CHECKING
 
-from .version import VERSION as __version__  # noqa: F401, N811
+# Read by the package's metadata and told in files.
+__version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from . import cam as cam
