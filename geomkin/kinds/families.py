@@ -17,16 +17,13 @@ from ..recipe.settings import Drive, Files
 from ..scene import Choice, Limit, Plot
 from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
-from ..synthesis.rockers.crank_rockers import CrankRocker
-from ..synthesis.rockers.double_rockers import DoubleRocker
-from ..synthesis.rockers.families import RATIO
-from ..synthesis.rockers.strokes import StrokeCrank
+from ..synthesis.rockers.families import RATIO, AbstractMember
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 # What a search in a family finds.
-M = TypeVar("M", bound=CrankRocker | DoubleRocker | StrokeCrank)
-M_co = TypeVar("M_co", bound=CrankRocker | DoubleRocker | StrokeCrank, covariant=True)
+M = TypeVar("M", bound=AbstractMember)
+M_co = TypeVar("M_co", bound=AbstractMember, covariant=True)
 # deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
 # there is a little less; whoever cuts them misses more by a thousand times. Derived here.
 MISSED_DEG = 1e-4
@@ -138,7 +135,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return {"family": {"free_angle_deg": ends}, **super().notes}
 
 
-def family_choice(found: CrankRocker | DoubleRocker | StrokeCrank, largest_ratio: float | None) -> Choice:
+def family_choice(found: AbstractMember, largest_ratio: float | None) -> Choice:
     """Transmission angles, ratios of the links and their lengths along the family, with the one that was found.
 
     largest_ratio: of the longest link over the shortest, as it was asked for; beyond it none was taken.
