@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -14,7 +13,7 @@ from ...errors import DesignError
 from ...linkage.bars import FourBar
 from ...linkage.solve.move import move
 from ...plane.vec import Real
-from ...sizes import Size, rounded_down, rounded_up
+from ...sizes import Size, last_fit, rounded_down, rounded_up
 from .families import RATIO, AbstractMember, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .two_places import TwoPlaces, between_places
 
@@ -215,19 +214,14 @@ def _best(wanted: TwoPlaces, ends: tuple[Real, Real], largest: float) -> tuple[f
         raise DesignError("largest_ratio", found, f"give at least {rounded_up(1.001 * least, 4)}")
     # The search starts from looks over all, and again over the part about the most alike, where a hard limit leaves
     # but a sliver between two looks.
-    sides = [_last(lambda free: bool(ratio(np.array([free]))[0] <= largest), alike, out) for out in (start, end)]
+
+    def fits(free: float) -> bool:
+        return bool(ratio(np.array([free]))[0] <= largest)
+
+    sides = [out if fits(out) else last_fit(fits, alike, out) for out in (start, end)]
     tops = [highest(score, start, end), highest(score, *sides)]
     best = max(tops, key=lambda free: float(score(np.array([free]))[0]))
     return best, bool(float(ratio(np.array([best]))[0]) > (1 - 1e-6) * largest)
-
-
-def _last(fits: Callable[[float], bool], good: float, bad: float) -> float:
-    if fits(bad):
-        return bad
-    for _ in range(60):
-        middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if fits(middle) else (good, middle)
-    return good
 
 
 def _simulated(linkage: FourBar, branch: int, wanted: TwoPlaces) -> tuple[float, float, float]:
