@@ -11,7 +11,8 @@ counterclockwise positive. Recipes need more than NumPy and are loaded only by `
 
 from typing import TYPE_CHECKING
 
-from .version import VERSION as __version__  # noqa: F401, N811
+# Read by the package's metadata and told in files.
+__version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from . import cam as cam
@@ -50,19 +51,19 @@ if TYPE_CHECKING:
     from .gear.pair import GearPair as GearPair
     from .gear.ring import RingGear as RingGear
     from .gear.spur import SpurGear as SpurGear
+    from .linkage.bars import FourBar as FourBar
+    from .linkage.bars import StephensonSixBar as StephensonSixBar
+    from .linkage.bars import WattSixBar as WattSixBar
     from .linkage.coupler_curve import CouplerCurve as CouplerCurve
-    from .linkage.four_bar import FourBar as FourBar
     from .linkage.linkage import Linkage as Linkage
     from .linkage.linkage import Slider as Slider
     from .linkage.measures import driver_limits as driver_limits
     from .linkage.measures import least_transmission_angle as least_transmission_angle
-    from .linkage.six_bars import Shaper as Shaper
-    from .linkage.six_bars import StephensonSixBar as StephensonSixBar
-    from .linkage.six_bars import WattSixBar as WattSixBar
     from .linkage.sliders import EllipticTrammel as EllipticTrammel
     from .linkage.sliders import InvertedSliderCrank as InvertedSliderCrank
     from .linkage.sliders import OldhamCoupling as OldhamCoupling
     from .linkage.sliders import ScotchYoke as ScotchYoke
+    from .linkage.sliders import Shaper as Shaper
     from .linkage.sliders import SliderCrank as SliderCrank
     from .linkage.solve.branch import Follow as Follow
     from .linkage.solve.move import move as move

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections import UserDict
 from collections.abc import Callable
-from dataclasses import MISSING
+from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import reduce
 from math import isfinite
@@ -219,6 +219,21 @@ class AsWritten:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return handler(source) | {"strict": True}
+
+
+@dataclass(frozen=True)
+class RowsOf:
+    """Marks rows of so many numbers each, as a recipe gives them."""
+
+    numbers: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
+        return {
+            "type": "tuple",
+            "items_schema": [{"type": "tuple", "items_schema": self.numbers * [number]}],
+            "variadic_item_index": 0,
+        }
 
 
 class SignOrPlace:

@@ -20,7 +20,7 @@ WORDS = {
     "names",
     "sizes",
     "lazy",
-    "version",
+    "__init__",  # the version
     "progress",
     "beside",
     "processes",

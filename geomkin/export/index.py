@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from ..errors import FileError, printable
 from ..names import file_name_flaw, folded
-from .page import colours, hashed, tight_style, web_file
+from .page import colours, head, tight_style, web_file
 from .sections import text
 from .summary import files_told, told
 from .writers import tail_of
@@ -42,22 +42,10 @@ def index(folder: Path) -> dict[str, bytes]:
     if not cards:
         raise FileError(f"{printable(folder)}: no recipe was made into it; make some first")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
-    place = text(folder.resolve().name or "this folder")
+    place = folder.resolve().name or "this folder"
     style = tight_style(f"{colours()}{web_file('index.css')}")
-    policy = f"default-src 'none'; style-src {hashed(style)}; img-src data:; base-uri 'none'; form-action 'none'"
-    page = f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-{OURS.decode()}
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Mechanisms in {place}</title>
-<link rel="icon" href="data:,">
-<style>{style}</style>
-</head>
-<body>
-<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{place}</bdi></p></header>
+    page = f"""{head(f"Mechanisms in {place}", style, mark=OURS.decode())}<body>
+<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
 <main>
 <ul class="cards">
 {chr(10).join(cards)}

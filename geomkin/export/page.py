@@ -53,22 +53,8 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
     scripts: files of `web`, the plot library first, and `start` what calls them. Its policy lets run what stands in it
     and nothing else, whatever a recipe's texts hold.
     """
-    script, style = _script(scripts, start), _style()
-    policy = (
-        f"default-src 'none'; script-src {hashed(script)}; style-src {hashed(style)}; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
-    )
-    told = f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{text(title)}</title>
-<link rel="icon" href="data:,">
-<style>{style}</style>
-</head>
-<body>
+    script = _script(scripts, start)
+    told = f"""{head(title, tight_style(web_file("style.css")), script)}<body>
 <header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
 {body}</main>
@@ -124,11 +110,6 @@ def _tight(line: str) -> str:
 
 
 @cache
-def _style() -> str:
-    """The style, without comments and the spaces that nothing depends on."""
-    return tight_style(web_file("style.css"))
-
-
 def tight_style(style: str) -> str:
     """A style without comments and the spaces that nothing depends on."""
     return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL)).replace(
@@ -146,6 +127,27 @@ def web_file(name: str) -> str:
     return files("geomkin.web").joinpath(name).read_text("utf-8").strip()
 
 
-def hashed(content: str) -> str:
+def head(title: str, style: str, script: str = "", mark: str = "") -> str:
+    """The head of a page of one file, whose policy lets it load nothing, and run no script but this one.
+
+    title: plain text. mark: a line of HTML near its start.
+    """
+    runs = f"script-src {_hashed(script)}; " if script else ""
+    line = f"{mark}\n" if mark else ""
+    policy = f"{runs}style-src {_hashed(style)}; img-src data:; base-uri 'none'; form-action 'none'"
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+{line}<meta http-equiv="Content-Security-Policy" content="default-src 'none'; {policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{text(title)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+"""
+
+
+def _hashed(content: str) -> str:
     """How a policy names a script or a style that may be in its page."""
     return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from .. import __version__
 from ..errors import DesignError, shown
 from ..plane.primitives import Circle
-from ..version import VERSION
 from .cut import Cut, Loop
 from .job import Job
 
@@ -111,7 +111,7 @@ class _Entities:
         yield "HEADER;"
         yield "FILE_DESCRIPTION(('a plate, in mm'),'2;1');"
         # No time of day: the same part gives the same bytes.
-        yield f"FILE_NAME('{self.name}','1970-01-01T00:00:00',(''),(''),'geomkin {VERSION}','geomkin','');"
+        yield f"FILE_NAME('{self.name}','1970-01-01T00:00:00',(''),(''),'geomkin {__version__}','geomkin','');"
         yield "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"
         yield "ENDSEC;"
 

@@ -9,11 +9,11 @@ from functools import cache
 from math import inf
 from pathlib import Path
 
+from .. import __version__
 from ..check import Check
 from ..names import file_name_flaw
 from ..part import Part
 from ..plane.measure import area
-from ..version import VERSION
 from .job import Job
 from .solid import volume
 from .writers import WRITERS, format_of
@@ -108,7 +108,7 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
 def _versions(written: Collection[str]) -> dict[str, str]:
     """Versions of what had a hand in the files; other libraries may be loaded for another recipe."""
     hands = [package for ending in WRITERS if ending in written for package in WRITERS[ending].packages]
-    return {"geomkin": VERSION} | {name: _version(name) for name in (["numpy", *hands] if written else [])}
+    return {"geomkin": __version__} | {name: _version(name) for name in (["numpy", *hands] if written else [])}
 
 
 @cache

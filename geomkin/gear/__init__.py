@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .contract import AbstractShaper as AbstractShaper
     from .cutters import PinionCutter as PinionCutter
     from .cutters import RackCutter as RackCutter
+    from .cutters import balanced_shifts as balanced_shifts
+    from .cutters import undercut_free_shift as undercut_free_shift
     from .helix import Helix as Helix
     from .measures import chord as chord
     from .measures import contact_table as contact_table
@@ -24,8 +26,6 @@ if TYPE_CHECKING:
     from .measures import span as span
     from .measures import tooth_table as tooth_table
     from .planetary import PlanetarySet as PlanetarySet
-    from .profile_shifts import balanced_shifts as balanced_shifts
-    from .profile_shifts import undercut_free_shift as undercut_free_shift
     from .rack import GearRack as GearRack
     from .rack import RackPair as RackPair
 else:

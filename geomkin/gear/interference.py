@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..plane.roulettes import involute_function, roll_at
 from ..plane.vec import Pose, Real
 from .contract import AbstractInvoluteGear
-from .involute import involute_function, roll_at
 
 # Points on each curve of a side, and places of a tip on its way. Fewer would see less than a hundred-thousandth of
 # a module; the time stays at a millisecond.

@@ -12,10 +12,10 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.flatten import flatten
+from ..plane.roulettes import inverse_involute, roll_at
 from ..sizes import Length, rounded_down, rounded_up
 from ..table import Column, Table, xy_columns
 from .contract import AbstractInvoluteGear
-from .involute import inverse_involute, roll_at
 from .pair import GearPair
 from .rack import RackPair
 

@@ -11,11 +11,11 @@ from ..arguments import RealsOrNan, checked
 from ..brief import one_line
 from ..display import moving
 from ..errors import DesignError
+from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
 from .contract import check_alike
 from .interference import InternalMesh, tip_margin
-from .involute import inverse_involute, involute_function
 from .ring import RingGear
 from .spur import Settled, SpurGear
 

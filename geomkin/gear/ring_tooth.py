@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike
 
 from ..brief import one_line
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
-from ..plane.roulettes import Involute
+from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth
 from .cutters import PinionCutter
 from .interference import InternalMesh
-from .involute import inverse_involute, involute_function, roll_at
 
 
 @dataclass(frozen=True)
@@ -165,7 +164,7 @@ class RingTooth(AbstractTooth):
 
 
 @dataclass(frozen=True, eq=False)
-class RingTrochoid(AbstractCurve):
+class RingTrochoid(Traced):
     """The envelope of a small circle on a wheel that rolls inside a ring: derived here from the law of gearing.
 
     The wheel, of `wheel` radius w, rolls inside the ring of `radius` R > w about the origin, mm. The small
@@ -219,11 +218,3 @@ class RingTrochoid(AbstractCurve):
         turn, speed = self._bend(*self._away(np.asarray(t, dtype=float)))
         with np.errstate(divide="ignore"):
             return turn / np.abs(speed)
-
-    @property
-    def breaks(self) -> Real:
-        return np.array([self.start, self.end])
-
-    @property
-    def closed(self) -> bool:
-        return False

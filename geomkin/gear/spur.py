@@ -13,12 +13,12 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..plane.joined import Ring
 from ..plane.primitives import Polyline
+from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from ..sizes import SMALLEST, check_sizes, entry, last_fit, quantity, rounded_down
 from .contract import AbstractInvoluteGear
 from .cutters import RackCutter
-from .involute import inverse_involute, involute_function, largest_rounding
-from .tooth import Tooth, outline
+from .tooth import Tooth, largest_rounding, outline
 
 # Teeth along the rack that is shown cutting a gear: more run off the picture, fewer end where it still cuts.
 TOOL_TEETH = 7

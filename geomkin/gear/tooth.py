@@ -1,4 +1,4 @@
-"""One tooth from bottom land to bottom land: tip, flanks and the root curves the rack's corner leaves."""
+"""One tooth from bottom land to bottom land: tip, flanks, their roundings, and the root curves of a rack's corner."""
 
 from __future__ import annotations
 
@@ -12,14 +12,50 @@ from ..brief import one_line
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
 from ..plane.primitives import Arc, Segment
-from ..plane.roulettes import Involute, Trochoid
+from ..plane.roulettes import Involute, Trochoid, involute_function, roll_at
 from ..plane.vec import Pose
+from ..sizes import last_fit
 from .contract import AbstractTooth
-from .involute import TipRounding, involute_function, roll_at, tip_rounding
 
 # Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
 # and an arc between them would have no direction.
 NARROW = 1e-12
+
+
+@dataclass(frozen=True)
+class TipRounding:
+    """The arc that rounds a tooth's tip.
+
+    radius: distance of its centre from the gear's axis, mm; angle: of the centre from the tooth's middle, rad;
+    roll: angle of the flank's involute where the rounding begins.
+    """
+
+    radius: float
+    angle: float
+    roll: float
+
+
+def tip_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float, rounding: float) -> TipRounding:
+    """The arc of radius `rounding`, mm, that touches the flank and the tip circle from inside the tooth.
+
+    Its centre lies on the parallel curve of the flank, which is the same involute turned by
+    rounding / base_radius. The angle is negative where the two roundings of a tooth would overlap.
+    Asks for rounding <= tip_radius - base_radius.
+    """
+    radius = tip_radius - rounding
+    roll = roll_at(radius, base_radius)
+    angle = half_angle_at_base - involute_function(roll) - rounding / base_radius
+    return TipRounding(radius, angle, roll + rounding / base_radius)
+
+
+def largest_rounding(base_radius: float, half_angle_at_base: float, tip_radius: float) -> float:
+    """The largest rounding, mm, of a tooth's tip: where its two roundings, or its base circle, meet."""
+
+    def fits(rounding: float) -> bool:
+        return tip_rounding(base_radius, half_angle_at_base, tip_radius, rounding).angle >= 0
+
+    high = tip_radius - base_radius
+    return high if fits(high) else last_fit(fits, 0.0, high)
 
 
 @dataclass(frozen=True)

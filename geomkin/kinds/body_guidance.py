@@ -21,7 +21,7 @@ from ..recipe.settings import Drive, Files
 from ..scene import Scene, SceneCurve, SceneRegion
 from ..shop.drawing import PlateStock, engraved, pose_axes, skeleton
 from ..shop.linkage.stock import LinkStock
-from ..sizes import FARTHEST, PointXY, check_sizes, entry, quantity
+from ..sizes import PointXY, RowsOf, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ..synthesis.guidance.filemon_waldron import Rectification, rectification
 from ..synthesis.guidance.guidance import BodyGuide, body_guides
@@ -43,18 +43,6 @@ ROOM = 0.75
 FEWER = "five poses or fewer are met exactly"
 
 
-class Triples:
-    """Marks rows of three numbers, as a recipe gives them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
-        return {
-            "type": "tuple",
-            "items_schema": [{"type": "tuple", "items_schema": [number, number, number]}],
-            "variadic_item_index": 0,
-        }
-
-
 class OneOfGuides:
     """Marks the choice of a linkage, so that a wrong one is refused once and not by each word."""
 
@@ -62,7 +50,7 @@ class OneOfGuides:
         return {"type": "literal", "expected": list(KINDS)}
 
 
-Rows = Annotated[tuple[tuple[float, float, float], ...], Triples()]
+Rows = Annotated[tuple[tuple[float, float, float], ...], RowsOf(3)]
 PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
 
 

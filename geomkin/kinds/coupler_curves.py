@@ -12,9 +12,9 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import SAME_CURVE, collision_check, reached
+from ..linkage.bars import FourBar
 from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..linkage.coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
-from ..linkage.four_bar import FourBar
 from ..linkage.motion import Motion
 from ..linkage.sliders import SliderCrank
 from ..linkage.solve.move import move
@@ -22,7 +22,6 @@ from ..part import Bought, Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Real
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..scene import Scene, SceneMark
 from ..scenes.linkage import linkage_scene
@@ -31,7 +30,7 @@ from ..shop.linkage.stack import Stack, link_parts, stack_links
 from ..shop.linkage.stock import LinkStock
 from ..sizes import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
 from ..table import Column, Table, xy_columns
-from .linkage_tables import Side
+from .linkage_tables import AbstractMovedRecipe, Side
 
 # Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
 MOST_DASHES = 5_000
@@ -84,7 +83,7 @@ class Grid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AbstractAtlasRecipe(AbstractRecipe):
+class AbstractAtlasRecipe(AbstractMovedRecipe):
     """What recipes of an atlas have in common."""
 
     kind: str
@@ -97,15 +96,6 @@ class AbstractAtlasRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         self.grid.check_work(self.drive)
-
-    @property
-    def design(self) -> FourBar | SliderCrank:
-        return self.linkage
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The linkage over the frames of the table."""
-        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
 
     @cached_property
     def table(self) -> Table:
@@ -184,7 +174,7 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CognatesRecipe(AbstractRecipe):
+class CognatesRecipe(AbstractMovedRecipe):
     """Three four-bars that draw one coupler curve, as plates of Roberts' ten-bar figure and as an engraved drawing."""
 
     kind: Literal["cognates"] = "cognates"
@@ -198,13 +188,6 @@ class CognatesRecipe(AbstractRecipe):
         "One check fails on purpose (plates and pins that collide): in most of these figures a pin of one cognate "
         "sweeps a link of another, whatever the order of the plates, and the figure is shown all the same."
     )
-
-    def __post_init__(self) -> None:
-        self.drive.check_rows()
-
-    @property
-    def design(self) -> FourBar:
-        return self.linkage
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
@@ -12,18 +13,17 @@ from numpy.typing import ArrayLike
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG
 from ..plane.vec import Real, rounded
+from ..recipe.settings import Drive, Files
 from ..scene import Choice, Limit, Plot
-from ..sizes import check_sizes, quantity
-from ..synthesis.rockers.crank_rockers import CrankRocker
-from ..synthesis.rockers.double_rockers import DoubleRocker
-from ..synthesis.rockers.families import RATIO
-from ..synthesis.rockers.strokes import StrokeCrank
+from ..shop.linkage.stock import LinkStock
+from ..sizes import check_sizes, entry, quantity
+from ..synthesis.rockers.families import RATIO, AbstractMember
 from ..table import Column, Table
-from .linkage_goals import AbstractLinkageGoal
+from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 # What a search in a family finds.
-M = TypeVar("M", bound=CrankRocker | DoubleRocker | StrokeCrank)
-M_co = TypeVar("M_co", bound=CrankRocker | DoubleRocker | StrokeCrank, covariant=True)
+M = TypeVar("M", bound=AbstractMember)
+M_co = TypeVar("M_co", bound=AbstractMember, covariant=True)
 # deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
 # there is a little less; whoever cuts them misses more by a thousand times. Derived here.
 MISSED_DEG = 1e-4
@@ -49,13 +49,27 @@ def time_ratio_entry() -> Any:
     return quantity("time of that stroke over the time of the stroke back", default=None, above=0, at_most=1e6)
 
 
-def crank_turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
-    """The crank's turn, deg, from whichever of the two is given."""
-    if time_ratio is not None and crank_turn_deg is not None:
-        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
-    if time_ratio is not None:
-        return 360 * time_ratio / (1 + time_ratio)
-    return 180.0 if crank_turn_deg is None else crank_turn_deg
+class AbstractTimed:
+    """What is wanted of a crank that takes its time for a stroke: its turn, or a ratio of times."""
+
+    crank_turn_deg: float | None
+    time_ratio: float | None
+
+    @property
+    def turn_key(self) -> str:
+        """The key that tells the turn."""
+        return "crank_turn_deg" if self.time_ratio is None else "time_ratio"
+
+    @property
+    def turn_deg(self) -> float:
+        """The crank's turn in that stroke, deg."""
+        turn, ratio = self.crank_turn_deg, self.time_ratio
+        if ratio is None:
+            return 180.0 if turn is None else turn
+        if turn is not None:
+            problem = "is given besides crank_turn_deg"
+            raise DesignError("time_ratio", problem, "give one of them, which tells the other")
+        return 360 * ratio / (1 + ratio)
 
 
 def missed(found: float, wanted: float) -> float:
@@ -77,13 +91,16 @@ class Wanted(Protocol[M_co]):
         """The best or the one with the sizes that are given, or the one at a free angle."""
 
 
+@dataclass(frozen=True, kw_only=True)
 class AbstractFamilyGoal(AbstractLinkageGoal[M]):
-    """A goal that takes the best of a family, and ranks others of it.
+    """A goal that takes the best of a family, and ranks others of it."""
 
-    A subclass is a dataclass with `wanted`, `choose`, `drive`, `stock` and `files`.
-    """
-
+    kind: str
     wanted: Wanted[M]
+    choose: int = choose_entry()
+    drive: Drive = entry("how the crank turns", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -118,7 +135,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return {"family": {"free_angle_deg": ends}, **super().notes}
 
 
-def family_choice(found: CrankRocker | DoubleRocker | StrokeCrank, largest_ratio: float | None) -> Choice:
+def family_choice(found: AbstractMember, largest_ratio: float | None) -> Choice:
     """Transmission angles, ratios of the links and their lengths along the family, with the one that was found.
 
     largest_ratio: of the longest link over the shortest, as it was asked for; beyond it none was taken.

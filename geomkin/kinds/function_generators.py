@@ -163,10 +163,16 @@ class WantedPlace(Wanted):
     )
 
 
+@dataclass(frozen=True, kw_only=True)
 class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """What the recipes of function generators have in common."""
 
+    kind: str
     wanted: Wanted
+    choose: int = choose_entry()
+    drive: Drive = entry("how the crank turns", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         # Before any search.
@@ -243,10 +249,6 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     kind: Literal["function-generator"] = "function-generator"
     wanted: WantedAngle
-    choose: int = choose_entry()
-    drive: Drive = entry("how the crank turns", default=Drive())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
-    files: Files = entry("what is written", default=Files())
     unit = "deg"
 
     @cached_property
@@ -277,10 +279,6 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
     wanted: WantedPlace
-    choose: int = choose_entry()
-    drive: Drive = entry("how the crank turns", default=Drive())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
-    files: Files = entry("what is written", default=Files())
     unit = "mm"
 
     @cached_property

@@ -11,29 +11,27 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LARGEST_DRAWN, reached
+from ..linkage.bars import FourBar
 from ..linkage.coupler_curve import CouplerCurve
-from ..linkage.four_bar import FourBar
 from ..linkage.instant.centrodes import CentrodeCurve, Centrodes
 from ..linkage.instant.curvature import path_curvature
 from ..linkage.instant.inflection import inflection_circle
 from ..linkage.motion import Motion
-from ..linkage.solve.branch import Branch
 from ..linkage.solve.move import move
 from ..part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Arc, Circle, Segment
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Turn
 from ..scene import Scene
 from ..scenes.instant import centrodes_scene, inflection_scene
 from ..shop.drawing import PlateStock, arrow, engraved, skeleton
-from ..sizes import check_sizes, entry, quantity
+from ..sizes import entry, quantity
 from ..table import Column, Table, finite, xy_columns
-from .linkage_tables import Branches, Side, SideOrFollow, branch_of, branches_entry
+from .linkage_tables import AbstractMovedRecipe, Branches, Side, SideOrFollow, branches_entry
 
 
 @dataclass(frozen=True, kw_only=True)
-class InflectionCircleRecipe(AbstractRecipe):
+class InflectionCircleRecipe(AbstractMovedRecipe):
     """A four-bar at one position with the coupler's instant centre, inflection circle and centres of curvature."""
 
     kind: Literal["inflection-circle"] = "inflection-circle"
@@ -43,14 +41,6 @@ class InflectionCircleRecipe(AbstractRecipe):
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-        self.drive.check_rows()
-
-    @property
-    def design(self) -> FourBar:
-        return self.linkage
 
     @cached_property
     def position(self) -> Motion:
@@ -67,11 +57,6 @@ class InflectionCircleRecipe(AbstractRecipe):
         """Longest link, mm."""
         sizes = self.linkage
         return float(max(sizes.ground, sizes.crank, sizes.coupler, sizes.rocker))
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The linkage over the frames of the table."""
-        return move(self.linkage, self.drive.frames, self.branch, self.drive.speed)
 
     @cached_property
     def table(self) -> Table:
@@ -136,7 +121,7 @@ class InflectionCircleRecipe(AbstractRecipe):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CentrodesRecipe(AbstractRecipe):
+class CentrodesRecipe(AbstractMovedRecipe):
     """Fixed and moving centrode of a four-bar's coupler on two plates: the second curve rolls on the first."""
 
     kind: Literal["centrodes"] = "centrodes"
@@ -152,28 +137,15 @@ class CentrodesRecipe(AbstractRecipe):
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-        self.drive.check_rows()
-
-    @property
-    def design(self) -> FourBar:
-        return self.linkage
-
-    @cached_property
-    def signs(self) -> Branch:
-        """The branch asked for."""
-        return branch_of(self.branch, self.branches)
-
     @cached_property
     def centrodes(self) -> Centrodes:
         """Both curves over the frames."""
-        return Centrodes(move(self.linkage, self.drive.frames, self.signs, self.drive.speed), "coupler")
+        return Centrodes(self.motion, "coupler")
 
     @cached_property
     def runs(self) -> list[tuple[float, float]]:
         """Drives over which the centrodes are drawn unbroken."""
-        drive = self.centrodes.motion.drive
+        drive = self.motion.drive
         found = [drive[run] for run in self.centrodes.runs(self.reach)]
         if not found:
             raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
@@ -182,12 +154,12 @@ class CentrodesRecipe(AbstractRecipe):
     @cached_property
     def table(self) -> Table:
         centrodes = self.centrodes
-        run = np.zeros(len(centrodes.motion.drive), dtype=int)
+        run = np.zeros(len(self.motion.drive), dtype=int)
         for k, part in enumerate(centrodes.runs(self.reach)):
             run[part] = k + 1
         return Table(
             (
-                Column("drive_angle", "deg", "angle of the driver", np.degrees(centrodes.motion.drive)),
+                Column("drive_angle", "deg", "angle of the driver", np.degrees(self.motion.drive)),
                 Column("run", "", "unbroken run that the frame belongs to, 0 for none", run),
                 *xy_columns("fixed_centrode", "mm", "instant centre on the ground", finite(centrodes.fixed)),
                 *xy_columns("moving_centrode", "mm", "instant centre on the coupler", finite(centrodes.moving)),
@@ -197,7 +169,7 @@ class CentrodesRecipe(AbstractRecipe):
     @cached_property
     def curves(self) -> tuple[list[AbstractCurve], list[AbstractCurve]]:
         """The fixed centrode and the moving one, each in its runs."""
-        linkage, start = self.linkage.linkage, float(self.centrodes.motion.drive[0])
+        linkage, start = self.linkage.linkage, float(self.motion.drive[0])
         fixed, moving = (
             [CentrodeCurve(linkage, "coupler", run, moving, self.signs, start) for run in self.runs]
             for moving in (False, True)
@@ -209,11 +181,11 @@ class CentrodesRecipe(AbstractRecipe):
         """The moving centrode, on the coupler, rolling on the fixed one."""
         drawn = np.asarray(self.table["run"]) > 0
         centre = np.where(drawn, self.centrodes.fixed, np.nan)
-        return centrodes_scene(self.centrodes.motion, self.table, "coupler", *self.curves, centre)
+        return centrodes_scene(self.motion, self.table, "coupler", *self.curves, centre)
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        return (reached(self.centrodes.motion, "driver's turn"), *self.drive.checks)
+        return (reached(self.motion, "driver's turn"), *self.drive.checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -221,7 +193,7 @@ class CentrodesRecipe(AbstractRecipe):
         for name, moving, body in (("fixed-centrode", False, "ground"), ("moving-centrode", True, "coupler")):
             places = [z for pin, z in linkage.bodies[body].items() if pin in linkage.pins]
             if not moving:
-                ground = self.centrodes.motion.bodies["ground"]
+                ground = self.motion.bodies["ground"]
                 places = [complex(ground.point(z).position[0]) for z in places]
             pins = [Circle(complex(z), self.stock.pin_diameter / 2) for z in places]
             parts.append(engraved(name, [*self.curves[moving], *pins], self.stock))

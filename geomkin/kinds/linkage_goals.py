@@ -12,7 +12,7 @@ import numpy as np
 
 from ..check import Check
 from ..errors import DesignError
-from ..linkage.four_bar import FourBar
+from ..linkage.bars import FourBar
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.sliders import EllipticTrammel, SliderCrank
 from ..recipe.recipe import AbstractGoal

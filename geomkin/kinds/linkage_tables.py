@@ -1,10 +1,11 @@
-"""Tables of linkages in a recipe: any linkage as a list of bodies, and the branch on which it moves."""
+"""Linkages in a recipe: any linkage as a list of bodies, the branch on which it moves, and its motion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -12,8 +13,12 @@ import numpy as np
 from ..brief import one_line
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
+from ..linkage.motion import Motion
 from ..linkage.solve.branch import Chosen
+from ..linkage.solve.move import move
 from ..names import check_names
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.settings import Stroke, Turn
 from ..sizes import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
 
 # The branch of all dyads; the same where it may also be followed; the branches of single joints.
@@ -54,6 +59,39 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
     signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
     near = {name: value for name, value in branches.items() if isinstance(value, complex)}
     return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
+
+
+class AbstractMovedRecipe(AbstractRecipe):
+    """What recipes of a linkage have in common that tell its motion over a table's frames."""
+
+    linkage: AbstractLinkage
+    branch: SideOrFollow
+    # Of kinds that have none.
+    branches: Mapping[str, int | complex] = MappingProxyType({})
+    drive: Turn
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+
+    @property
+    def design(self) -> AbstractLinkage:
+        return self.linkage
+
+    @property
+    def way(self) -> Turn | Stroke:
+        """How the driver goes."""
+        return self.drive
+
+    @cached_property
+    def signs(self) -> Chosen:
+        """The branch asked for."""
+        return branch_of(self.branch, self.branches)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at the frames of the table."""
+        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
 
 
 @dataclass(frozen=True)

@@ -13,16 +13,14 @@ import numpy as np
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
-from ..linkage.four_bar import FourBar
+from ..linkage.bars import FourBar, StephensonSixBar, WattSixBar
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
-from ..linkage.six_bars import Shaper, StephensonSixBar, WattSixBar
-from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, SliderCrank
-from ..linkage.solve.branch import Branch, chosen
+from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, Shaper, SliderCrank
+from ..linkage.solve.branch import chosen
 from ..linkage.solve.move import move
 from ..part import Bought, Part
-from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
 from ..scenes.copies import with_copies
@@ -35,11 +33,11 @@ from .copies import Copy, check_copies, copied, copies_entry
 from .copies_joined import Shared, copying, joining, shared_rods
 from .linkage_tables import (
     WITH_SLIDER,
+    AbstractMovedRecipe,
     BodyList,
     Branches,
     SideOrFollow,
     branch_entry,
-    branch_of,
     branches_entry,
     coefficients_entry,
 )
@@ -48,13 +46,9 @@ from .linkage_tables import (
 MOST_DYADS = 2
 
 
-class AbstractLinkageRecipe(AbstractRecipe):
+class AbstractLinkageRecipe(AbstractMovedRecipe):
     """What recipes of linkages have in common: all of them are moved, stacked, judged and cut alike."""
 
-    linkage: AbstractLinkage
-    branch: SideOrFollow
-    branches: Branches
-    drive: Turn
     stock: LinkStock
     # Where a kind has no such key, its table is another.
     coefficients: bool = False
@@ -72,25 +66,6 @@ class AbstractLinkageRecipe(AbstractRecipe):
         joints = len(linkage.pins)
         told = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
         self.way.check_rows(3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints)
-
-    @property
-    def design(self) -> AbstractLinkage:
-        return self.linkage
-
-    @property
-    def way(self) -> Turn | Stroke:
-        """How the driver goes."""
-        return self.drive
-
-    @cached_property
-    def signs(self) -> Branch:
-        """The branch asked for."""
-        return branch_of(self.branch, self.branches)
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The motion at the frames of the table."""
-        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
 
     @cached_property
     def fine_motion(self) -> Motion:

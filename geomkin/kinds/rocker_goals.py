@@ -7,22 +7,20 @@ from typing import Literal
 
 from ..check import Check
 from ..errors import DesignError
-from ..recipe.settings import Drive, Files
-from ..shop.linkage.stock import LinkStock
+from ..recipe.settings import Drive
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..synthesis.rockers import strokes
 from ..synthesis.rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
 from ..synthesis.rockers.double_rockers import DoubleRocker, double_rocker
 from ..synthesis.rockers.strokes import StrokeCrank, slider_crank_stroke
-from .families import MISSED_DEG, AbstractFamilyGoal, crank_turn_of, missed, ratio_entry, time_ratio_entry, turn_entry
-from .linkage_goals import choose_entry
+from .families import MISSED_DEG, AbstractFamilyGoal, AbstractTimed, missed, ratio_entry, time_ratio_entry, turn_entry
 
 # Share of the stroke that the simulated one may miss: rounding is less. Derived here.
 MISSED = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class WantedSwing:
+class WantedSwing(AbstractTimed):
     """How a rocker swings, and how far a crank turns meanwhile; one length sets the size."""
 
     swing_deg: float = quantity("of the rocker, there and back", "deg", example=50, at_least=0.1, at_most=179)
@@ -42,15 +40,9 @@ class WantedSwing:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        field = "crank_turn_deg" if self.time_ratio is None else "time_ratio"
-        check_turn(self.swing_deg, self.turn_deg, self.sense, field)
+        check_turn(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
         if all(length is None for length in (self.ground, self.crank, self.coupler, self.rocker)):
             raise DesignError("ground", "no length is given", "give one of ground, crank, coupler, rocker, in mm")
-
-    @property
-    def turn_deg(self) -> float:
-        """The crank's, in the stroke that is told."""
-        return crank_turn_of(self.crank_turn_deg, self.time_ratio)
 
     @property
     def is_free(self) -> bool:
@@ -78,10 +70,6 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
 
     kind: Literal["crank-rocker"] = "crank-rocker"
     wanted: WantedSwing
-    choose: int = choose_entry()
-    drive: Drive = entry("how the crank turns", default=Drive())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
-    files: Files = entry("what is written", default=Files())
 
     @property
     def met(self) -> tuple[Check, ...]:
@@ -144,10 +132,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
 
     kind: Literal["double-rocker"] = "double-rocker"
     wanted: WantedSwings
-    choose: int = choose_entry()
     drive: Drive = entry("how the driving rocker turns", default=Drive())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
-    files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -174,7 +159,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WantedStroke:
+class WantedStroke(AbstractTimed):
     """How far a slider goes, and how far the crank turns, counterclockwise, while it goes towards +x."""
 
     stroke: float = quantity("of the slider, there and back", "mm", example=80, above=0, at_most=FARTHEST)
@@ -197,12 +182,7 @@ class WantedStroke:
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        strokes.check_turn(self.turn_deg, "crank_turn_deg" if self.time_ratio is None else "time_ratio")
-
-    @property
-    def turn_deg(self) -> float:
-        """The crank's, in the stroke towards +x."""
-        return crank_turn_of(self.crank_turn_deg, self.time_ratio)
+        strokes.check_turn(self.turn_deg, self.turn_key)
 
     @property
     def is_free(self) -> bool:
@@ -229,10 +209,6 @@ class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
 
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
     wanted: WantedStroke
-    choose: int = choose_entry()
-    drive: Drive = entry("how the crank turns", default=Drive())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
-    files: Files = entry("what is written", default=Files())
 
     @property
     def met(self) -> tuple[Check, ...]:

@@ -20,7 +20,6 @@ from ..linkage.shaking import (
     shaking_force,
 )
 from ..linkage.sliders import SliderCrank
-from ..linkage.solve.branch import Branch
 from ..part import HoleFit, Part
 from ..plane.primitives import Circle
 from ..recipe.settings import Files, Turn
@@ -72,10 +71,6 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             raise DesignError(
                 "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
             )
-
-    @property
-    def signs(self) -> Branch:
-        return self.branch
 
     @cached_property
     def best(self) -> Counterbalance:

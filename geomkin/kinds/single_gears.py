@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Literal
 
 from ..check import Check
+from ..gear.cutters import undercut_free_shift
 from ..gear.measures import tooth_table
-from ..gear.profile_shifts import undercut_free_shift
 from ..gear.ring import RingGear
 from ..gear.spur import SpurGear
 from ..judge.gear import gear_checks

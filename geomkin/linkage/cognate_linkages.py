@@ -13,7 +13,7 @@ from ..arguments import checked
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.vec import Complex, cross, direction_deg
-from .four_bar import FourBar
+from .bars import FourBar
 from .linkage import Linkage
 from .solve.branch import Branch
 from .solve.move import move

@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import checked
 from ..errors import DesignError
 from ..plane.vec import Mask, Real, Whole, dot
-from .four_bar import FourBar
+from .bars import FourBar
 from .linkage import OneLinkage
 from .motion import Motion, goes_without_turning
 from .sliders import SliderCrank

@@ -1,4 +1,4 @@
-"""Curves traced by rolling: the involute, the trochoid under a rounded corner, epicycloid and hypocycloid."""
+"""Curves traced by rolling: the involute and its function, a rounded corner's trochoid, epi- and hypocycloids."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from ..arguments import Positive, check_fields
 from ..errors import DesignError
 from .curve import AbstractCurve
 from .vec import Complex, Real
+
+# Roll angle below which the involute function is told by its series: its two terms are nearly equal there. Larger, and
+# the series' terms run out before the digits do; smaller, and their difference has lost two of them.
+NEAR_BASE, TERMS = 0.25, 14
 
 
 class Traced(AbstractCurve):
@@ -55,6 +59,31 @@ class Involute(Traced):
     def curvature(self, t: ArrayLike) -> Real:
         with np.errstate(divide="ignore"):
             return 1 / (self.base_radius * np.asarray(t, dtype=float))
+
+
+def involute_function(roll: float) -> float:
+    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll (ISO 21771)."""
+    if abs(roll) > NEAR_BASE:
+        return float(roll - np.arctan(roll))
+    return float(sum((-1) ** k * roll ** (2 * k + 3) / (2 * k + 3) for k in reversed(range(TERMS))))
+
+
+def inverse_involute(angle: float) -> float:
+    """Roll angle, the tangent of the pressure angle, whose involute function is `angle` >= 0; rad."""
+    # The function is convex: from a start above the root, Newton's steps only fall towards it.
+    t = float(np.cbrt(3 * angle)) + angle
+    for _ in range(60):
+        step = (involute_function(t) - angle) * (1 + t**2) / t**2 if t > 0 else 0.0
+        t = float(t - step)
+        if abs(step) <= 1e-16 * t:
+            break
+    return t
+
+
+def roll_at(radius: float, base_radius: float) -> float:
+    """Roll angle of the involute where it reaches a radius; 0 inside the base circle."""
+    ratio = radius / base_radius
+    return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

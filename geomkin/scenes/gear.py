@@ -8,14 +8,13 @@ import numpy as np
 
 from ..arguments import checked
 from ..gear.contract import AbstractInvoluteGear
-from ..gear.involute import roll_at
 from ..gear.pair import GearPair
 from ..gear.planetary import PlanetarySet
 from ..gear.rack import RackPair
 from ..part import Part
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.primitives import Arc, Circle, Segment
-from ..plane.roulettes import Involute
+from ..plane.roulettes import Involute, roll_at
 from ..plane.vec import Complex, Pose, Real
 from ..scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark
 from ..table import Column, Table, finite

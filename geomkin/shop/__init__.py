@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from .gear.conjugate import pair_parts as pair_parts
     from .gear.gears import GearStock as GearStock
     from .gear.gears import RingStock as RingStock
+    from .gear.gears import Web as Web
     from .gear.gears import base_plate as base_plate
     from .gear.gears import carrier as carrier
     from .gear.gears import gear_parts as gear_parts
-    from .gear.spokes import Web as Web
     from .linkage.stack import Stack as Stack
     from .linkage.stack import link_parts as link_parts
     from .linkage.stack import stack_links as stack_links

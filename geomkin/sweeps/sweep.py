@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any
 
+from .. import __version__
 from ..arguments import Sort, checked
 from ..brief import one_line
 from ..build import Readable, name_of
@@ -26,7 +27,6 @@ from ..recipe.dump import to_toml
 from ..recipe.load import parsed, table_of
 from ..recipe.recipe import AbstractRecipe
 from ..table import Table
-from ..version import VERSION
 from .columns import columns
 from .ledger import Ledger
 from .report import report
@@ -235,7 +235,7 @@ def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapp
 def _title(task: Task) -> dict[str, Any]:
     """What all rows of a ledger are of."""
     text = json.dumps([task.recipe, file_marks(task.recipe, task.folder)], sort_keys=True, default=str)
-    return {"geomkin": VERSION, "recipe": hashlib.sha256(text.encode()).hexdigest(), "tell": list(task.tell)}
+    return {"geomkin": __version__, "recipe": hashlib.sha256(text.encode()).hexdigest(), "tell": list(task.tell)}
 
 
 def _key_of(task: Task, changes: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..brief import one_line
 from ..display import moving
-from ..linkage.four_bar import FourBar
+from ..linkage.bars import FourBar
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.sliders import EllipticTrammel, SliderCrank
 from ..plane.vec import Real

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from base64 import b64encode
 from collections.abc import Iterator, Mapping
-from hashlib import sha256
 
 import numpy as np
 
+from ..export.page import head
 from ..export.sections import text
 from .family import Method
 from .measurement import Measurement
@@ -93,25 +92,11 @@ def _n(value: float) -> str:
 
 def page(chart: Chart, study: Stability | None = None) -> bytes:
     """One HTML file that asks for nothing else and runs no script."""
-    policy = (
-        f"default-src 'none'; style-src 'sha256-{b64encode(sha256(STYLE.encode()).digest()).decode()}'; "
-        "img-src data:; base-uri 'none'; form-action 'none'"
-    )
     hurried = " This is a quick run: fewer settings, and times that are less steady." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
     links = "".join(f'<li><a href="#{_id(one)}">{text(one.family.title)}</a></li>' for one in chart.families)
     links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
-    told = f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>geomkin: speed against accuracy</title>
-<link rel="icon" href="data:,">
-<style>{STYLE}</style>
-</head>
-<body>
+    told = f"""{head("geomkin: speed against accuracy", STYLE)}<body>
 <header><h1>Speed against accuracy</h1></header>
 <main>
 <p>There are many ways to each result of geomkin. Each picture below shows the ways to one kind of result: how long a

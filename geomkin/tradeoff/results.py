@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from .. import __version__
 from ..arguments import Extended, checked
 from ..brief import one_line
 from ..errors import DesignError, shown
 from ..plane.vec import Mask
 from ..progress import Watch
-from ..version import VERSION
 from .families import FAMILIES
 from .family import MethodFamily
 from .measurement import Measurement, measured
@@ -88,7 +88,7 @@ def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
     for k, family in enumerate(chosen):
         watch = Watch(np.inf, f"measuring {family.name}")
         found.append(FamilyChart(family, measured(family, quick, _part(watch, k, len(chosen)))))
-    versions = {"geomkin": VERSION, "python": platform.python_version(), "numpy": np.__version__}
+    versions = {"geomkin": __version__, "python": platform.python_version(), "numpy": np.__version__}
     return Chart(tuple(found), quick, versions, processor())
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program.given_lifts import TableFit
-from geomkin.cam.program.polynomials import spline_through
+from geomkin.cam.program.given_lifts import TableFit, spline_through
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
 from geomkin.cam.program.smoothing_spline import BandMatrix, smoothest_within

@@ -4,8 +4,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.judge.gear import gear_checks
-from geomkin.shop.gear.gears import GearStock
-from geomkin.shop.gear.spokes import Web
+from geomkin.shop.gear.gears import GearStock, Web
 
 
 def value(checks, name):

@@ -8,8 +8,7 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.plane import region
-from geomkin.shop.gear.gears import GearStock, RingStock, base_plate, carrier, gear_parts
-from geomkin.shop.gear.spokes import Web, openings
+from geomkin.shop.gear.gears import GearStock, RingStock, Web, base_plate, carrier, gear_parts, openings
 
 
 def polygon(curve):

@@ -14,7 +14,7 @@ from geomkin.build import check_recipe
 from geomkin.plane import region
 from geomkin.plane.vec import Pose
 from geomkin.shop.bore import keyed_bore
-from geomkin.shop.gear.spokes import Web, openings
+from geomkin.shop.gear.gears import Web, openings
 from geomkin.walls import least_wall, thinnest_wall, wall_checks
 
 LIMIT = 1.5

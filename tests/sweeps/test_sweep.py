@@ -193,7 +193,7 @@ def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
     if change == "recipe":
         recipe.write_text(text.replace("= 10\n[d", "= 11\n[d"))
     elif change == "version":
-        monkeypatch.setattr(sweeping, "VERSION", "another")
+        monkeypatch.setattr(sweeping, "__version__", "another")
     elif change == "file":
         (tmp_path / "lift.csv").write_text((tmp_path / "lift.csv").read_text().replace("\n180,20.000", "\n180,20.001"))
     assert run(["lift_mm:largest"] if change == "tell" else ()) == (0, True)

@@ -1,4 +1,4 @@
-"""Lifts given as rows of numbers: read from a segment or a CSV file, and the curve that is laid near them."""
+"""Lifts given as rows of numbers: read from a segment or a CSV file, and the curve laid through or near them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ import numpy as np
 from ...beside import text_beside
 from ...brief import one_line
 from ...errors import DesignError, printable, shown
-from ...plane.vec import Real
+from ...plane.vec import Real, Whole
 from ...sizes import FARTHEST
-from .laws import Law
-from .polynomials import Ends, spline_through
+from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
 from .smoothing_spline import smoothest_within
 
@@ -182,3 +181,87 @@ def _scatter(x: Real, lifts: Real) -> float:
     missed = np.abs(np.sum(weights * lifts[number], axis=1))
     # Three quarters of normal errors are below 1.1503 standard deviations.
     return float(np.quantile(missed, 0.75)) / 1.1503
+
+
+def spline_through(x: Real, values: Real, ends: Ends) -> PiecewisePolynomial:
+    """Quintic spline through values (n + 1,) at rising x (n + 1,) from 0 to 1, with the slopes and curvatures `ends`.
+
+    Of all curves through the values and ends the one with the least integral of squared jerk. The
+    jerk and its slope are continuous, so it has no breaks inside. Closed (ends None), it needs equal
+    first and last values.
+    """
+    return PiecewisePolynomial(x, _quintic(x, values[:, None], ends)[..., 0], np.array([0.0, 1.0]))
+
+
+def _times(a: Real, b: Real) -> Real:
+    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order."""
+    return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
+
+
+def _inverse(a: Real) -> Real:
+    """Of a 2 x 2 matrix."""
+    (p, q), (r, s) = a.tolist()
+    return np.array([[s, -q], [-r, p]]) / float(p * s - q * r)
+
+
+def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
+    """Coefficients (6, n, columns) of quintic splines through values (n + 1, columns).
+
+    Unknown at each knot are slope and curvature; third and fourth derivatives on both sides of it
+    must agree, which links it to its neighbours: block-tridiagonal, solved from knot 1 to knot n - 1
+    for any state of knots 0 and n, which the ends then settle.
+    """
+    n, columns = len(knots) - 1, values.shape[1]
+    scale = n / (knots[-1] - knots[0])  # intervals of about 1 keep the equations' numbers alike
+    width = np.diff(knots) * scale
+    step = np.diff(values, axis=0)
+    # State of each knot as columns for the values, then two for the state of knot 0 and two for that of knot n.
+    first, last = columns, columns + 2
+    state = np.zeros((n + 1, 2, columns + 4))
+    state[0, :, first : first + 2] = state[n, :, last : last + 2] = np.eye(2)
+    before, here, after, right = _links(width, step, np.arange(1, n))
+    right = np.concatenate([right, np.zeros((n - 1, 2, 4))], axis=2)
+    if n > 1:
+        right[0] -= _times(before[0], state[0])
+        right[-1] -= _times(after[-1], state[n])
+    for i in range(1, n - 1):
+        factor = _times(before[i], _inverse(here[i - 1]))
+        here[i] -= _times(factor, after[i - 1])
+        right[i] -= _times(factor, right[i - 1])
+    for i in range(n - 2, -1, -1):
+        rest = right[i] - _times(after[i], state[i + 2]) if i < n - 2 else right[i]
+        state[i + 1] = _times(_inverse(here[i]), rest)
+    if ends is None:
+        before, here, after, right = _links(width, step, np.array([0]))
+        around = _times(before[0], state[n - 1]) + _times(here[0], state[0]) + _times(after[0], state[1])
+        around_ends = around[:, first : first + 2] + around[:, last : last + 2]
+        start = end = _times(_inverse(around_ends), right[0] - around[:, :columns])
+    else:
+        # Slopes and curvatures by the scaled x.
+        start, end = (np.array([[v / scale], [a / scale**2]]) * np.ones(columns) for v, a in ends)
+    state = (
+        state[..., :columns] + _times(state[..., first : first + 2], start) + _times(state[..., last : last + 2], end)
+    )
+    v0, a0, v1, a1 = state[:-1, 0], state[:-1, 1], state[1:, 0], state[1:, 1]
+    h = width[:, None]
+    v0h, v1h, a0h, a1h = v0 * h, v1 * h, a0 * h**2 / 2, a1 * h**2 / 2
+    powers = [
+        values[:-1],
+        v0h,
+        a0h,
+        10 * step - 6 * v0h - 4 * v1h - 3 * a0h + a1h,
+        -15 * step + 8 * v0h + 7 * v1h + 3 * a0h - 2 * a1h,
+        6 * step - 3 * (v0h + v1h) - a0h + a1h,
+    ]
+    return np.array([p / (h / scale) ** k for k, p in enumerate(powers)])
+
+
+def _links(width: Real, step: Real, i: Whole) -> tuple[Real, Real, Real, Real]:
+    """What knots i ask of the states before, at and after them, (len(i), 2, 2) each, and the right side."""
+    h, g = width[i - 1][:, None], width[i][:, None]
+    third = [-24 / h**2, -3 / h, 36 / g**2 - 36 / h**2, 9 / h + 9 / g, 24 / g**2, -3 / g]
+    fourth = [-168 / h**3, -24 / h**2, -192 / h**3 - 192 / g**3, 36 / h**2 - 36 / g**2, -168 / g**3, 24 / g**2]
+    rows = np.stack([np.concatenate(third, axis=1), np.concatenate(fourth, axis=1)], axis=1)
+    rises, falls = step[i] / g**3, step[i - 1] / h**3
+    right = np.stack([60 * (rises - falls), -360 * (rises / g + falls / h)], axis=1)
+    return rows[:, :, :2], rows[:, :, 2:4], rows[:, :, 4:], right

@@ -9,13 +9,14 @@ Manufacturing Handbook, on double-dwell cams, most also in VDI 2143 Blatt 1 (198
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.polynomial import Polynomial
+from numpy.polynomial import Polynomial, chebyshev
+from numpy.typing import ArrayLike
 
 from ...errors import DesignError, shown
 from ...plane.vec import Real
@@ -31,6 +32,12 @@ LawName = Literal[
     "3-4-5",
     "4-5-6-7",
 ]
+# Conditions whose equations multiply rounding by more than this do not settle the polynomial: a slope without its
+# lift, or so many places between that it swings far beyond them. Larger lets such polynomials pass, smaller refuses
+# sound ones of a high degree.
+WORST = 1e10
+# Slope and curvature at the start and at the end, by x; None for a spline that closes on itself.
+Ends = tuple[tuple[float, float], tuple[float, float]] | None
 
 
 def uniform(x: Real) -> Real:
@@ -207,3 +214,74 @@ def law_of(law: LawName | Law) -> Law:
                 "correct it, or name the places of its jumps in its attribute `breaks`",
             )
     return law
+
+
+@dataclass(frozen=True, eq=False)
+class ChebyshevLaw:
+    """A law as one polynomial. rows (degree + 1, 4): Chebyshev coefficients over 0 <= x <= 1 of f, f', f'', f'''.
+
+    Chebyshev's and not plain powers: at degree 15 those lose half their digits.
+    """
+
+    rows: Real
+
+    def __call__(self, x: Real) -> Real:
+        return np.asarray(chebyshev.chebval(2 * x - 1, self.rows), dtype=float)
+
+
+def chebyshev_law(series: Sequence[Real]) -> ChebyshevLaw:
+    """The law from the Chebyshev coefficients of f and its three derivatives over 0 <= x <= 1."""
+    rows = np.zeros((len(series[0]), 4))
+    for k, coefficients in enumerate(series):
+        rows[: len(coefficients), k] = coefficients
+    return ChebyshevLaw(rows)
+
+
+def derive(coefficients: Real, order: int) -> Real:
+    """Chebyshev coefficients of a derivative by x, of each column by itself."""
+    # x runs from 0 to 1 and a Chebyshev polynomial's own variable from -1 to 1.
+    return chebyshev.chebder(coefficients, order, scl=2) if order else coefficients
+
+
+def condition_row(x: ArrayLike, order: int, degree: int) -> Real:
+    """What each Chebyshev polynomial to `degree` adds to the derivative of that order at x (...): (degree + 1, ...)."""
+    return chebyshev.chebval(2 * np.asarray(x) - 1, derive(np.eye(degree + 1), order))
+
+
+def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> ChebyshevLaw:
+    """The polynomial of least degree that meets conditions (x, order of the derivative, its value by x)."""
+    degree = len(conditions) - 1
+    rows = np.array([condition_row(x, order, degree) for x, order, _ in conditions])
+    # Scaled, since a row of the third derivative is thousands of times one of the value.
+    size = np.abs(rows).max(axis=1)
+    if not size.all() or np.linalg.cond(rows / size[:, None]) > WORST:
+        raise DesignError(
+            "",
+            "its conditions do not settle one polynomial",
+            "give the lower derivatives before the higher ones, or fewer places between",
+        )
+    f = np.linalg.solve(rows / size[:, None], np.array([v for _, _, v in conditions]) / size)
+    return chebyshev_law([derive(f, k) for k in range(4)])
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewisePolynomial:
+    """A law in polynomial pieces. knots (n + 1,) over x; coefficients (degree + 1, n) of the powers of x - knot.
+
+    breaks: those places of x, 0 and 1 among them, where a derivative up to the third may jump.
+    """
+
+    knots: Real
+    coefficients: Real
+    breaks: Real
+
+    def __call__(self, x: Real) -> Real:
+        piece = np.clip(np.searchsorted(self.knots, x, side="right") - 1, 0, len(self.knots) - 2)
+        u = x - self.knots[piece]
+        value: Real = np.zeros((4, *np.shape(x)))
+        for coefficient in self.coefficients[::-1]:
+            # Horner for the Taylor coefficients, f^(k) / k!.
+            value[1:] = value[1:] * u + value[:-1]
+            value[0] = value[0] * u + coefficient[piece]
+        factorials: Real = np.array([1.0, 1, 2, 6]).reshape(4, *[1] * np.ndim(x))
+        return value * factorials

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...plane.vec import Real
-from .polynomials import condition_row, derive
+from .laws import condition_row, derive
 
 # By how much the solver may break a condition, absolute: the least it takes. More leaves more for Newton's steps to
 # mend.

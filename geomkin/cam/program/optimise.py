@@ -19,9 +19,8 @@ from numpy.polynomial import chebyshev
 from ...brief import one_line
 from ...errors import DesignError
 from ...plane.vec import Real
-from .laws import Law
+from .laws import Law, PiecewisePolynomial, chebyshev_law, condition_row, derive
 from .least_peak import bound, extremes, least_peak, level_peaks, peak
-from .polynomials import PiecewisePolynomial, chebyshev_law, condition_row, derive
 
 # How far the peak may lie above the bound, and the jerk above its limit, relative. Less is lost in
 # rounding at degree 15, more shows in the files.

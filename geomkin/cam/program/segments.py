@@ -14,26 +14,14 @@ from typing import Annotated, Any, Literal, get_args
 
 from ...arguments import check_fields
 from ...brief import one_line
-from ...sizes import FARTHEST, OneOfKinds, entry, quantity
+from ...sizes import FARTHEST, OneOfKinds, RowsOf, entry, quantity
 from .laws import Law, LawName, NamedLaw
 
 AnyLaw = Annotated[LawName | Law, NamedLaw()]
 LAW_MEANING = f"law of motion: {', '.join(get_args(LawName))}"
 
 
-class Pairs:
-    """Marks rows of two numbers, as a recipe gives them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
-        return {
-            "type": "tuple",
-            "items_schema": [{"type": "tuple", "items_schema": [number, number]}],
-            "variadic_item_index": 0,
-        }
-
-
-Rows = Annotated[tuple[tuple[float, float], ...], Pairs()]
+Rows = Annotated[tuple[tuple[float, float], ...], RowsOf(2)]
 
 
 def _angle(meaning: str) -> Any:

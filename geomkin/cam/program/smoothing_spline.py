@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...plane.vec import Mask, Real, Whole
-from .polynomials import Ends, PiecewisePolynomial
+from .laws import Ends, PiecewisePolynomial
 
 # Intervals are doubled until that leaves at least this share of the jerk's integral, which is then taken for the least.
 # Nearer to 1 takes four times the intervals for what does not show, farther from it stops too early.

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import DesignError
-from .given_lifts import TableFit
-from .laws import Law, law_of
+from .given_lifts import TableFit, spline_through
+from .laws import Ends, Law, law_of, polynomial_from
 from .optimise import Optimum, optimal_polynomial, optimal_spline
 from .placed_segments import PlacedSegment, band, naming
-from .polynomials import Ends, polynomial_from, spline_through
 from .segments import Dwell, LiftPolynomial, LiftTable, OptimisedPolynomial, OptimisedSpline, Return, Rise
 
 # Slope, curvature and jerk by radian.

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...brief import one_line
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Complex, Real
 from .generators import HAIR, AbstractGenerator, evenly, linear_fits, with_decimals, with_digits
 

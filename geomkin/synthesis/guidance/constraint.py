@@ -53,6 +53,11 @@ class Pairs:
         """The same for the poses that the body sees."""
         return Pairs(self.moving, self.fixed, self.moving_far, self.fixed_far)
 
+    def enlarged(self, middle: complex | Complex, size: float | Real) -> Pairs:
+        """Those of poses `size` times as far apart about `middle`, mm; what is a direction stays so."""
+        fixed = np.where(self.fixed_far, self.fixed, middle + size * self.fixed)
+        return Pairs(fixed, np.where(self.moving_far, self.moving, size * self.moving), self.fixed_far, self.moving_far)
+
 
 def joined(several: Sequence[Pairs]) -> Pairs:
     """Several in one row."""
@@ -123,21 +128,13 @@ def pairs_of_least(poses: Relations) -> tuple[Pairs, Mask]:
 
     Of five poses these are all dyads there are. Of more, those that are met exactly are among them.
     """
-    middle, size, open_ = poses.middle, poses.size, poses.vectors[..., -3:, :]
+    open_ = poses.vectors[..., -3:, :]
     conics = open_[..., None, :, :] @ SIDE @ open_[..., None, :, :].swapaxes(-1, -2)
     points, there = common_points(conics.reshape(-1, 2, 3, 3))
     shape = open_.shape[:-2]
     points, there = points.reshape(*shape, 4, 3), there.reshape(*shape, 4)
     found, good = pairs_of(points @ open_)
-    return (
-        Pairs(
-            np.where(found.fixed_far, found.fixed, middle + size * found.fixed),
-            np.where(found.moving_far, found.moving, size * found.moving),
-            found.fixed_far,
-            found.moving_far,
-        ),
-        there & good,
-    )
+    return found.enlarged(poses.middle, poses.size), there & good
 
 
 def pairs_of(told: Real) -> tuple[Pairs, Mask]:

@@ -43,13 +43,7 @@ def fitted_dyads(origins: Complex, directions: Complex) -> Pairs:
     on_body = _polished(*inverse(z, directions), starts.at(body).swapped).swapped
     found = joined([on_ground, on_body])
     found = found.at(np.argsort(missed(z, directions, found), kind="stable"))
-    found = found.at(_different(found))
-    return Pairs(
-        np.where(found.fixed_far, found.fixed, middle + size * found.fixed),
-        np.where(found.moving_far, found.moving, size * found.moving),
-        found.fixed_far,
-        found.moving_far,
-    )
+    return found.at(_different(found)).enlarged(middle, size)
 
 
 def _spread(count: int) -> list[tuple[int, ...]]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ...arguments import Points, Reals, check_fields, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.instant.centres import InstantCentre
 from ...linkage.instant.inflection import InflectionCircle
 from ...plane.vec import Complex, Real, cross

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...brief import one_line
 from ...errors import DesignError
+from ...linkage.bars import FourBar
 from ...linkage.cognate_linkages import Cognate, cognates
-from ...linkage.four_bar import FourBar
 from ...plane.vec import Complex, Real
 from ..found import Found
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...arguments import between, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Real
 from ...sizes import Size, rounded_down, rounded_up
-from ..found import Found
-from .families import RATIO, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
+from .families import RATIO, AbstractMember, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .full_turn import FullTurn, full_turn
 
 Swing = Annotated[float, between(0.1, 179, "deg")]
@@ -30,22 +28,20 @@ MISSED = 1e-6
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class CrankRocker(Found):
+class CrankRocker(AbstractMember):
     """The crank-rocker of a swing and a crank's turn that was chosen, and what it does as it is moved.
 
     linkage: its crank turns fully. branch: always +1. drive: the crank at the start and end of the stroke that
     `crank_turn_deg` is the turn of, rad. transmission_angle_deg: the least over the full turn. swing_deg,
     crank_turn_deg, crank_start_deg: of that stroke, as the simulated full turn has them. defects: "circuit" where the
-    simulated turn does not show the swing and the turn that were wanted. free_angle_deg: where in its family it is.
-    at_largest_ratio: whether the best would be better still if one link could be longer.
+    simulated turn does not show the swing and the turn that were wanted.
     """
+
+    measured: ClassVar = ("swing_deg", "crank_turn_deg", "crank_start_deg")
 
     swing_deg: float
     crank_turn_deg: float
     crank_start_deg: float
-    free_angle_deg: float
-    at_largest_ratio: bool
-    family: Family
 
     __repr__ = one_line
 
@@ -53,11 +49,6 @@ class CrankRocker(Found):
     def time_ratio(self) -> float:
         """Of the stroke to the stroke back, at steady speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
-
-    def summary(self) -> Mapping[str, object]:
-        told = ("swing_deg", "crank_turn_deg", "crank_start_deg", "free_angle_deg")
-        measured = {name: float(f"{getattr(self, name):.10g}") for name in told}
-        return {**measured, **super().summary(), "at_largest_ratio": self.at_largest_ratio}
 
 
 @checked

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ...arguments import between, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.solve.move import move
 from ...plane.vec import Real
-from ...sizes import Size, rounded_down, rounded_up
-from ..found import Found
-from .families import RATIO, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
+from ...sizes import Size, last_fit, rounded_down, rounded_up
+from .families import RATIO, AbstractMember, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .two_places import TwoPlaces, between_places
 
 Start = Annotated[float, between(-360, 360, "deg")]
@@ -32,30 +30,22 @@ FRAMES = 721
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DoubleRocker(Found):
+class DoubleRocker(AbstractMember):
     """The four-bar that was chosen to swing two rockers together, and what it does as it is moved.
 
     drive: the crank at the start and end of its swing, rad. transmission_angle_deg: the least on the way, nan where
     it does not close all the way. defects: "circuit" or "branch" where the end is reached only by taking it apart, or
     past a dead centre; "order" where the crank cannot go there in the sense that was asked, or the rocker goes there
     the other way round. rocker_swing_deg: from the first to the last place, as simulated; overshoot_deg: how far the
-    rocker goes beyond either on the way. free_angle_deg: where in its family it is. at_largest_ratio: whether the best
-    would be better still if one link could be longer.
+    rocker goes beyond either on the way.
     """
+
+    measured: ClassVar = ("rocker_swing_deg", "overshoot_deg")
 
     rocker_swing_deg: float
     overshoot_deg: float
-    free_angle_deg: float
-    at_largest_ratio: bool
-    family: Family
 
     __repr__ = one_line
-
-    def summary(self) -> Mapping[str, object]:
-        told = ("rocker_swing_deg", "overshoot_deg", "free_angle_deg")
-        values = {name: getattr(self, name) for name in told}
-        measured = {k: float(f"{v:.10g}") if np.isfinite(v) else None for k, v in values.items()}
-        return {**measured, **super().summary(), "at_largest_ratio": self.at_largest_ratio}
 
 
 @checked
@@ -224,19 +214,14 @@ def _best(wanted: TwoPlaces, ends: tuple[Real, Real], largest: float) -> tuple[f
         raise DesignError("largest_ratio", found, f"give at least {rounded_up(1.001 * least, 4)}")
     # The search starts from looks over all, and again over the part about the most alike, where a hard limit leaves
     # but a sliver between two looks.
-    sides = [_last(lambda free: bool(ratio(np.array([free]))[0] <= largest), alike, out) for out in (start, end)]
+
+    def fits(free: float) -> bool:
+        return bool(ratio(np.array([free]))[0] <= largest)
+
+    sides = [out if fits(out) else last_fit(fits, alike, out) for out in (start, end)]
     tops = [highest(score, start, end), highest(score, *sides)]
     best = max(tops, key=lambda free: float(score(np.array([free]))[0]))
     return best, bool(float(ratio(np.array([best]))[0]) > (1 - 1e-6) * largest)
-
-
-def _last(fits: Callable[[float], bool], good: float, bad: float) -> float:
-    if fits(bad):
-        return bad
-    for _ in range(60):
-        middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if fits(middle) else (good, middle)
-    return good
 
 
 def _simulated(linkage: FourBar, branch: int, wanted: TwoPlaces) -> tuple[float, float, float]:

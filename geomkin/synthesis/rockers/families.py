@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from ...arguments import LARGEST
 from ...brief import one_line
 from ...errors import DesignError
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Mask, Real
 from ...sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
+from ..found import Found, ten_digits
 
 # Members that are told, evenly along the free angle without its ends, at which a length vanishes or has no end. More
 # tell nothing new: the best one is searched for by itself.
@@ -46,6 +48,29 @@ class Family:
     range_deg: tuple[float, float]
 
     __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AbstractMember(Found):
+    """A linkage that was chosen from a family, and what it does as it is moved.
+
+    free_angle_deg: where in its family it is. at_largest_ratio: whether the best would be better still if one link
+    could be longer.
+    """
+
+    # What the simulated motion does, in mm where no other unit is told: comes first in summary.json.
+    measured: ClassVar[tuple[str, ...]]
+
+    free_angle_deg: float
+    at_largest_ratio: bool
+    family: Family
+
+    __repr__ = one_line
+
+    def summary(self) -> Mapping[str, object]:
+        told = {name: ten_digits(getattr(self, name)) for name in (*self.measured, "free_angle_deg")}
+        named = {name if name.endswith("_deg") else f"{name}_mm": value for name, value in told.items()}
+        return {**named, **super().summary(), "at_largest_ratio": self.at_largest_ratio}
 
 
 def members(low: float, high: float) -> Real:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...brief import one_line
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.measures import dead_centres, least_transmission_angle
 from ...linkage.sliders import SliderCrank
 from ...linkage.solve.move import move

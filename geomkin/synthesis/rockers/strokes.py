@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -14,9 +13,8 @@ from ...errors import DesignError
 from ...linkage.sliders import SliderCrank
 from ...plane.vec import Real
 from ...sizes import FARTHEST, Size, rounded_down, rounded_up
-from ..found import Found
 from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, reach
-from .families import RATIO, Family, highest, members, the_choice, within_sizes
+from .families import RATIO, AbstractMember, Family, highest, members, the_choice, within_sizes
 from .full_turn import full_turn
 
 Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
@@ -25,22 +23,20 @@ Ratio = Annotated[float, between(1.001, 1e6)]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class StrokeCrank(Found):
+class StrokeCrank(AbstractMember):
     """The slider-crank of a stroke and a crank's turn that was chosen, and what it does as it is moved.
 
     linkage: its crank turns fully. branch: always +1. drive: the crank at the start and end of the stroke towards +x,
     rad. transmission_angle_deg: the least over the full turn. stroke (mm), crank_turn_deg, crank_start_deg: of that
     stroke, as the simulated full turn has them. defects: "circuit" where the simulated turn does not show the stroke
-    and the turn that were wanted. free_angle_deg: where in its family it is. at_largest_ratio: whether the best would
-    be better still with a longer connecting rod.
+    and the turn that were wanted.
     """
+
+    measured: ClassVar = ("stroke", "crank_turn_deg", "crank_start_deg")
 
     stroke: float
     crank_turn_deg: float
     crank_start_deg: float
-    free_angle_deg: float
-    at_largest_ratio: bool
-    family: Family
 
     __repr__ = one_line
 
@@ -48,12 +44,6 @@ class StrokeCrank(Found):
     def time_ratio(self) -> float:
         """Of the stroke towards +x to the stroke back, at steady speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
-
-    def summary(self) -> Mapping[str, object]:
-        told = ("crank_turn_deg", "crank_start_deg", "free_angle_deg")
-        measured = {name: float(f"{getattr(self, name):.10g}") for name in told}
-        stroke = {"stroke_mm": float(f"{self.stroke:.10g}")}
-        return {**stroke, **measured, **super().summary(), "at_largest_ratio": self.at_largest_ratio}
 
 
 @checked

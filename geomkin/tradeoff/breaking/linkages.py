@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar, StephensonSixBar
 from ...linkage.motion import Motion
-from ...linkage.six_bars import StephensonSixBar
 from ...linkage.sliders import InvertedSliderCrank, SliderCrank
 from ...linkage.solve.branch import Branch
 from ...linkage.solve.move import move

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.solve.move import move
 from ...synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ...synthesis.guidance.dyads import dyads_through

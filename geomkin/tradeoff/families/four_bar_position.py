@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Real
 from ..family import MethodFamily
 from .four_bar_approximations import ITERATIONS, TABLES

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Complex, Real
 from ..exact import circling, fixed, many_digits, pinned
 

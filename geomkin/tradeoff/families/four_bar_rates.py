@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.driver_dyads import CrankDriven
 from ...linkage.solve.move import move, planned

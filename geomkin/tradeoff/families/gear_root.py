@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...brief import one_line
-from ...gear.involute import roll_at
 from ...gear.spur import SpurGear
 from ...plane.arcs import to_arcs
 from ...plane.joined import Path
 from ...plane.primitives import Arc, Polyline
-from ...plane.roulettes import Involute, Trochoid
+from ...plane.roulettes import Involute, Trochoid, roll_at
 from ...plane.vec import Complex, Pose, Real, cross
 from ..family import Method, MethodFamily
 from ..tool import Tool

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar
 from ...plane.vec import Complex, Real
 from ...progress import Watch
 from ...synthesis.path.bounds import bounds_of

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...linkage.four_bar import FourBar
+from ...linkage.bars import FourBar, StephensonSixBar
 from ...linkage.linkage import Linkage
-from ...linkage.six_bars import StephensonSixBar
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.driver_dyads import CrankDriven
