@@ -237,6 +237,8 @@ def are_points(value: Any) -> bool:
 
 def is_place(value: Any, gaps: bool = False) -> bool:
     """Whether this is a finite complex number or an array of them: a list would not add up. gaps: or nan."""
+    if type(value) in (int, float, complex):
+        return bool(gaps and value != value) or is_complex(value)
     return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve.continuation import _between, polished
+from geomkin.linkage.solve.continuation import _between, approached, polished
 from geomkin.linkage.solve.plan import Planner
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
@@ -328,6 +328,21 @@ def test_newton_s_steps_end_where_rounding_takes_over():
     starts = np.concatenate([way * np.geomspace(1e-6, 1, 200) for way in (1, -1)])
     found = polished(doubled, np.stack([1 + starts, 0 * starts], axis=1))
     assert np.abs(found - 1).max() < 3e-8
+
+
+@pytest.mark.parametrize("start", [0.1, 1.0, 40.0, -300.0])
+def test_a_far_start_leads_to_the_place_and_none_is_looked_at_twice(start):
+    """By the arc tangent, from beyond 1.39 of whose zero Newton's whole steps go ever farther astray."""
+    asked = []
+
+    def sloping(points):
+        x = points[:, :1] - 0.25
+        asked.extend(x.ravel().tolist())
+        return np.arctan(x), np.stack([1 / (1 + x * x), 0 * x], axis=-1)
+
+    found = approached(sloping, np.array([[start, 0.0]]))
+    assert abs(found.item() - 0.25) < 1e-15
+    assert len(asked) > 3 and len(asked) == len(set(asked))
 
 
 @pytest.mark.parametrize("at", [0.5, 2.0, 4.0])
