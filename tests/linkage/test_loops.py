@@ -396,3 +396,21 @@ def test_an_estimate_within_a_fifth_of_the_size_leads_to_one_pose_whatever_its_l
         )
         assert one.closed.all() and two.closed.all()
         assert one.point("A").position == pytest.approx(two.point("A").position, abs=1e-6)
+
+
+def test_loops_behind_a_cylinder_stand_as_behind_the_link_that_it_turns():
+    """The drive is known and stands in no equation of theirs."""
+    plain, turns = locked()
+    bodies = {name: dict(points) for name, points in plain.bodies.items()}
+    bodies["ground"]["G"], bodies["out"]["K"] = 150 + 60j, 30 + 0j
+    bodies |= {"cylinder": {"G": 0j}, "piston": {"K": 0j}}
+    lifted = gk.Linkage(bodies, "lift", (gk.Slider("lift", "piston", "cylinder"),), estimate=plain.estimate)
+    stroke = np.abs(60 + 120j + 30 * np.exp(1j * turns) - (150 + 60j))
+    for sign in (1, -1):
+        motion = gk.move(lifted, stroke, sign)
+        if abs(motion.bodies["out"].direction[0] - np.exp(1j * turns[0])) < 1e-9:
+            break
+    wanted = gk.move(plain, turns)
+    assert wanted.closed.all() and motion.closed.all()
+    for name in ("crank", "coupler", "rod"):
+        assert np.abs(motion.bodies[name].direction - wanted.bodies[name].direction).max() < 1e-11
