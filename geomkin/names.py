@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Iterable
+from functools import lru_cache
 
 from .errors import DesignError, shown
 
 # Letters of a name. With a word such as `_mechanical_advantage` behind it, it still fits a column and a file.
 LONGEST = 40
+# Names of which is kept what was found. Fewer, and those of what is made anew over and over are looked at each time.
+NAMES = 4096
 # Bytes of a file's name: what the common file systems take.
 LONGEST_FILE = 255
 # What Windows takes for a device, whatever the ending (Microsoft, "Naming Files, Paths, and Namespaces"); it takes
@@ -40,6 +43,7 @@ def check_names(field: str, names: Iterable[str], what: str) -> None:
             raise DesignError(field, problem, "give names that differ, since some file systems take these for one")
 
 
+@lru_cache(NAMES)
 def folded(name: str) -> str:
     """The name as a file system compares it that knows neither case nor how letters are composed."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
@@ -53,6 +57,12 @@ def _flaw(name: object) -> str:
         return "is empty"
     if len(name) > LONGEST:
         return f"has {len(name)} letters"
+    return _letters_flaw(name)
+
+
+@lru_cache(NAMES)
+def _letters_flaw(name: str) -> str:
+    """The same of a text that is neither empty nor too long."""
     kinds = [unicodedata.category(c) for c in name]
     for k, (letter, category) in enumerate(zip(name, kinds)):
         mark = category in MARKS and k > 0 and kinds[k - 1] in LETTERS | MARKS

@@ -1,5 +1,9 @@
 """Calls whose arguments are sound one by one and cannot be together."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -38,3 +42,34 @@ def test_what_is_named_as_a_remedy_works():
     assert gk.linkage.circuits(gk.FourBar(100, 30, 90, 70, coupler_point=5j), MOTION).tolist() == [1, 1]
     assert gk.linkage.velocity_polygon(MOTION, 1).points and gk.linkage.velocity_polygon(MOTION, -1).points
     assert len(gk.flatten(gk.plane.Circle(0, 10), 1.974e-12)) == pytest.approx(5_000_000, rel=1e-3)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e61])
+@pytest.mark.parametrize("at", [0, 8191, 8192, 16_384, 19_999])
+@pytest.mark.parametrize("step", [1, -3])
+def test_one_wrong_number_in_a_long_row_is_seen_wherever_it_stands(wrong, at, step):
+    drive = np.linspace(0, 6, 60_000)[::step][:20_000]
+    drive[at] = wrong
+    with pytest.raises(gk.DesignError, match="finite real numbers") as refused:
+        gk.move(gk.FourBar(100, 30, 90, 70), drive)
+    assert refused.value.field == "drive"
+    sizes = np.full(20_000, 30.0)
+    sizes[at] = wrong
+    with pytest.raises(gk.DesignError, match="crank"):
+        gk.FourBar(100, sizes, 90, 70)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="times of threads as Linux tells them")
+def test_a_long_row_is_looked_at_by_one_thread():
+    """BLAS, told a million numbers at once, has all cores wait busily for tens of milliseconds."""
+    code = (
+        "import time, geomkin as gk, numpy as np\n"
+        "drive, linkage = np.linspace(0, 6, 100_000), gk.FourBar(100, 30, 90, 70)\n"
+        "gk.move(linkage, drive)\n"
+        "start = time.process_time(), time.thread_time()\n"
+        "for _ in range(20): gk.move(linkage, drive)\n"
+        "print((time.process_time() - start[0]) / (time.thread_time() - start[1]))\n"
+    )
+    env = {**os.environ, "OPENBLAS_NUM_THREADS": "4"}
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=env)
+    assert float(told.stdout) < 2

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve.continuation import _between, polished
+from geomkin.linkage.solve.continuation import _between, approached, polished
 from geomkin.linkage.solve.plan import Planner
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
@@ -330,6 +330,21 @@ def test_newton_s_steps_end_where_rounding_takes_over():
     assert np.abs(found - 1).max() < 3e-8
 
 
+@pytest.mark.parametrize("start", [0.1, 1.0, 40.0, -300.0])
+def test_a_far_start_leads_to_the_place_and_none_is_looked_at_twice(start):
+    """By the arc tangent, from beyond 1.39 of whose zero Newton's whole steps go ever farther astray."""
+    asked = []
+
+    def sloping(points):
+        x = points[:, :1] - 0.25
+        asked.extend(x.ravel().tolist())
+        return np.arctan(x), np.stack([1 / (1 + x * x), 0 * x], axis=-1)
+
+    found = approached(sloping, np.array([[start, 0.0]]))
+    assert abs(found.item() - 0.25) < 1e-15
+    assert len(asked) > 3 and len(asked) == len(set(asked))
+
+
 @pytest.mark.parametrize("at", [0.5, 2.0, 4.0])
 def test_the_transmission_angle_does_not_depend_on_the_order_of_bodies(at):
     """At pins of three bodies each of them is the one that leaves the others: here the leg drives, no dyad is left."""
@@ -381,3 +396,21 @@ def test_an_estimate_within_a_fifth_of_the_size_leads_to_one_pose_whatever_its_l
         )
         assert one.closed.all() and two.closed.all()
         assert one.point("A").position == pytest.approx(two.point("A").position, abs=1e-6)
+
+
+def test_loops_behind_a_cylinder_stand_as_behind_the_link_that_it_turns():
+    """The drive is known and stands in no equation of theirs."""
+    plain, turns = locked()
+    bodies = {name: dict(points) for name, points in plain.bodies.items()}
+    bodies["ground"]["G"], bodies["out"]["K"] = 150 + 60j, 30 + 0j
+    bodies |= {"cylinder": {"G": 0j}, "piston": {"K": 0j}}
+    lifted = gk.Linkage(bodies, "lift", (gk.Slider("lift", "piston", "cylinder"),), estimate=plain.estimate)
+    stroke = np.abs(60 + 120j + 30 * np.exp(1j * turns) - (150 + 60j))
+    for sign in (1, -1):
+        motion = gk.move(lifted, stroke, sign)
+        if abs(motion.bodies["out"].direction[0] - np.exp(1j * turns[0])) < 1e-9:
+            break
+    wanted = gk.move(plain, turns)
+    assert wanted.closed.all() and motion.closed.all()
+    for name in ("crank", "coupler", "rod"):
+        assert np.abs(motion.bodies[name].direction - wanted.bodies[name].direction).max() < 1e-11

@@ -109,12 +109,15 @@ def solved(matrices: Real, right: Real) -> Real:
     return found
 
 
-def polished(equations: Equations, points: Real) -> Real:
-    """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found."""
+def polished(equations: Equations, points: Real, told: tuple[Real, Real] | None = None) -> Real:
+    """Unknowns, (k, n), at the drives of points beside a path, (k, n + 1), to rounding; nan where none are found.
+
+    told: what the equations say of the points, where that is known.
+    """
     points = points.copy()
     moving, last, missed = np.arange(len(points)), np.full(len(points), np.inf), np.full(len(points), np.inf)
     for _ in range(STEPS):
-        value, slopes = equations(points[moving])
+        (value, slopes), told = told or equations(points[moving]), None
         step = solved(slopes[..., :-1], value)
         size, missed[moving] = np.abs(step).max(axis=1), np.abs(value).max(axis=1)
         # Steps that no longer shrink are rounding and would go on to the last. Close to a limit they only halve.
@@ -129,12 +132,12 @@ def polished(equations: Equations, points: Real) -> Real:
 
 
 def approached(equations: Equations, point: Real) -> Real:
-    """A point, (1, n + 1), brought so near to a path, its drive kept, that whole steps of Newton's lead on.
+    """Unknowns, (1, n), at the drive of a point, (1, n + 1), however far from a path; nan where none are found.
 
-    From far off they are halved until the conditions are missed by less: whole ones go astray and come back, and then
-    the last bit of a processor's arithmetic decides between two poses.
+    From far off steps of Newton's are halved until the conditions are missed by less: whole ones go astray and come
+    back, and then the last bit of a processor's arithmetic decides between two poses.
     """
-    value, slopes = equations(point)
+    told = value, slopes = equations(point)
     for _ in range(STEPS):
         missed, share = np.linalg.norm(value), 1.0
         if missed < NEAR or not np.isfinite(step := solved(slopes[..., :-1], value)).all():
@@ -147,8 +150,8 @@ def approached(equations: Equations, point: Real) -> Real:
             share *= 0.5
         else:
             break
-        point = there
-    return point
+        point, told = there, (value, slopes)
+    return polished(equations, point, told)
 
 
 class Trace:
@@ -237,10 +240,10 @@ class _Arm:
         point, last, right = guess, np.inf, np.zeros((len(guess), 2))
         right[-1, 1] = 1
         for _ in range(10):
-            value, slopes = (v[0] for v in self._equations(point[None]))
-            right[:-1, 0], right[-1, 0] = -value, along @ (guess - point)
+            value, slopes = self._equations(point[None])
+            right[:-1, 0], right[-1, 0] = -value[0], along @ (guess - point)
             try:
-                step, ahead = np.linalg.solve(_over(slopes, along), right).T
+                step, ahead = np.linalg.solve(_over(slopes[0], along), right).T
             except np.linalg.LinAlgError:
                 return None
             size = float(np.abs(step).max())
@@ -251,7 +254,7 @@ class _Arm:
             point, last = point + step * (not ended), size
             ahead = ahead / _length(ahead)
             if ended or size <= (1e-10 if abs(ahead[-1]) < SLOW else max(1e-10, NEAR_ENOUGH * self._step)):
-                return (point, slopes, ahead) if np.isfinite(ahead).all() else None
+                return (point, slopes[0], ahead) if np.isfinite(ahead).all() else None
         return None
 
     def _limit(self, beyond: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:

@@ -39,6 +39,10 @@ class LoopEquations:
         return [*self.linkage.bodies, *([self.driven.name] if self.driven else [])]
 
     @cached_property
+    def _number(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.names)}
+
+    @cached_property
     def driven(self) -> Slider | None:
         """The driven slider where both its bodies are here."""
         slider = self.linkage.driven_slider
@@ -171,16 +175,16 @@ class LoopEquations:
             apart = (origin[..., own] + turned[..., own]) - (origin[..., other] + turned[..., other])
             ways += [line * self.size, line * (self.size * 1j), line * arms[..., own]]
             ways.append(line * (arms[..., other] + 1j * apart))
-        fixed, row, column, of, sign = self._slopes
+        fixed, row, column, of, length = self._slopes
         slopes: Real = np.empty((*state[0].shape[:-1], *fixed.shape))
         slopes[...] = fixed
         parts = np.concatenate(ways, axis=-1) if len(ways) > 1 else np.ascontiguousarray(arms)
-        slopes[..., row, column] = parts.view(float).take(of, axis=-1) / (sign * self.size)
+        slopes[..., row, column] = parts.view(float).take(of, axis=-1) / length
         return slopes
 
     @cached_property
     def _slopes(self) -> tuple[Real, Whole, Whole, Whole, Real]:
-        """The Jacobian's constants, and of the rest row, column, which part of the `ways` it is, and its sign."""
+        """The Jacobian's constants, and of the rest row, column, which part of the `ways` it is, over which length."""
         fixed, rest, pins, first = np.zeros((self.rows, len(self.columns))), [], len(self._pins[0]), len(self._ends[0])
         column = {unknown: k for k, unknown in enumerate(self.columns)}
         for k, pair in enumerate(zip(self._pins[0].tolist(), self._pins[2].tolist())):
@@ -203,7 +207,7 @@ class LoopEquations:
                 if both[k]:
                     fixed[2 * pins + len(rails) + int(both[:k].sum()), column[body, "angle"]] = sign
         rows, columns, parts, signs = (np.array([one[k] for one in rest], dtype=int) for k in range(4))
-        return fixed, rows, columns, parts, signs.astype(float)
+        return fixed, rows, columns, parts, signs * self.size
 
     @cached_property
     def _unknowns(self) -> tuple[tuple[Places, Places], ...]:
@@ -233,11 +237,11 @@ class LoopEquations:
         """Origins and turns of all bodies; zero where a body is not known yet."""
         origin = np.zeros((frames, len(self.names)), dtype=complex)
         turn = np.zeros((frames, len(self.names)), dtype=complex if isinstance(p, Poses) else float)
-        for k, name in enumerate(self.names):
-            if name in p.turn:
-                turn[:, k] = p.turn[name]
-            if name in p.origin:
-                origin[:, k] = p.origin[name]
+        for known, into in ((p.turn, turn), (p.origin, origin)):
+            for name, values in known.items():
+                # The drive of an actuator that is not among them is known, too, and of no use here.
+                if name in self._number:
+                    into[:, self._number[name]] = values
         return origin, turn
 
     def transmission_angle(self, state: State) -> Real:

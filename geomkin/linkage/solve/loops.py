@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -36,8 +37,7 @@ class Loops(Placement):
     follow: bool
 
     def __post_init__(self) -> None:
-        shape = np.broadcast_shapes(*(np.shape(z) for points in self.linkage.bodies.values() for z in points.values()))
-        if shape:
+        if self.linkage.many:
             raise DesignError("bodies", "found arrays in a linkage that is no chain of dyads", "give one at a time")
         rows, columns = self.equations.rows, len(self.equations.columns)
         if rows != columns:
@@ -105,7 +105,7 @@ class Loops(Placement):
             return self._last_trace[key]
         equations, drive = self._between(p0), p0.drive[:1] / self._unit
         told = np.append(self._start(here), drive)[None]
-        start = polished(equations, approached(equations, told))
+        start = approached(equations, told)
         if not np.isfinite(start).all():
             # A hollow on the way to no pose, which whole steps may leap.
             start = polished(equations, told)
@@ -163,9 +163,9 @@ class Loops(Placement):
             seen = np.array([pins[p] for p in points], dtype=complex)
             direction = state[1][0, names.index(name)]
             if name not in self.oriented:
-                direction = np.sum(np.conj(own - own.mean()) * (seen - seen.mean())) if len(own) else 0
+                direction = np.sum(np.conj(own - _mean(own)) * (seen - _mean(seen))) if len(own) else 0
                 direction = direction / abs(direction) if direction != 0 else 1.0
-            place = (seen - direction * own).mean() if len(own) else 0j
+            place = _mean(seen - direction * own) if len(own) else 0j
             values += [place.real / size, place.imag / size]
             values += [] if name in self.oriented else [float(np.angle(direction))]
         return np.array(values)
@@ -193,3 +193,8 @@ class Loops(Placement):
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         self._derivative(p0, (p1, p2))
+
+
+def _mean(points: Complex) -> Any:
+    """Of a few points, in a third of the time that `mean` takes."""
+    return points.sum() / len(points)
