@@ -129,9 +129,17 @@ def test_a_refused_row_says_why_over_all_its_columns():
 def test_without_checks_a_row_says_so_and_without_numbers_nothing_is_plotted():
     for values in ({"x": ["p", "q"]}, {"x": [True, False]}, {"x": [1]}):
         page, found, data = page_of(values, rows_of(values, told=lambda one: {"t": 1}))
-        assert data["plots"] == [] and '<section id="plots" hidden>' in page and found.rows[1][1] == "none"
+        assert (
+            data["plots"] == []
+            and data["frames"] == 0
+            and page.count('id="plots"') == 1
+            and '<section id="plots" hidden>' in page
+            and found.rows[1][1] == "none"
+        )
     page, _, data = page_of({"x": [1, 2]}, rows_of({"x": [1, 2]}, told=lambda one: {"t": 1}))
-    assert len(data["plots"]) == 1 and '<section id="plots" hidden>' not in page
+    assert len(data["plots"]) == 1 and page.count('id="plots"') == 1 and "hidden>" not in page.split("<script")[0]
+    # A value a row: each is a spot on its line.
+    assert data["spots"] is True
 
 
 def test_pages_stay_of_bearable_size():
