@@ -24,7 +24,7 @@ LANTERN = 'kind = "lantern-gears"\npinion = {pins = 12, module = 4, pin_diameter
 TOLD = {
     "a motor under a base without screws": (
         PAIR + MOTOR + "base = {screw = 0}\n",
-        ["fix the motor under base", "keep as much free under base as motor NEMA 17 is long, and at least 10 mm"],
+        ["layer 0: lay base; fix the motor under base", "keep as much free under base as motor NEMA 17 is long, and at least 10 mm"],
         ["screw base down", "tube"],
         {"shaft 8 mm, at least 28 mm long": 1, "M3 x 10 countersunk screw ISO 7046": 4},
     ),
