@@ -1,6 +1,7 @@
 """How gears go together, told in full: what rarely comes together is told as well as what mostly does."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -111,3 +112,34 @@ def test_steps_and_bill_of_what_rarely_comes_together(name):
     layers = [int(number) for number in re.findall(r"^layer (\d+): ", steps, re.MULTILINE)]
     assert layers == sorted(set(layers)) and layers[0] == 0
     assert all(part.name in steps for part in recipe.parts if part.name not in ("disc", "spacer"))
+
+
+# Of the gallery's arm with a roller: sizes of its stock, whether it stands on a base, what is said, and what is not.
+CAMS = [
+    ({"roller_bore": 0.0}, True, ["a tube of 5 mm on A; glue pin B into arm", "layer 2: lay roller; lay cam on A"], ["pin C", "of roller"]),
+    ({"roller_bore": 0.0}, False, ["layer 0: lay arm, its pin through it", "layer 1: lay roller; lay cam", "hold the pivot 95 mm"],
+     ["glue the pin", "base", "tube"]),
+    ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, True,
+     ["layer 0: lay base; fix the motor under base", "glue the pin C into arm, flush below; lay arm, its pin B through base",
+      "lay roller on C", "lay cam on A, flat on flat, 5 mm above base", "screw base down", "a tube of the motor's length"],
+     ["tube of 5", "collar on A"]),
+    ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, False,
+     ["layer 0: screw motor_plate from above", "layer 1: glue the pin of roller into arm", "layer 2: lay roller on its pin",
+      "lay cam on its motor's shaft, flat on flat, as it is drawn", "hold the pivot 95 mm from the shaft of cam"],
+     ["above base", "collar on the shaft of cam", "tube"]),
+    ({"pivot_bore": 0.0}, False, ["layer 0: glue the pin of roller into arm, flush below; lay arm\n", "at either end"],
+     ["its pin through it"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("sizes", "stands", "said", "left_out"), CAMS)
+def test_steps_of_an_arm_with_a_roller(sizes, stands, said, left_out):
+    whole = gk.load("recipes/rocker-cam.toml")
+    recipe = replace(whole, stock=replace(whole.stock, **sizes), base=whole.base if stands else None)
+    steps = "\n".join(recipe.steps)
+    assert re.search(".*".join(map(re.escape, said)), steps, re.DOTALL), steps
+    assert [words for words in left_out if words in steps] == []
+    # What is glued in or laid on a pin is bought: a pin of that diameter.
+    pins = {float(name.split()[1]) for name in (one.name for one in recipe.bought) if name.startswith("pin ")}
+    stock = recipe.stock
+    assert pins == {size for size in (stock.roller_bore, stock.pivot_bore) if size}
