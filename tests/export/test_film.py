@@ -11,7 +11,8 @@ from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
 from geomkin.scene import Scene, SceneBody, SceneMark
 from geomkin.table import Column, Table
-from tests.export.stills import SPACE, loops, motions, root_of
+from tests.export.stills import SPACE, loops, motions, pose_at, root_of
+from tests.export.test_animation import moving
 
 FRAMES = 9
 ALONG = 10.0 * np.arange(FRAMES)
@@ -138,3 +139,27 @@ def test_what_is_engraved_is_seen_in_pictures_of_the_assembly(marked):
     assert len(lines) == marked
     for ((line,),) in [lines] * marked:
         assert line == pytest.approx([5 + 5j, 35 + 5j])
+
+
+def test_what_stays_on_a_body_goes_with_it_and_turns_with_it():
+    """A block and a pin at places of a plate that turns and goes along, an arrow that turns on it, and one beside it."""
+    share = np.arange(FRAMES) / (FRAMES - 1)
+    origin, turn = 40 * share + 30j * share**2, np.exp(2j * share)
+    part = gk.Part("plate", gk.plane.Polyline(np.array([0, 40, 40 + 20j, 20j])), (), 3.0)
+    local = {"block": (30 + 10j, np.exp(0.7j) * np.ones(FRAMES)), "spinning": (10 + 5j, np.exp(3j * share))}
+    blocks = [
+        SceneMark("slide", origin + turn * place, "construction", name, direction=turn * way)
+        for name, (place, way) in local.items()
+    ]
+    beside = SceneMark("pin", origin + 5 * share + turn * 5, "construction", "beside")
+    root = film_of(*blocks, beside, bodies=[SceneBody("plate", (part,), origin, turn)])
+    for mark in (*blocks, beside):
+        rows, inner = moving(root, mark.label)
+        place, turned = pose_at(rows, share)
+        # A pixel is a 420th of the picture.
+        assert np.abs(place + turned * inner(0) - mark.place).max() < 0.15, mark.label
+        if mark.direction is not None:
+            seen = turned * (inner(1) - inner(0))
+            assert np.abs(np.angle(seen / mark.direction)).max() < 0.02, mark.label
+    # What stays where it is on the plate follows the plate's own motion, and has none besides.
+    assert len(motions(root)) == 3

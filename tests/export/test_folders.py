@@ -113,6 +113,11 @@ def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_to
     gk.index(tmp_path)
     page = read(tmp_path)
     assert "And 1 more." in page.text and "4 recipes" in page.text
+    assert f"4 recipes in {tmp_path.name}" in page.text
+    monkeypatch.setattr(index, "MOST_CARDS", 4)
+    gk.index(tmp_path)
+    assert "more." not in read(tmp_path).text
+    monkeypatch.setattr(index, "MOST_CARDS", 3)
     (one, *_) = pictures = [image["src"] for image in page.of("img")]
     assert len(pictures) == 3
     # Room for two of them, and not a sign less.

@@ -264,6 +264,12 @@ def test_values_that_cannot_be_are_refused_at_once(text):
     assert refusal.value.field == "gear.teeth"
 
 
+@pytest.mark.parametrize("text", ["1:2:0", "1:2:-1", "2:1:1", "0:0:0"])
+def test_a_step_that_leads_nowhere_is_told_as_such(text):
+    with pytest.raises(gk.DesignError, match="give start:stop:step, the step towards the stop"):
+        listed("gear.teeth", text)
+
+
 def test_a_refusal_names_what_works():
     with pytest.raises(gk.DesignError, match="give a step of at least (.*)$") as refusal:
         listed("key", "0:7:1e-6")
