@@ -2,6 +2,7 @@
 
 import errno
 import gc
+import io
 import os
 import re
 import signal
@@ -132,6 +133,8 @@ def test_several_recipes_share_a_bar_that_says_which_and_how_far(watched, tmp_pa
     # Told of one recipe, it is over with that.
     last = max(k for k, line in enumerate(lines) if "looking for teeth" in line)
     assert any(line.startswith("Recipes  [") for line in lines[last:]) and "100%" in seen and "fourth" in seen
+    shares = [int(share) for line in lines if line.startswith("Recipes  [") for share in re.findall(r"(\d+)%", line)]
+    assert {25, 50, 75, 100} <= set(shares) and shares == sorted(shares)
     assert signal.getsignal(signal.SIGINT) == commands._leave
     assert code == 1 and [line.split(": ")[0] for line in lines if "teeth" in line][-1] == "third.toml"
     # Under a heading, with columns that begin below one another.
@@ -140,6 +143,20 @@ def test_several_recipes_share_a_bar_that_says_which_and_how_far(watched, tmp_pa
     for word, cells in zip(heading.split(), zip(*(re.split("  +", row) for row in rows))):
         places = {row.index(cell) for row, cell in zip(rows, cells)}
         assert places == {heading.index(word)}, word
+
+
+def test_two_recipes_have_a_bar(watched, tmp_path):
+    for name in "ab":
+        (tmp_path / f"{name}.toml").write_text(GEAR.format(32))
+    assert "Recipes  [" in watched("check", "a.toml", "b.toml")[2]
+
+
+def test_a_closed_stream_is_watched_by_nobody():
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    assert [commands._is_terminal(stream) for stream in (None, io.StringIO(), Terminal())] == [False, False, True]
 
 
 def test_ctrl_c_ends_the_bar_at_once_with_the_cursor_back(monkeypatch, capsys):
