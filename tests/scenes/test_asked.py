@@ -87,11 +87,9 @@ def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_cran
     scene = own.scene
     there = np.array([np.isfinite(body.direction) for body in scene.bodies]).all(axis=0)
     assert np.array_equal(scene.closed, there) and 0 < scene.closed.sum() < alone.scene.closed.sum()
-    for number, turned in ((2, 40), (3, 100)):
-        crank = named(scene, f"crank, copy {number}").direction
-        angle = np.radians(np.asarray(scene.drive.values) + turned)
-        wanted = np.exp(1j * angle) if number == 2 else np.exp(-1j * angle)
-        assert np.abs(crank - (wanted if number == 2 else crank))[np.isfinite(crank)].max() < 1e-9
+    crank = named(scene, "crank, copy 2").direction
+    ahead = np.exp(1j * np.radians(np.asarray(scene.drive.values) + 40))
+    assert np.abs(crank - ahead)[np.isfinite(crank)].max() < 1e-9
     high = max(body.layer for body in alone.scene.bodies) + 1
     layers = {body.name: body.layer for body in scene.bodies}
     for body in alone.scene.bodies:
@@ -119,10 +117,8 @@ def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
 
 
 def test_of_a_body_with_one_pin_nothing_is_constructed():
-    motion = gk.move(gk.SliderCrank(30, 90, 5), np.linspace(0, 2 * np.pi, 25))
     own = recipe("inflection-circle")
-    whole = own.scene
-    assert [mark for mark in whole.marks if mark.role == "bobillier"]
+    assert [mark for mark in own.scene.marks if mark.role == "bobillier"]
     linkage = gk.Linkage(
         {"ground": {"O": 0, "C": 60}, "crank": {"O": 0, "A": 20}, "rod": {"A": 0}, "arm": {"C": 0}},
         "crank", (gk.Slider("way", "rod", "arm", through=10j),),
