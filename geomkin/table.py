@@ -94,5 +94,6 @@ def xy_columns(name: str, unit: str, meaning: str, values: Complex) -> tuple[Col
 
 
 def finite(values: NDArray[Number]) -> NDArray[Number]:
-    """The values with what lies at infinity, which no number tells, left out."""
-    return np.where(np.isfinite(values), values, np.nan)
+    """The values with what lies at infinity, which no number tells, left out; of complex ones both coordinates."""
+    nowhere = complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan
+    return np.where(np.isfinite(values), values, nowhere)

@@ -110,8 +110,8 @@ def _sections(part: Part) -> tuple[Part, ...]:
         way = -part.twist.shift
         holes = (slot(c.centre, c.centre + way, c.radius) if isinstance(c, Circle) else c for c in part.holes)
         return (replace(part, holes=tuple(holes), hole_names=(), fits=()),)
-    samples = flatten(part.outline, FINEST * reach(part.outline))
-    inner = replace(part, outline=Circle(0j, float(np.abs(samples).min())))
+    sides = region.nearest(flatten(part.outline, FINEST * reach(part.outline)))
+    inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
     return (replace(part, holes=(), hole_names=(), fits=()), inner) if part.twist.moves == "outline" else (inner,)
 
 

@@ -1,6 +1,7 @@
 """Work shared among copies of a process: the same results, and none of them outlives the one that made them."""
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -9,6 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
+
+from geomkin import processes
+from geomkin.progress import shown
+from geomkin.progress import tell as tell_progress
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="copies are made where the system bears it")
 if sys.platform == "linux" and len(os.sched_getaffinity(0)) < 2:
@@ -62,6 +67,71 @@ def test_one_core_or_a_thread_that_no_copy_has_leaves_all_here(why):
 def test_a_copy_that_is_killed_costs_its_task_alone():
     found = said("print(json.dumps(sorted(each(work, [0, 'kill', 0, 'kill', 'kill', 0, 0]))))")
     assert [number for number, result in found if result is None] == [1, 3, 4] and len(found) == 7
+
+
+def work_here(task):
+    """Who did a task; told aloud, which no copy does; some are killed, some take long."""
+    tell_progress(0.5, "working")
+    if task == "kill":
+        os.kill(os.getpid(), signal.SIGKILL)
+    time.sleep(task)
+    return task, os.getpid()
+
+
+@pytest.fixture
+def two_copies(monkeypatch):
+    """Two copies whatever runs beside these tests in threads of its own; handlers are put back."""
+    before = {number: signal.getsignal(number) for number in processes.ENDS}
+    monkeypatch.setattr(processes, "_cores", lambda: 2)
+    monkeypatch.setattr(processes, "_can_be_copied", lambda: True)
+    yield before
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_tasks_are_dealt_out_from_this_process_and_nothing_of_it_stays(two_copies):
+    tasks, begun, told, during = [0, 0.05, "kill", 0.01, 0, "kill", 0.02], [], [], []
+    with shown(lambda *given: told.append(given)):
+        found = {}
+        for number, made in processes.each(work_here, tasks, begun.append):
+            found[number] = made
+            during.append(len(multiprocessing.active_children()))
+    assert begun == tasks and sorted(found) == list(range(len(tasks)))
+    assert [number for number, made in found.items() if made is None] == [2, 5]
+    assert all(made[0] == tasks[number] for number, made in found.items() if made)
+    assert found[0][1] == os.getpid() and not {made[1] for k, made in found.items() if made and k} & {os.getpid()}
+    # Copies are as many as asked for until there is nothing to deal; one that was killed is made up for.
+    assert max(during) == 2 and multiprocessing.active_children() == []
+    assert told == [(0.5, "working")]
+    assert {number: signal.getsignal(number) for number in processes.ENDS} == two_copies
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+@pytest.mark.parametrize("end", processes.ENDS)
+def test_an_end_goes_on_to_whoever_awaited_it_when_the_copies_are_gone(two_copies, end):
+    copies = []
+
+    def awaited(number, frame):
+        assert number == end and frame is not None and multiprocessing.active_children() == []
+        raise InterruptedError
+
+    signal.signal(end, awaited)
+    started = time.monotonic()
+    with pytest.raises(InterruptedError):
+        for number, _ in processes.each(work_here, [0, 0, 50, 50]):
+            if number == 1:
+                copies += multiprocessing.active_children()
+                os.kill(os.getpid(), end)
+    assert len(copies) == 2 and multiprocessing.active_children() == [] and time.monotonic() - started < 40
+    assert signal.getsignal(end) == awaited
+
+
+def test_where_nothing_tells_of_threads_all_is_done_here(two_copies, monkeypatch):
+    monkeypatch.undo()
+    monkeypatch.setattr(processes, "_cores", lambda: 2)
+    monkeypatch.setattr(os, "listdir", lambda folder: (_ for _ in ()).throw(PermissionError(13, "not to be read")))
+    assert {made[1] for _, made in processes.each(work_here, [0] * 6)} == {os.getpid()}
 
 
 def alive(pid):

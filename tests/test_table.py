@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.table import finite
 
 ANGLE = gk.Column("crank_angle", "deg", "angle of the crank", np.arange(4.0))
 OMEGA = gk.Column("rocker_omega", "rad/s", "angular velocity of the rocker", np.arange(4.0) ** 2)
@@ -38,3 +39,25 @@ def test_all_columns_with_their_units_in_order():
 def test_a_recipes_table_is_read_so():
     table = gk.load(Path(__file__).parent.parent / "recipes" / "crank-rocker.toml").table
     assert len(table["crank_angle"]) == len(table["rocker_omega"]) == len(table.to_columns()["rocker_omega_rad_per_s"])
+
+
+def test_what_cannot_be_is_left_out_of_both_coordinates(tmp_path):
+    """Of places, velocities and accelerations at frames that a linkage does not reach; and so in the file."""
+    linkage = gk.FourBar(100, 80, 60, 50, coupler_point=20 + 10j)
+    motion = gk.move(linkage, np.radians(np.arange(0, 361, 15)))
+    assert 0 < motion.closed.sum() < len(motion.closed)
+    table = gk.linkage.motion_table(motion)
+    gk.write(table, tmp_path / "t.csv")
+    header, *rows = [line.split(",") for line in (tmp_path / "t.csv").read_text().splitlines()]
+    told = {name: [row[k] != "" for row in rows] for k, name in enumerate(header)}
+    for column in table.columns:
+        if column.name not in ("crank_angle", "time", "rocker_pin_branch"):
+            assert np.isfinite(column.values).tolist() == told[column.header] == motion.closed.tolist(), column.name
+
+
+def test_only_numbers_that_are_none_are_left_out():
+    for odd in (np.inf, -np.inf, np.nan):
+        assert np.isnan(finite(np.array([1.0, odd]))).tolist() == [False, True]
+        for one in (complex(odd, 2), complex(2, odd), complex(odd, odd)):
+            kept = finite(np.array([3 + 4j, one]))
+            assert kept[0] == 3 + 4j and np.isnan(kept[1].real) and np.isnan(kept[1].imag)

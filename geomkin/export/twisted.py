@@ -48,20 +48,13 @@ def _check_apart(made: Cut, twist: Twist) -> None:
         return
     outside = twist.moves == "outline"
     outer, inner = (moving, still) if outside else (still, moving)
-    room = min(float(np.abs(_nearest(loop)).min()) for loop in outer)
+    room = min(float(np.abs(region.nearest(loop)).min()) for loop in outer)
     if (found := max(float(np.abs(loop).max()) for loop in inner) + abs(twist.shift)) >= room:
         raise DesignError(
             made.part.name,
             f"its holes reach {found:.4g} mm from the axis of its twist, its outline comes as near as {room:.4g} mm",
             "make the holes smaller, or the part larger",
         )
-
-
-def _nearest(loop: Complex) -> Complex:
-    """Of each side of a polygon the place that is nearest to the origin."""
-    edge = np.roll(loop, -1) - loop
-    nearest: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)
-    return nearest
 
 
 def _wider(part: Part, twist: Twist, tolerance: float) -> str:

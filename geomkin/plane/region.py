@@ -107,6 +107,13 @@ def gap(a: Complex, b: Complex) -> float:
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
+def nearest(loop: Complex) -> Complex:
+    """Of each side of a polygon the place that is nearest to the origin."""
+    edge = np.roll(loop, -1) - loop
+    found: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)
+    return found
+
+
 def thinned(loop: Complex, tolerance: float) -> Complex:
     """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from what they leave out."""
     return shapely.get_coordinates(shapely.LinearRing(xy(loop)).simplify(tolerance, preserve_topology=False)).view(

@@ -141,12 +141,13 @@ class _Riding:
             yield SceneMark("line", np.asarray(self.pose.origin), "construction", "arm", vector=arm)
         elif not carried:
             # A stem that no plate is cut of, in a guide that stands still.
-            along = dot(self.way[0], self.centre)
-            start = self.centre[np.argmin(along)]
+            foot = np.asarray(self.pose.origin)
+            along = dot(self.way[0], foot)
+            start = foot[np.argmin(along)]
             clear = max(GUIDE * self.cam.prime_radius, 2 * follower.rounding)
             guide = np.full(len(along), start + self.way[0] * (np.ptp(along) + clear))
             stem = self.way * (np.ptp(along) + 1.5 * clear)
-            yield SceneMark("line", self.centre, "construction", "follower", vector=stem)
+            yield SceneMark("line", foot, "construction", "follower", vector=stem)
             yield SceneMark("slide", guide, "construction", "guide", direction=self.way)
 
     def dimensions(self, parts: Sequence[Part]) -> Iterator[SceneCurve]:

@@ -154,9 +154,6 @@ class Assembling:
                 self._last.insert(0, f"{ends}, so that nothing rubs under it")
             else:
                 self._last.insert(0, f"keep {free:g} mm free under {self.plate}")
-        elif self.base is not None and self.base.screw:
-            self.buy(self.plate, screw_bill(self.base, self.thickness, feet))
-            self._last.insert(0, f"screw {self.plate} down by its corners")
         for layer, words in self._on_top:
             self.tell(layer, words)
         layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))

@@ -188,3 +188,17 @@ def test_what_lies_in_a_hole_is_cut_first_wherever_on_the_sheet(turned):
     placed = [layout.Placed(part, shift) for part, shift in ((coin, 50 + 50j), (ring, spot), (coin, spot))]
     order = [placed.index(one) for one in layout._in_order(placed)]
     assert order[0] == 2 and sorted(order) == [0, 1, 2]
+
+
+def test_what_lies_in_the_hole_of_a_turned_part_is_cut_first_and_the_innermost_before_all():
+    """A hole far from the plate's middle, which goes round with it, and in it a ring with a coin in its own hole."""
+    bar = gk.plane.Polyline(np.array([-20 - 20j, 100 - 20j, 100 + 20j, -20 + 20j]))
+    plate = cut(gk.Part("plate", bar, (gk.plane.Circle(80 + 0j, 15.0),), 3.0), 0.01)
+    ring = cut(gk.Part("ring", gk.plane.Circle(0j, 12.0), (gk.plane.Circle(0j, 8.0),), 3.0), 0.01)
+    coin = cut(gk.Part("coin", gk.plane.Circle(0j, 5.0), (), 3.0), 0.01)
+    for turn in (1, 1j, -1, -1j):
+        away = layout.Placed(coin, 1000 + 1000j)
+        inside = [layout.Placed(part, 300 + 300j + 80 * turn) for part in (ring, coin)]
+        placed = [layout.Placed(plate, 300 + 300j, turn), *inside, away]
+        order = [placed.index(one) for one in layout._in_order(placed)]
+        assert order[:2] == [2, 1] and sorted(order[2:]) == [0, 3], turn

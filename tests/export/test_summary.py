@@ -9,6 +9,9 @@ import shapely
 import trimesh
 
 import geomkin as gk
+from geomkin.check import Check
+from geomkin.export.job import Job, Loose
+from geomkin.export.summary import summary
 
 RECIPE = """
 kind = "four-bar"
@@ -48,3 +51,25 @@ def test_sizes_of_files_that_are_not_written_are_not_told(tmp_path):
     gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
     (first, *_) = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
     assert {key for key in first if "written" in key} == set() and first["area_mm2"] > 0
+
+
+def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_path):
+    """A limit that another recipe breaks; and a number that is none, which JSON does not know."""
+    (tmp_path / "bars.toml").write_text(RECIPE.replace("crank = 30", "crank = 45") % "chords")
+    made = gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
+    told = json.loads((tmp_path / "bars" / "summary.json").read_text())["checks"]
+    assert len(told) == len(made.checks) > 3 and not all(one["passed"] for one in told)
+    for one, check in zip(told, made.checks, strict=True):
+        assert one["value"] == pytest.approx(check.value, rel=1e-9)
+        assert [one[key] for key in ("name", "side", "limit", "unit")] == [
+            check.name,
+            check.side,
+            check.limit,
+            check.unit,
+        ]
+        assert one["passed"] is (
+            one["value"] >= check.limit if check.side == "at least" else one["value"] <= check.limit
+        )
+    job, none = Job("odd", Loose(()), 0.01), Check("odd", float("nan"), "at most", 1.0)
+    (one,) = json.loads(summary(job, {}, [none], {}, {}))["checks"]
+    assert one["value"] is None and one["passed"] is False

@@ -220,6 +220,17 @@ def test_how_values_are_written(text, values):
 
 
 @pytest.mark.parametrize(
+    ("text", "whole"),
+    [("1000:1010:5", True), (f"{2**53 - 2}:{2**53 - 1}:1", True), (f"{-(2**53)}:0:{2**52}", False), ("1:2:0.5", False),
+     ("1.0:3:1", True), ("0.5:3.5:1", False)],
+)  # fmt: skip
+def test_a_range_of_whole_numbers_is_one_as_far_as_floats_tell_them_apart(text, whole):
+    values = listed("key", text)
+    assert len(values) > 1 and {type(value) for value in values} == {int if whole else float}
+    assert values[0] == float(text.split(":")[0]) and values[1] - values[0] == float(text.split(":")[2])
+
+
+@pytest.mark.parametrize(
     ("start", "stop", "step"), [("0.1", "0.9", "0.1"), ("-1", "1", "0.001"), ("1e-7", "3e-7", "1e-8")]
 )
 def test_a_range_does_not_drift_and_holds_its_stop(start, stop, step):
@@ -253,6 +264,12 @@ def test_values_that_cannot_be_are_refused_at_once(text):
     assert refusal.value.field == "gear.teeth"
 
 
+@pytest.mark.parametrize("text", ["1:2:0", "1:2:-1", "2:1:1", "0:0:0"])
+def test_a_step_that_leads_nowhere_is_told_as_such(text):
+    with pytest.raises(gk.DesignError, match="give start:stop:step, the step towards the stop"):
+        listed("gear.teeth", text)
+
+
 def test_a_refusal_names_what_works():
     with pytest.raises(gk.DesignError, match="give a step of at least (.*)$") as refusal:
         listed("key", "0:7:1e-6")
@@ -262,6 +279,7 @@ def test_a_refusal_names_what_works():
     with pytest.raises(gk.DesignError, match="500 x 30 = 15,000 combinations; give at most 333 values of a"):
         combinations(rows)
     assert len(list(combinations(rows | {"a": rows["a"][:333]}))) == 9990
+    assert len(list(combinations({"a": range(MOST // 4), "b": range(4)}))) == MOST
 
 
 @pytest.mark.parametrize("key", ["", "gear..teeth", "../teeth", "gear.", "a[-1]", "a[9999999]", "__class__", 3, "a\nb"])

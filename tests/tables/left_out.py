@@ -8,6 +8,7 @@ import dataclasses
 import importlib
 import inspect
 import pkgutil
+import types
 from pathlib import Path
 
 import geomkin as gk
@@ -19,6 +20,11 @@ LIMITS = ("gt", "ge", "lt", "le")
 
 def classes():
     """Every dataclass of the package by its name."""
+    return {name: c for name, c in _classes().items() if dataclasses.is_dataclass(c)}
+
+
+def _classes():
+    """Every class of the package by its name; of several by one name all but one have their module before it."""
     modules = [
         importlib.import_module(m.name)
         for m in pkgutil.walk_packages(gk.__path__, "geomkin.")
@@ -30,7 +36,8 @@ def classes():
         for c in vars(module).values()
         if isinstance(c, type) and c.__module__ == module.__name__
     ]
-    return {c.__name__: c for c in found if dataclasses.is_dataclass(c)}
+    plain = {c.__name__: c for c in sorted(found, key=dataclasses.is_dataclass)}
+    return {c.__name__ if plain[c.__name__] is c else f"{c.__module__}.{c.__name__}": c for c in found}
 
 
 def quantities(made):
@@ -47,14 +54,21 @@ def quantities(made):
 
 
 def choices(made):
-    """Name of each other field, and of each argument of a public call -> what it is where left out, as text."""
+    """Each other field, and each argument of a public call or method, by name -> what it is where left out, as text."""
     rooms = (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.judge, gk.shop, gk.scenes, gk)
     calls = {name: getattr(room, name) for room in rooms for name in dir(room) if not name.startswith("_")}
     calls = {name: call for name, call in calls.items() if inspect.isfunction(call)}
+    methods = {
+        f"{name}.{method}": getattr(one, method)
+        for name, one in _classes().items()
+        for method, kept_as in vars(one).items()
+        if isinstance(kept_as, types.FunctionType | classmethod | staticmethod)
+        and not any(part.startswith("_") for part in (one.__name__, method))
+    }
     told = quantities(made)
     found = {
         f"{name}.{given.name}": str(given.default)
-        for name, one in (made | calls).items()
+        for name, one in (made | calls | methods).items()
         for given in inspect.signature(one).parameters.values()
         if given.default is not given.empty
     }

@@ -143,7 +143,8 @@ def planetary_assembly(
     if stands:
         told.tell(top, "lay carrier on A, C in the planets" if not turning else "lay carrier on A and C")
     if collars:
-        told.tell(top, f"{gears.planets} collars on {on_planet or 'the shafts of planet'}{below}")
+        several = "s" if gears.planets > 1 else ""
+        told.tell(top, f"{gears.planets} collar{several} on {on_planet or f'the shaft{several} of planet'}{below}")
     return told.told()
 
 

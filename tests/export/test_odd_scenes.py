@@ -1,0 +1,129 @@
+"""Drawings of assemblies and parts whose names, sizes or places are odd."""
+
+import io
+
+import ezdxf
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export.assembly_dxf import assembly
+from geomkin.export.cut import cut, decimals
+from geomkin.export.job import Job, Loose
+from geomkin.export.thumbnail import picture
+from geomkin.scene import SceneBody, SceneMark
+from geomkin.walls import thinnest_walls
+from tests.export.test_film import ALONG, FRAMES, scene_of
+
+STILL = np.ones(FRAMES, dtype=complex)
+
+
+def plate(at, name="plate"):
+    return gk.Part(name, gk.plane.Circle(at, 5.0), (), 3.0)
+
+
+def drawing_of(scene, parts=()):
+    content = assembly(Job("odd", Loose(tuple(parts), scene.table, scene), 0.001, assembly_at=0.0))
+    document = ezdxf.read(io.StringIO(content.decode()))
+    assert not document.audit().errors
+    return document
+
+
+def test_bodies_whose_layers_would_be_one_have_layers_of_their_own():
+    names = ["Arm", "arm", "a/b", "a*b", "a:b", "a_b 2", "?"]
+    bodies = [SceneBody(name, (plate(30.0 * k),), 0 * STILL, STILL) for k, name in enumerate(names)]
+    document = drawing_of(scene_of(bodies=bodies))
+    circles = document.modelspace().query("CIRCLE")
+    layers = [circle.dxf.layer for circle in sorted(circles, key=lambda circle: circle.dxf.center.x)]
+    assert layers == ["BODY Arm", "BODY arm 2", "BODY a_b", "BODY a_b 2", "BODY a_b 3", "BODY a_b 2 2", "BODY _"]
+    assert len({layer.casefold() for layer in layers}) == len(names)
+
+
+def test_marks_are_drawn_where_they_are_and_as_what_they_are():
+    nowhere = ALONG + 0j
+    nowhere[0] = np.nan
+    scene = scene_of(
+        SceneMark("point", nowhere, "wanted"),
+        SceneMark("vector", STILL * 5, "contact", vector=STILL * 20j),
+        SceneMark("circle", STILL * 7j, "construction", radius=np.full(FRAMES, 12.0)),
+        SceneMark("slide", STILL * (30 + 30j), "construction", direction=STILL * np.exp(0.5j)),
+        bodies=[SceneBody("plate", (plate(0j),), 0 * STILL, STILL)],
+    )
+    space = drawing_of(scene).modelspace()
+    assert not space.query('*[layer=="WANTED"]')
+    ((start, end),) = [
+        [complex(*p) for p in line.get_points("xy")] for line in space.query('LWPOLYLINE[layer=="CONTACT"]')
+    ]
+    assert (start, end) == pytest.approx((5, 5 + 20j))
+    (circle,) = [one for one in space.query("CIRCLE") if one.dxf.layer == "CONSTRUCTION"]
+    assert (circle.dxf.center.x, circle.dxf.center.y, circle.dxf.radius) == pytest.approx((0, 7, 12))
+    (block,) = space.query('LWPOLYLINE[layer=="PINS"]')
+    corners = (np.array([complex(*p) for p in block.get_points("xy")]) - (30 + 30j)) * np.exp(-0.5j)
+    assert np.abs(corners.real) == pytest.approx(np.full(4, corners.real.max()), rel=1e-2)
+    assert corners.real.max() / corners.imag.max() == pytest.approx(10 / 6.5, rel=1e-2)
+
+
+def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
+    for tolerance in (0.005, 1.0):
+        least = 0.5 * 10.0 ** -decimals(tolerance)
+        bar = gk.plane.Polyline(np.array([0, 100, 100 + 50j, 50j]) * (1 + tolerance))
+        made = cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 1.01 * least),), 3.0), tolerance)
+        assert len(made.loops) == 2
+        with pytest.raises(gk.DesignError, match="smaller than files can tell; make it larger"):
+            cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
+
+
+def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):
+    job = Job("twins", Loose((plate(0j), plate(3j))), 0.01)
+    from geomkin.export.step import write
+
+    with pytest.raises(gk.DesignError, match="two parts are named 'plate'; give each a name of its own"):
+        write(job)
+    assert len(write(Job("two", Loose((plate(0j), plate(3j, "other"))), 0.01))) == 2
+
+
+@pytest.mark.parametrize("needs", ["table", "scene", "part"])
+def test_what_a_format_is_made_of_and_is_not_there_is_told(needs):
+    job = Job("none", Loose(()), 0.01)
+    with pytest.raises(gk.DesignError, match=f"is made of a {needs} is asked for, and there is none; leave it out"):
+        _ = {"table": lambda: job.table, "scene": lambda: job.scene, "part": lambda: job.flats}[needs]()
+
+
+def test_what_cannot_be_drawn_has_no_picture():
+    crossed = gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j]))
+    assert picture("crossed", [crossed], []).count("<path") == 1
+    nowhere = gk.plane.Polyline(np.array([0, 10, 10j]))
+    object.__setattr__(nowhere, "vertices", np.array([np.nan, 1, 1j]))
+    assert picture("nowhere", [nowhere], []) is None
+
+
+def test_a_twisted_part_is_as_thin_as_the_necks_of_its_own_outline():
+    """A pad on a neck 0.4 mm wide, on a hub about a hole 9 mm from the hub's edge."""
+    edge = [
+        12 - 12j,
+        12 - 0.2j,
+        16 - 0.2j,
+        16 - 5j,
+        26 - 5j,
+        26 + 5j,
+        16 + 5j,
+        16 + 0.2j,
+        12 + 0.2j,
+        12 + 12j,
+        -12 + 12j,
+        -12 - 12j,
+    ]
+    hole = gk.plane.Circle(0j, 3.0)
+    straight = gk.Part("hub", gk.plane.Polyline(np.array(edge)), (hole,), 3.0)
+    turned = gk.Part("hub", straight.outline, (hole,), 3.0, twist=gk.Twist(0.3))
+    told = {k: thinnest_walls([part], 0.0)["hub"] for k, part in enumerate((straight, turned))}
+    assert told[0] == pytest.approx(0.4, abs=0.02) and told[1] == pytest.approx(0.4, abs=0.02)
+    # As the hole turns with the teeth of a ring, the outline is as near as it comes anywhere.
+    wide = gk.Part(
+        "ring",
+        gk.plane.Polyline(20 * np.array([1 - 1j, 1 + 1j, -1 + 1j, -1 - 1j])),
+        (gk.plane.Circle(10 + 0j, 5.0),),
+        3.0,
+        twist=gk.Twist(0.3, moves="holes"),
+    )
+    assert thinnest_walls([wide], 0.0)["ring"] == pytest.approx(5.0, abs=0.02)

@@ -1,0 +1,90 @@
+"""Every table of a page has as many cells in each row as heads, whatever is known; notebooks show what recipes do."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export.sections import worst_frame
+from geomkin.scene import Scene
+from geomkin.table import Column, Table
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+
+
+class Tables(HTMLParser):
+    """Of each table the cells of each row, a wide one counted as many."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tables = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "table":
+            self.tables.append([])
+        elif tag == "tr":
+            self.tables[-1].append(0)
+        elif tag in ("td", "th"):
+            self.tables[-1][-1] += int(dict(attributes).get("colspan", 1))
+
+
+PLATE = gk.Part("plate", gk.plane.Circle(0j, 20.0), (gk.plane.Circle(0j, 5.0),), 3.0)
+SHOWN = {
+    "a recipe": lambda: gk.load(RECIPES / "three-poses.toml"),
+    "gears": lambda: gk.load(RECIPES / "gear-pair.toml"),
+    "parts alone": lambda: [PLATE, replace(PLATE, name="other", count=3)],
+    "a pair": lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(30, 2)),
+    "a planetary set": lambda: gk.load(RECIPES / "planetary.toml").gears,
+    "a motion": lambda: gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 13)),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_rows_have_as_many_cells_as_heads(name):
+    tables = Tables(gk.show(SHOWN[name]()).page.decode()).tables
+    for table in tables:
+        assert len(set(table)) == 1 and table[0] > 0, (name, table)
+    assert tables
+
+
+def test_a_planetary_set_is_shown_with_all_its_gears_and_their_names():
+    shown = gk.show(SHOWN["a planetary set"]())
+    page = shown.page.decode()
+    assert shown.name == "PlanetarySet" and all(f'"name":"{name}"' in page for name in ("sun", "ring"))
+
+
+def test_a_recipe_without_a_scene_is_shown_by_its_parts(monkeypatch):
+    recipe = gk.load(RECIPES / "spur-gear.toml")
+    monkeypatch.setattr(type(recipe), "scene", None)
+    shown = gk.show(recipe)
+    assert shown.name == "spur-gear" and '"name":"gear"' in shown.page.decode()
+
+
+def test_a_linkage_that_is_nowhere_is_told_with_what_to_change():
+    apart = gk.Linkage(
+        {"ground": {"O": 0, "C": 500}, "crank": {"O": 0, "A": 20}, "rod": {"A": 0, "B": 30}, "arm": {"C": 0, "B": 40}},
+        "crank",
+    )
+    with pytest.raises(gk.DesignError, match="it can be put together nowhere; change the sizes"):
+        gk.show(apart)
+
+
+def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
+    """Two columns of one name, of which one has the value by chance in another unit."""
+    values = np.array([3.0, 1.0, 2.0])
+    table = Table((
+        Column("angle", "deg", "of the driver", np.arange(3.0)),
+        Column("gap", "mm", "between plates", values),
+        Column("gap", "%", "the same as a share", np.array([1.0, 3.0, 2.0])),
+    ))  # fmt: skip
+    scene = Scene(table, np.arange(3.0), np.ones(3, dtype=bool), ())
+    for unit, least, largest in (("mm", 1, 0), ("%", 0, 1)):
+        assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, unit), scene) == least
+        assert worst_frame(gk.Check("gap", 3.0, "at most", 5.0, unit), scene) == largest
+    assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
+    assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
+    assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None

@@ -1,0 +1,145 @@
+"""How gears go together, told in full: what rarely comes together is told as well as what mostly does."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+import geomkin as gk
+
+PAIR = 'kind = "gear-pair"\nfirst = {teeth = 20, module = 2}\nsecond = {teeth = 30, module = 2}\n'
+MOTOR = 'first_stock = {bore = 5, bore_form = "D", motor = "nema17"}\nsecond_stock = {bore = 8}\n'
+PLANETARY = """kind = "planetary"
+%s
+[gears]
+planets = %d
+sun = {teeth = 24, module = 2}
+planet = {teeth = 18, module = 2}
+ring = {teeth = 60, module = 2, addendum = 0.8}
+"""
+HERRINGBONE = "helix_angle_deg = 20\nherringbone = true\n"
+RACK = 'kind = "rack-and-pinion"\npinion = {teeth = 20, module = 2}\nrack = {teeth = 16, module = 2}\nstock = {thickness = 8, bore = 6}\n'
+LANTERN = 'kind = "lantern-gears"\npinion = {pins = 12, module = 4, pin_diameter = 5}\nmate = {teeth = 48, %s}\n'
+
+# A recipe; what its steps say, in this order; what they do not say; what is bought.
+TOLD = {
+    "a motor under a base without screws": (
+        PAIR + MOTOR + "base = {screw = 0}\n",
+        ["layer 0: lay base; fix the motor under base", "keep as much free under base as motor NEMA 17 is long, and at least 10 mm"],
+        ["screw base down", "tube"],
+        {"shaft 8 mm, at least 28 mm long": 1, "M3 x 10 countersunk screw ISO 7046": 4},
+    ),
+    "a base without screws": (
+        PAIR + "first_stock = {bore = 5}\nsecond_stock = {bore = 8}\nbase = {screw = 0}\n",
+        ["collar on A from below", "collar on B from below", "a collar on A", "a collar on B", "keep 10 mm free under"],
+        ["tube", "screw"],
+        {"shaft 5 mm, at least 28 mm long": 1, "shaft 8 mm, at least 28 mm long": 1},
+    ),
+    "screws of a ring that no standard has": (
+        PLANETARY % (HERRINGBONE + "base = {screw = 3.5}\nsun_stock = {bore = 8}", 1),
+        ["lay ring; 6 screws B", "lay planet between sun and ring: it turns sun", "make ring in two halves",
+         "screw base down by its corners, a tube of 10 mm under each"],
+        ["evenly round", "carrier", "collar on C"],
+        {"screw 3.5 mm with nut, at least 19 mm long": 6, "tube 3.5 mm inside, cut to 10 mm": 4},
+    ),
+    "planets pressed on shafts over a base": (
+        PLANETARY % ('base = {}\nsun_stock = {bore = 8}\nplanet_stock = {bore = 6, fit = "press"}', 3),
+        ["press each planet on a shaft C, flush with it", "lay 3 x planet", "24 + 60 teeth divide by 3",
+         "layer 2: lay carrier on A and C; 3 collars on C; a collar on A"],
+        ["glue 3", "two halves", "C from below"],
+        {"shaft 6 mm, at least 20 mm long": 3, "shaft collar DIN 705 A, 6 mm": 3,
+         "shaft 8 mm, at least 34 mm long": 1, "M4 x 20 button head screw ISO 7380-1": 6},
+    ),
+    "planets pressed on shafts under which the carrier is": (
+        PLANETARY % ('planet_stock = {bore = 6, fit = "press"}', 3),
+        ["layer 0: lay carrier", "press each planet on a shaft, flush with it", "3 collars on the shafts of planet from below",
+         "keep 10 mm free under carrier", "hold ring, and the shaft of sun in its middle: no plate here does"],
+        ["glue 3", "base"],
+        {"shaft 6 mm, at least 20 mm long": 3, "shaft collar DIN 705 A, 6 mm": 3},
+    ),
+    "one planet on a carrier": (
+        PLANETARY % ("planet_stock = {bore = 6}", 1),
+        ["layer 0: lay carrier; glue 1 shaft of planet into carrier, flush below", "layer 1: lay sun; lay ring round it",
+         "lay planet between sun and ring: it turns sun until it goes in; 1 collar on the shaft of planet"],
+        ["1 collars", "shafts", "keep"],
+        {"shaft 6 mm, at least 20 mm long": 1, "shaft collar DIN 705 A, 6 mm": 1},
+    ),
+    "a herringbone rack": (
+        RACK + HERRINGBONE + "base = {}\n",
+        ["glue 2 pins B into rack", "put pinion and rack in mesh beside it, and lay them on together",
+         "2 collars on B from below", "lay pinion on A"],
+        ["two halves"],
+        {"pin 4 mm, at least 24 mm long": 2, "shaft 6 mm, at least 32 mm long": 1, "tube 4 mm inside, cut to 10 mm": 4},
+    ),
+    "a lantern in a ring": (
+        LANTERN % "addendum = 3, internal = true",
+        ["glue 12 pins into the first disc", "lay ring round the pins, any tooth in any space",
+         "6.5 mm over the first, so that ring turns", "hold the axes 72 mm apart"],
+        ["mate", "between the pins"],
+        {"pin 5 mm, at least 18.5 mm long": 12, "shaft 8 mm, at least 34.5 mm long": 1},
+    ),
+    "a lantern on a motor": (
+        LANTERN % "addendum = 7.5" + 'stock = {bore = 5, bore_form = "D", motor = "nema17"}\n',
+        ["layer 0: screw motor_plate from above on motor NEMA 17, its shaft up, by 4 screws",
+         "layer 1: glue 12 pins into the first disc, flush below; lay it on its motor's shaft, flat on flat, 2 mm above",
+         "layer 2: lay mate on its shaft", "a collar on the shaft of mate at either end",
+         "layer 3: glue the second disc on the pins, its flat on that of the shaft", "hold the axes 120 mm apart"],
+        ["tube", "base", "key"],
+        {"M3 x 10 button head screw ISO 7380-1": 4, "shaft 8 mm, at least 22 mm long": 1},
+    ),
+    "a keyed lantern over a base": (
+        LANTERN % "addendum = 7.5" + 'stock = {bore = 8, bore_form = "keyed"}\nbase = {}\n',
+        ["a collar on A from below", "layer 1: glue 12 pins", "lay it on A with its key", "keyway 2 mm wide",
+         "a tube of 6 mm on B", "layer 2: lay mate on B", "a collar on B",
+         "layer 3: glue the second disc on the pins, with a key of its own", "a collar on A", "screw base down"],
+        ["hold the axes"],
+        {"shaft 8 mm, at least 40.5 mm long": 1, "parallel key DIN 6885-1 A 2 x 2 x 6": 2,
+         "shaft 8 mm, at least 34 mm long": 1, "shaft collar DIN 705 A, 8 mm": 4, "tube 8 mm inside, cut to 6 mm": 1},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_steps_and_bill_of_what_rarely_comes_together(name):
+    text, said, left_out, taken = TOLD[name]
+    recipe = gk.load(text)
+    steps = "\n".join(recipe.steps)
+    assert re.search(".*".join(map(re.escape, said)), steps, re.DOTALL), steps
+    assert [words for words in left_out if words in steps] == []
+    bought = {one.name: one.count for one in recipe.bought}
+    assert bought.items() >= taken.items(), bought
+    # Layers are told from the bottom up, each once; and what is laid is what is cut.
+    layers = [int(number) for number in re.findall(r"^layer (\d+): ", steps, re.MULTILINE)]
+    assert layers == sorted(set(layers)) and layers[0] == 0
+    assert all(part.name in steps for part in recipe.parts if part.name not in ("disc", "spacer"))
+
+
+# Of the gallery's arm with a roller: sizes of its stock, whether it stands on a base, what is said, and what is not.
+CAMS = [
+    ({"roller_bore": 0.0}, True, ["a tube of 5 mm on A; glue pin B into arm", "layer 2: lay roller; lay cam on A"], ["pin C", "of roller"]),
+    ({"roller_bore": 0.0}, False, ["layer 0: lay arm, its pin through it", "layer 1: lay roller; lay cam", "hold the pivot 95 mm"],
+     ["glue the pin", "base", "tube"]),
+    ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, True,
+     ["layer 0: lay base; fix the motor under base", "glue the pin C into arm, flush below; lay arm, its pin B through base",
+      "lay roller on C", "lay cam on A, flat on flat, 5 mm above base", "screw base down", "a tube of the motor's length"],
+     ["tube of 5", "collar on A"]),
+    ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, False,
+     ["layer 0: screw motor_plate from above", "layer 1: glue the pin of roller into arm", "layer 2: lay roller on its pin",
+      "lay cam on its motor's shaft, flat on flat, as it is drawn", "hold the pivot 95 mm from the shaft of cam"],
+     ["above base", "collar on the shaft of cam", "tube"]),
+    ({"pivot_bore": 0.0}, False, ["layer 0: glue the pin of roller into arm, flush below; lay arm\n", "at either end"],
+     ["its pin through it"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("sizes", "stands", "said", "left_out"), CAMS)
+def test_steps_of_an_arm_with_a_roller(sizes, stands, said, left_out):
+    whole = gk.load("recipes/rocker-cam.toml")
+    recipe = replace(whole, stock=replace(whole.stock, **sizes), base=whole.base if stands else None)
+    steps = "\n".join(recipe.steps)
+    assert re.search(".*".join(map(re.escape, said)), steps, re.DOTALL), steps
+    assert [words for words in left_out if words in steps] == []
+    # What is glued in or laid on a pin is bought: a pin of that diameter.
+    pins = {float(name.split()[1]) for name in (one.name for one in recipe.bought) if name.startswith("pin ")}
+    stock = recipe.stock
+    assert pins == {size for size in (stock.roller_bore, stock.pivot_bore) if size}

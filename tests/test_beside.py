@@ -1,0 +1,68 @@
+"""Files that a recipe names: where they may lie, how large they may be, and how they are told otherwise."""
+
+import pytest
+
+import geomkin as gk
+from geomkin import beside
+from geomkin.names import file_name_flaw
+
+WHAT = "give a CSV file"
+
+
+def refused(name, folder):
+    with pytest.raises(gk.DesignError) as refusal:
+        beside.text_beside(name, folder, "a CSV file")
+    assert refusal.value.field == "file" and str(refusal.value).isprintable()
+    return refusal.value
+
+
+def test_a_file_beside_or_below_is_read_with_or_without_a_mark_at_its_start(tmp_path):
+    (tmp_path / "in").mkdir()
+    for content in ("größe".encode(), b"\xef\xbb\xbf" + "größe".encode()):
+        (tmp_path / "in/a.csv").write_bytes(content)
+        for name, folder in (("in/a.csv", tmp_path), ("a.csv", tmp_path / "in"), ("../in/a.csv", tmp_path / "in")):
+            assert beside.text_beside(name, str(folder), "a CSV file") == "größe"
+        assert beside.text_beside(tmp_path / "in/a.csv", None, "a CSV file") == "größe"
+
+
+def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "a.csv").write_text("1")
+    (tmp_path / "in/link.csv").symlink_to(tmp_path / "a.csv")
+    for name in ("../a.csv", "link.csv", str(tmp_path / "a.csv")):
+        error = refused(name, tmp_path / "in")
+        assert (
+            "which lies outside the folder that names it" in error.problem and "itself and not a link" in error.remedy
+        )
+        assert beside.text_beside(tmp_path / "in" / name, None, "a CSV file") == "1"
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [(b"12345", ""), (b"123456", "it is larger than 5 bytes"), (b"\xff\xfe", "it is not UTF-8 text")],
+)
+def test_a_file_is_text_of_bearable_size(tmp_path, monkeypatch, content, reason):
+    monkeypatch.setattr(beside, "LARGEST", 5)
+    (tmp_path / "a.csv").write_bytes(content)
+    if not reason:
+        assert beside.text_beside("a.csv", tmp_path, "a CSV file") == content.decode()
+        return
+    error = refused("a.csv", tmp_path)
+    assert error.problem == f"a.csv cannot be read ({reason})" and error.remedy == WHAT
+
+
+def test_what_is_no_file_is_told(tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for name, reason in (("folder", "it is no file"), ("gone.csv", "it is no file"), ("a\0b", "it is no file's name")):
+        error = refused(name, tmp_path)
+        assert error.problem.endswith(f"cannot be read ({reason})") and error.remedy == WHAT
+    assert refused("loop", tmp_path).remedy == WHAT
+
+
+@pytest.mark.parametrize(
+    ("name", "flaw"),
+    [(".a", "'.'"), ("-a.", "'-'"), (" a", "' '"), ("a.", "'.'"), ("a ", "' '"), ("b.-", None), ("a b.c", None)],
+)
+def test_the_sign_that_makes_no_name_is_the_one_that_is_told(name, flaw):
+    assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")

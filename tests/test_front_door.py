@@ -1,0 +1,186 @@
+"""The command's front door: what goes wrong ends in one line and a number, and what someone at a terminal sees."""
+
+import errno
+import gc
+import io
+import os
+import re
+import signal
+import sys
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from geomkin import __main__ as door
+from geomkin import build, commands
+from geomkin.errors import FileError, GeomkinError
+from geomkin.progress import tell
+from geomkin.tradeoff import results
+
+
+@pytest.fixture
+def left(monkeypatch, capsys):
+    """left(by): how the program ends, and what it says, where the command ends by an exception or a number."""
+    handler, often = signal.getsignal(signal.SIGINT), gc.get_threshold()
+    for name in ("OPENBLAS_NUM_THREADS", "PYDANTIC_DISABLE_PLUGINS"):
+        monkeypatch.setenv(name, os.environ.get(name, "kept"))
+
+    def call(by):
+        def cli(standalone_mode):
+            assert not standalone_mode and signal.getsignal(signal.SIGINT) == signal.SIG_DFL
+            if isinstance(by, BaseException):
+                raise by
+            return by
+
+        monkeypatch.setattr(commands, "cli", cli)
+        with pytest.raises(SystemExit) as end:
+            door.main()
+        # As the interpreter ends: a text is said, and is a failure.
+        code = end.value.code
+        said = "" if sys.stderr.closed else capsys.readouterr().err
+        return (1, f"{said}{code}\n") if isinstance(code, str) else (code, said)
+
+    yield call
+    signal.signal(signal.SIGINT, handler)
+    gc.set_threshold(*often)
+
+
+@pytest.mark.parametrize(
+    ("by", "code", "said"),
+    [
+        (0, 0, ""),
+        (3, 3, ""),
+        (click.Abort(), 130, ""),
+        (KeyboardInterrupt(), 130, ""),
+        (click.ClickException("no\x07 such\nas this"), 1, "Error: no? such\nas this\n"),
+        (click.UsageError("wrong"), 2, "Error: wrong\n"),
+        (OSError(errno.ENOSPC, "No space left", "a\nb"), 1, "geomkin cannot go on: No space left\n"),
+        (OSError("odd"), 1, "geomkin cannot go on: odd\n"),
+        (ValueError("a\x1bb"), 1, "geomkin failed by a fault of its own (ValueError: a?b); please report the recipe\n"),
+    ],
+    ids=repr,
+)
+def test_each_end_is_a_number_and_at_most_plain_lines(left, by, code, said):
+    assert left(by) == (code, said)
+
+
+def test_where_the_reader_left_nothing_more_is_said(left, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", open(os.devnull, "w"))  # noqa: SIM115  # it is closed by what is tried
+    assert left(BrokenPipeError()) == (141, "")
+    assert sys.stderr.closed
+
+
+def test_settings_of_the_process_are_those_that_the_user_gave(left, monkeypatch):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    monkeypatch.delenv("PYDANTIC_DISABLE_PLUGINS")
+    left(0)
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "2" and os.environ["PYDANTIC_DISABLE_PLUGINS"] == "__all__"
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    left(0)
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "1" and gc.get_threshold()[0] > 100_000
+
+
+GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
+
+
+@pytest.fixture
+def watched(monkeypatch, tmp_path):
+    """watched(*arguments): the command run where someone watches; a gear of 33 teeth tells how far it is."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
+    monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
+    monkeypatch.setattr("geomkin.processes._cores", lambda: 1)
+    handler = signal.getsignal(signal.SIGINT)
+    real = build.make
+
+    def make(file, *rest):
+        if "= 33" in file.read_text():
+            tell(0.375, "looking for teeth")
+            tell(1.0, "looking for teeth")
+        return real(file, *rest)
+
+    monkeypatch.setattr(build, "make", make)
+
+    def call(*arguments):
+        result = CliRunner().invoke(commands.cli, arguments, color=True)
+        return result.exit_code, result.stdout, result.stderr
+
+    yield call
+    signal.signal(signal.SIGINT, handler)
+
+
+def screen(text):
+    """What a terminal shows in its last line one after the other: from each start of a line to the next."""
+    return [re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", line).rstrip() for line in re.split("[\r\n]", text)]
+
+
+def test_one_recipe_tells_in_its_own_line_how_far_it_is(watched, tmp_path):
+    (tmp_path / "a.toml").write_text(GEAR.format(33))
+    code, _, told = watched("run", "a.toml", "--only", "csv")
+    lines = screen(told)
+    # The line is empty again in the end, and each is written over the one before it.
+    assert code == 0 and lines[:3] == ["", "looking for teeth: 38%", ""] and "Recipes" not in told
+    assert told.count("\r\x1b[K") == 2 and signal.getsignal(signal.SIGINT) != commands._leave
+
+
+def test_several_recipes_share_a_bar_that_says_which_and_how_far(watched, tmp_path):
+    for name, teeth in {"first": 32, "second": 33, "third": 2, "fourth": 34}.items():
+        (tmp_path / f"{name}.toml").write_text(GEAR.format(teeth))
+    code, told, seen = watched("run", "first.toml", "second.toml", "third.toml", "fourth.toml", "--only", "csv")
+    lines = screen(seen)
+    assert any("second" in line and line.startswith("Recipes, looking for teeth: 38%") for line in lines)
+    # Told of one recipe, it is over with that.
+    last = max(k for k, line in enumerate(lines) if "looking for teeth" in line)
+    assert any(line.startswith("Recipes  [") for line in lines[last:]) and "100%" in seen and "fourth" in seen
+    shares = [int(share) for line in lines if line.startswith("Recipes  [") for share in re.findall(r"(\d+)%", line)]
+    assert {25, 50, 75, 100} <= set(shares) and shares == sorted(shares)
+    assert signal.getsignal(signal.SIGINT) == commands._leave
+    assert code == 1 and [line.split(": ")[0] for line in lines if "teeth" in line][-1] == "third.toml"
+    # Under a heading, with columns that begin below one another.
+    heading, *rows = told.splitlines()
+    assert heading.split() == ["recipe", "files", "size", "checks"] and len(rows) == 3
+    for word, cells in zip(heading.split(), zip(*(re.split("  +", row) for row in rows))):
+        places = {row.index(cell) for row, cell in zip(rows, cells)}
+        assert places == {heading.index(word)}, word
+
+
+def test_two_recipes_have_a_bar(watched, tmp_path):
+    for name in "ab":
+        (tmp_path / f"{name}.toml").write_text(GEAR.format(32))
+    assert "Recipes  [" in watched("check", "a.toml", "b.toml")[2]
+
+
+def test_a_closed_stream_is_watched_by_nobody():
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    assert [commands._is_terminal(stream) for stream in (None, io.StringIO(), Terminal())] == [False, False, True]
+
+
+def test_ctrl_c_ends_the_bar_at_once_with_the_cursor_back(monkeypatch, capsys):
+    ends = []
+    monkeypatch.setattr(os, "_exit", ends.append)
+    commands._leave(signal.SIGINT, None)
+    assert ends == [130] and capsys.readouterr().err == "\x1b[?25h\n"
+
+
+def test_a_chart_tells_how_far_it_is_where_someone_watches(watched, monkeypatch):
+    def chart(families, quick):
+        tell(0.5, "measuring")
+        tell(1, "measuring")
+        raise FileError("no\nroom")
+
+    monkeypatch.setattr(results, "chart", chart)
+    code, _, seen = watched("chart", "four-bar-position")
+    assert (code, screen(seen)[:3]) == (1, ["", "measuring: 50%", "Error: no"])
+    assert issubclass(FileError, GeomkinError)
+
+
+def test_a_sweep_tells_how_far_it_is_where_someone_watches(watched, tmp_path):
+    (tmp_path / "a.toml").write_text(GEAR.format(12))
+    code, told, seen = watched("sweep", "a.toml", "--set", "gear.teeth=12,13,14,2,3")
+    assert code == 0 and "5 combinations, 0 of them from before, 2 refused" in told
+    # In the end the line is empty.
+    assert screen(seen) == ["", "4 of 5 combinations: 80%", ""]
