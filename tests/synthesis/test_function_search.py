@@ -21,7 +21,7 @@ S = np.linspace(0, 1, 2001)[None]
 @pytest.fixture
 def quick(monkeypatch):
     """Few candidates, which are enough for an optimum, though not for the best."""
-    for name, value in {"FITS": 400, "SPREAD": 1500, "FOLLOWED_FITS": 4, "FOLLOWED_SPREAD": 3}.items():
+    for name, value in {"FITS": 400, "SPREAD": 1000, "FOLLOWED_FITS": 3, "FOLLOWED_SPREAD": 2}.items():
         monkeypatch.setattr(search, name, value)
 
 
@@ -145,14 +145,15 @@ def test_a_least_angle_in_the_way_is_told_with_one_that_works(quick):
         gk.function_generator(**asked, least_transmission_angle_deg=most + 0.5)
 
 
-def test_points_that_no_linkage_meets_are_told(quick):
+def test_points_that_no_linkage_meets_are_told(quick, monkeypatch):
     """At the start crank and rocker lie along the ground: errors there are steep without end."""
+    monkeypatch.setattr(search, "ROUNDS", 1)
     asked = {"method": "points", "input_start_deg": 0, "output_start_deg": 0, "largest_ratio": 1.1}
     with pytest.raises(gk.DesignError, match="points: no linkage was found that meets these 3 within the limits"):
         gk.function_generator(**WISH, **asked)
 
 
-def test_which_limit_is_in_the_way(monkeypatch):
+def test_which_limit_is_in_the_way(monkeypatch, quick):
     """Of what the search may come to: nothing, what keeps a lower angle, what misses the points, what meets them."""
     good = gk.function_generator("x**1.5", (1, 3), 90, 90, method="points", points=3)
     s, calls = np.zeros(1), []
