@@ -18,7 +18,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.commands import cli
 from geomkin.progress import shown
-from geomkin.tradeoff import measurement
+from geomkin.tradeoff import measurement, results
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
@@ -237,6 +237,20 @@ def test_batches_go_round_until_each_has_had_its_time(quick, monkeypatch):
             assert p.batches >= 3 and spent > budget - 1e-9 and (p.batches == 3 or spent < budget + 1.001 * batch)
     # All are gone round, not one after the other.
     assert len(order) > 3 * len(settings)
+
+
+@pytest.mark.parametrize("told", ["model name\t: Fast <9> : one\nmodel name\t: Other\n", "flags : fpu\n", None])
+def test_the_processor_is_told_by_its_name_and_cores(told, monkeypatch, tmp_path):
+    file = tmp_path / "cpuinfo"
+    if told is not None:
+        file.write_text(told)
+    monkeypatch.setattr(results, "Path", lambda name: file if name == "/proc/cpuinfo" else None)
+    monkeypatch.setattr(results.platform, "processor", lambda: "")
+    monkeypatch.setattr(results.platform, "machine", lambda: "abacus")
+    monkeypatch.setattr(results.os, "cpu_count", lambda: 6)
+    assert results.processor() == ("Fast <9> : one" if told and "model" in told else "abacus") + ", 6 cores"
+    monkeypatch.setattr(results.platform, "processor", lambda: "slide rule")
+    assert results.processor() == ("Fast <9> : one" if told and "model" in told else "slide rule") + ", 6 cores"
 
 
 def test_a_family_that_is_not_there_is_refused_with_those_that_are(tmp_path):

@@ -150,6 +150,32 @@ def test_a_tools_polygons_are_the_tool():
     assert len(circle) >= 2 * np.pi * 10 / 0.5
 
 
+@pytest.mark.parametrize("method", ["law of gearing", "cut by booleans", "sampled distances"])
+def test_what_is_found_of_a_conjugate_tooth_is_its_whole_space_on_the_side_of_minus_y(method):
+    tooth, count = problem("conjugate-tooth"), np.nan if method == "law of gearing" else 160.0
+    z = found("conjugate-tooth", method, count)
+    turned, half = np.angle(z / -1j), np.pi / tooth.mate_teeth
+    assert np.abs(turned).max() < half * (1 + 1e-9) and np.abs(turned).max() > 0.5 * half
+    assert tooth.tip_radius - 0.1 < np.abs(z).max() <= tooth.tip_radius * (1 + 1e-12)
+    # As deep as the tooth is high, or, sampled along radii, to a module below the pitch circle.
+    low = tooth.mate_radius - (1.0 if method == "sampled distances" else 1.2) * tooth.module
+    assert np.abs(z).min() == pytest.approx(tooth.mate_radius - tooth.module, abs=0.1) or np.abs(z).min() > low - 1e-3
+    assert (turned > 0).all() if method == "sampled distances" else turned.min() < -0.5 * half
+
+
+@pytest.mark.parametrize(
+    ("method", "setting"),
+    [("exact curves", np.nan), ("polylines trimmed", 80), ("cut by booleans", 80), ("arcs", 1e-3), ("one arc", np.nan)],
+)
+def test_what_is_found_of_a_root_goes_from_the_bottom_land_to_the_tip(method, setting):
+    gear, z = problem("gear-root").gear(), found("gear-root", method, setting).vertices
+    turned = np.angle(1j / z)
+    assert turned.min() > 0 and turned.max() < np.pi / gear.teeth * (1 + 1e-9)
+    assert np.abs(z[0]) == pytest.approx(gear.root_radius, abs=0.01) and abs(np.abs(z[-1]) - gear.tip_radius) < 0.5
+    # Up the side, which turns back only where the cutter's corner has left the neck.
+    assert (np.diff(np.abs(z)) > -1e-9).all() and len(z) > 8
+
+
 def test_no_way_of_flattening_takes_fewer_vertices_than_the_greedy_one():
     curve = problem("cam-flattening").curve()
     fewest = len(greedy(curve, 0.1))
@@ -309,5 +335,9 @@ def test_weights_have_a_front_a_picture_and_columns_of_their_own():
     assert b"vertices per sum" in made["toy-sum-by-vertices.svg"] and b"time per sum" in made["toy-sum.svg"]
     rows = list(csv.DictReader(io.StringIO(made["chart.csv"].decode())))
     assert [row["weight"] for row in rows] == ["10", "1", "2", "3", "4", ""]
-    assert "Whoever goes on with them pays for their vertices." in made["chart.html"].decode()
+    page = made["chart.html"].decode()
+    assert "Whoever goes on with them pays for their vertices. Here the default is on the front at 1 of 1." in page
+    beaten = replace(heavy, points=tuple(replace(p, weight=11.0 - k) for k, p in enumerate(heavy.points)))
+    told = chart_files(replace(CHART, families=(replace(beaten, points=beaten.points[1:]),)))["chart.html"].decode()
+    assert "pays for their vertices." in told and "Here the default" not in told
     assert not [name for name in chart_files(CHART) if "-by-" in name]
