@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import body_guides, circle_of_sliders, dyads_through, image_poles, poles
+from geomkin.synthesis.guidance.displacement_poles import SliderCircle
 from tests.synthesis.test_guidance import KNOWN, THREE, check, has, poses_of
 
 DRIVE = np.array([0.4, 0.8, 1.2, 1.7, 2.1, 2.6, 3.0])
@@ -98,7 +99,12 @@ def test_many_poses_of_a_known_linkage_have_its_dyads(count):
 
 
 def test_image_poles_of_a_pose_that_is_not_there_are_refused():
-    last = image_poles(THREE, 2)
+    last, two = image_poles(THREE, 2), [(3 + 1j, 0.4), (7 - 2j, 1.5)]
+    # Of two poses the first counts unless another is asked for, and both see their own pole.
+    assert image_poles(two)[0, 1].position == pytest.approx(poles(two)[0, 1].position)
+    assert {k: v.position for k, v in image_poles(THREE).items()} == {
+        k: v.position for k, v in image_poles(THREE, 0).items()
+    }
     for pair, pole in poles(THREE).items():
         assert 2 not in pair or last[pair].position == pytest.approx(pole.position)
         # Where the body's point then is, at either pose of the pair.
@@ -111,14 +117,21 @@ def test_image_poles_of_a_pose_that_is_not_there_are_refused():
 
 
 def test_a_circle_of_sliders_is_drawn_whole_or_as_a_line():
-    circle = circle_of_sliders(THREE)
+    away = [(z + 30 - 50j, t) for z, t in THREE]
+    assert circle_of_sliders(away).centre == pytest.approx(circle_of_sliders(THREE).centre + 30 - 50j)
+    circle = circle_of_sliders(away)
     whole = circle.curve(circle.radius * 1.01)
     assert np.abs(whole.point(np.linspace(*whole.breaks[[0, -1]], 9)) - circle.centre) == pytest.approx(circle.radius)
     # One that is larger than the reach, and that of two parallel poses, is its tangent at the nearest point.
-    for line, reach in ((circle, 0.9 * circle.radius), (circle_of_sliders([*THREE[:2], (60 + 60j, 0.5)]), 30.0)):
+    for line, reach in ((circle, 0.9 * circle.radius), (circle_of_sliders([*away[:2], (60 + 60j, 0.5)]), 30.0)):
         drawn = line.curve(reach)
         ends = drawn.point(drawn.breaks[[0, -1]])
         assert ends.mean() == pytest.approx(line.foot) and abs(ends[1] - ends[0]) == pytest.approx(2 * reach)
         assert (ends[1] - ends[0]) / line.direction / reach == pytest.approx(2)
+    # About its own centre, from which no point is nearest, and one that is the centre alone.
+    for level, radius in ((-4.0, 2.0), (0.0, 0.0)):
+        about = SliderCircle(3 + 1j, 1.0, 0j, level)
+        assert (about.centre, about.radius) == (3 + 1j, radius) and abs(about.foot - about.centre) == radius
+        assert about.direction == 1j
     with pytest.raises(gk.DesignError, match="poses: all three are parallel; turn one of them"):
         circle_of_sliders([(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.2 + 2 * np.pi)])

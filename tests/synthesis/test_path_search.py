@@ -85,7 +85,9 @@ def test_all_of_many_points_count_though_few_are_searched_with(known, asked, mon
     assert np.sum(np.abs(moved - points) ** 2) == pytest.approx(found.square_error, rel=1e-9)
     assert found.largest_distance == pytest.approx(np.abs(moved - points).max()) and found.largest_distance < 0.8
     assert found.square_error < np.sum(np.abs(traced(known, drive) - points) ** 2)
-    assert is_least(found, points, timed)
+    assert is_least(found, points, timed) and "at_limits" not in found.summary()
+    stands = dataclasses.replace(found, at_limits=("a ratio of links of 3",)).summary()
+    assert stands["at_limits"] == ["a ratio of links of 3"]
 
 
 @pytest.fixture

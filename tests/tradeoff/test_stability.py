@@ -32,6 +32,22 @@ def test_the_library_does_at_each_place_what_the_table_says(cell):
     judged(cell, (1e-1, 1e-7, 1e-15))
 
 
+# Places that hold for the very sizes alone.
+ONLY_THERE = ("change point, followed", "pressure angle to its limits")
+
+
+@pytest.mark.parametrize("cell", [c for c in CELLS if c.place not in ONLY_THERE], ids=lambda cell: cell.name)
+def test_beside_the_place_formula_and_library_are_one_for_any_sizes(cell):
+    """Far from where they break, and with no size as round as it is there: whatever one of them leaves out shows."""
+    given = cell.sizes(1e-1)
+    change = 1 - 3e-3 * np.random.default_rng(len(cell.name)).random(len(given))
+    # Numbers of teeth stay whole.
+    whole = [("gear" in cell.family and size == round(size)) for size in given]
+    sizes = tuple(size if keep else size * by for size, keep, by in zip(given, whole, change.tolist()))
+    one = measured(dataclasses.replace(cell, sizes=lambda _: sizes), 1e-1)
+    assert one.library > 10, (sizes, one.library)
+
+
 @every_cell
 @pytest.mark.campaign
 def test_it_does_so_at_all_distances(cell):
