@@ -182,6 +182,9 @@ def test_bounds_that_nothing_keeps_are_refused():
     bounds = {"ground": (1, 2), "crank": (50, 60), "coupler": (1, 2), "rocker": (1, 2)}
     with pytest.raises(gk.DesignError, match="bounds: no linkage was found .*; give wider limits or bounds"):
         gk.path_generator(SEEN, np.degrees(DRIVE), bounds=bounds)
+    for given, end in (({}, "origin_y, ground_angle_deg"), ({"drive_deg": np.degrees(DRIVE)}, "start_deg")):
+        with pytest.raises(gk.DesignError, match=f"bounds: found 'crunk'; give any of ground, crank, .*{end}$"):
+            gk.path_generator(SEEN, **given, bounds={"crunk": (0, 1)})
     with pytest.raises(gk.DesignError, match="bounds: crank is far from all .* mm that the points are wide"):
         gk.path_generator(SEEN, np.degrees(DRIVE), bounds={"crank": (9e8, 1e9)})
 
