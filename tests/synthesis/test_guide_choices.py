@@ -135,3 +135,13 @@ def test_a_circle_of_sliders_is_drawn_whole_or_as_a_line():
         assert about.direction == 1j
     with pytest.raises(gk.DesignError, match="poses: all three are parallel; turn one of them"):
         circle_of_sliders([(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.2 + 2 * np.pi)])
+
+
+def test_time_that_is_too_short_is_told_as_such():
+    poses = poses_of(KNOWN, DRIVE[:4])
+    with pytest.raises(gk.DesignError, match="seconds: found 0 s, too short for any answer; give 10 or more"):
+        body_guides(poses, seconds=0)
+    # Five poses need no search; and where time is enough it is the poses that have none.
+    assert has(body_guides(poses_of(KNOWN, DRIVE[:5]), seconds=0), KNOWN, DRIVE[:5])
+    with pytest.raises(gk.DesignError, match="poses: found no four-bar through them that keeps the limits"):
+        body_guides(poses, "four-bar", least_transmission_angle_deg=89, largest_ratio=1.01, region=(0j, 1 + 1j))
