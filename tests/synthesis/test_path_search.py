@@ -2,7 +2,7 @@
 
 import dataclasses
 from functools import cache
-from itertools import permutations
+from itertools import permutations, product
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from geomkin.linkage.cognate_linkages import cognates
 from geomkin.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import PathTask
+from geomkin.synthesis.path.least_squares import Linearised, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
 from geomkin.synthesis.path.starts import loop, short_tour
 from geomkin.synthesis.path.way import way_through
@@ -276,3 +277,56 @@ def test_points_of_a_closed_curve_in_any_order_are_toured():
     line = loop(mixed)
     assert line[0] == line[-1] and np.abs(np.abs(line) - 1).max() < 1e-3 and len(line) == 8 * 40 + 1
     assert np.abs(np.diff(line)).max() < 0.03
+
+
+class Straight:
+    """Residuals that are linear in shared and local unknowns: what a step or two of least squares settles."""
+
+    def __init__(self, rng, local):
+        s, n, k, p, m = 4, 7, 3, 5, 6
+        self.by_shared, self.by_local = rng.normal(size=(s, n, k, p)), rng.normal(size=(s, n, k)) if local else None
+        self.at, self.rest, self.by_rest = (
+            rng.normal(size=(s, n, k)),
+            rng.normal(size=(s, m)),
+            rng.normal(size=(s, m, p)),
+        )
+
+    def __call__(self, which, x, t):
+        blocks = self.at[which] + np.einsum("snkp,sp->snk", self.by_shared[which], x)
+        local = None if self.by_local is None else self.by_local[which]
+        blocks = blocks if local is None else blocks + local * t[..., None]
+        rest = self.rest[which] + np.einsum("smp,sp->sm", self.by_rest[which], x)
+        return Linearised(blocks, self.by_shared[which], local, rest, self.by_rest[which])
+
+    def settled(self, which, x, t):
+        return t
+
+    def least(self, one, low, high):
+        """Of one of them, the least over all choices of what stands on which bound."""
+        _, n, k, p = self.by_shared.shape
+        rows = np.vstack([self.by_shared[one].reshape(n * k, p), self.by_rest[one]])
+        if self.by_local is not None:
+            own = np.zeros((n * k + len(self.rest[one]), n))
+            own[np.arange(n * k), np.repeat(np.arange(n), k)] = self.by_local[one].ravel()
+            rows = np.hstack([rows, own])
+        right = -np.append(self.at[one], self.rest[one])
+        best = np.inf
+        for held in product((None, 0, 1), repeat=p):
+            free = np.array([end is None for end in held] + [True] * (rows.shape[1] - p))
+            x = np.zeros(rows.shape[1])
+            x[:p] = [0 if end is None else (low, high)[end] for end in held]
+            x[free] = np.linalg.lstsq(rows[:, free], right - rows[:, ~free] @ x[~free])[0]
+            if (x[:p] >= low - 1e-12).all() and (x[:p] <= high + 1e-12).all():
+                best = min(best, float(np.sum((rows @ x - right) ** 2)))
+        return best
+
+
+@pytest.mark.parametrize("local", [False, True])
+@pytest.mark.parametrize("reach", [100.0, 0.1])
+def test_straight_least_squares_are_had_in_few_steps(local, reach):
+    task = Straight(np.random.default_rng(10), local)
+    start = np.zeros((4, 5)), np.zeros((4, 7))
+    x, t, sums = least_squares(task, *start, np.full(5, -reach), np.full(5, reach), 6)
+    assert (np.abs(x) <= reach).all() and (reach == 100) != (np.abs(x) == reach).any()
+    assert sums == pytest.approx([task.least(one, -reach, reach) for one in range(4)], rel=1e-9)
+    assert task(np.arange(4), x, t).sums == pytest.approx(sums) and not start[0].any() and not start[1].any()
