@@ -326,7 +326,7 @@ class Straight:
 def test_straight_least_squares_are_had_in_few_steps(local, reach):
     task = Straight(np.random.default_rng(10), local)
     start = np.zeros((4, 5)), np.zeros((4, 7))
-    x, t, sums = least_squares(task, *start, np.full(5, -reach), np.full(5, reach), 6)
+    x, t, sums = least_squares(task, *start, np.full(5, -reach), np.full(5, reach), 2 if reach > 1 else 4)
     assert (np.abs(x) <= reach).all() and (reach == 100) != (np.abs(x) == reach).any()
     assert sums == pytest.approx([task.least(one, -reach, reach) for one in range(4)], rel=1e-9)
     assert task(np.arange(4), x, t).sums == pytest.approx(sums) and not start[0].any() and not start[1].any()
