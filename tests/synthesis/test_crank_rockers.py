@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.synthesis.rockers import full_turn as judged
 
 
 def full_turn(linkage, branch, frames=3600):
@@ -219,3 +220,13 @@ def test_what_is_refused(wish, field, text):
 
 def test_the_number_that_a_ratio_s_refusal_names_works():
     assert gk.crank_rocker(40, 160, largest_ratio=2.925).defects == ()
+
+
+@pytest.mark.parametrize(
+    "linkage",
+    [gk.FourBar(100, 80, 70, 90), gk.FourBar(30, 80, 70, 90), gk.SliderCrank(30, 20)],
+    ids=["double rocker", "double crank", "short rod"],
+)
+def test_what_does_not_go_there_and_back_once_has_no_full_turn(linkage):
+    told = judged.full_turn(linkage)
+    assert np.isnan([told.extent, told.start, told.turn, told.least]).all()

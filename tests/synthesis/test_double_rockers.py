@@ -281,6 +281,41 @@ def test_the_numbers_that_refusals_name_work():
     assert double_rocker(60, 60, 80, 40, largest_ratio=least).ratio <= least * (1 + 1e-9)
 
 
+@pytest.mark.parametrize(
+    ("wish", "name"), [((-30, 60, 100, -40), "crank"), ((-50, 100, 200, -60), "crank"), ((100, 40, -30, 60), "rocker")]
+)
+def test_a_length_that_is_the_same_in_all_is_told(wish, name):
+    """Where a link's two places mirror each other in the ground line, the other one alone is free."""
+    with pytest.raises(gk.DesignError, match="leave it out: it is (.*) mm in all of them") as caught:
+        double_rocker(*wish, 100, **{name: 1234.5})
+    told = float(caught.value.remedy.split()[5])
+    for free in (10, 40, 80):
+        assert getattr(double_rocker(*wish, 100, free_angle_deg=free).linkage, name) == pytest.approx(told, rel=1e-6)
+    other = {"crank": "rocker", "rocker": "crank"}[name]
+    assert getattr(double_rocker(*wish, 100, **{other: 1234.5}).linkage, name) == pytest.approx(told, rel=1e-6)
+
+
+@pytest.mark.parametrize("wish", [(60, 60, -30, 60), (60, 80, -20, 40), (-90, 180, 330, -250), (-30, 60, 70, 40)])
+def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
+    with pytest.raises(gk.DesignError, match="no lengths above 0 fit both swings") as caught:
+        double_rocker(*wish)
+    crank, swing, start, out = wish
+
+    def works(at):
+        try:
+            double_rocker(crank, swing, at, out)
+        except gk.DesignError as error:
+            return error.field != "rocker_start_deg"
+        return True
+
+    if "nearest" in caught.value.remedy:
+        told = int(caught.value.remedy.split()[1])
+        assert works(told) and not any(works(start + k) for k in range(-abs(told - start) + 1, abs(told - start)))
+    else:
+        assert "give another start of the crank, or another swing" in caught.value.remedy
+        assert not any(works(at) for at in range(-359, 360, 17))
+
+
 def test_a_swing_that_a_defect_keeps_from_being_told_is_no_check():
     wanted = {"crank_start_deg": 60, "crank_swing_deg": 359, "rocker_start_deg": 79, "rocker_swing_deg": 41}
     checks = gk.load({"kind": "double-rocker", "wanted": wanted | {"ground": 100}}).checks

@@ -112,3 +112,17 @@ def test_functions_by_name_are_their_formulas():
         named_function("powr", [1, 2])
     with pytest.raises(gk.DesignError, match=r"give 2, of c0\*x\*\*c1"):
         named_function("power", [1, 2, 3])
+
+
+def test_as_many_coefficients_as_a_formula_has_are_taken():
+    """As its letters say; a polynomial of degree 1 to 11."""
+    for name, (formula, _, _) in NAMED.items():
+        letters = sum(f"c{k}" in formula for k in range(9))
+        for count in range(14):
+            if 2 <= count <= 12 if name == "polynomial" else count == letters:
+                assert np.isfinite(named_function(name, [0.5] * count)(X)).all()
+            else:
+                with pytest.raises(gk.DesignError, match="coefficients: found shape"):
+                    named_function(name, [0.5] * count)
+    with pytest.raises(gk.DesignError, match="coefficients: found shape"):
+        named_function("power", [[1, 2]])

@@ -259,3 +259,13 @@ def test_points_of_svg_paths():
     for text in ("", "L 1 1", "M 0 0 L", "M 0 0 L 1 1 X 3", "M 0 0", "M 0 0 z 3 3", "M 0 0 L 1e400 0", "M 1 1 M 2 2"):
         with pytest.raises(gk.DesignError, match="path"):
             gk.synthesis.svg_path_points(text)
+
+
+def test_svg_paths_that_are_endless_and_arcs_without_a_radius():
+    with pytest.raises(gk.DesignError, match=r"path: has 1,000,001 characters; give at most 1,000,000"):
+        gk.synthesis.svg_path_points("M 0 0 L 10 0" + " " * (1_000_001 - 12))
+    assert len(gk.synthesis.svg_path_points("M 0 0 L 10 0" + " " * (1_000_000 - 12), 5)[0]) == 5
+    # By the grammar's own rule such an arc is a line, and one to where it stands is nothing.
+    for arc in ("A 0 5 0 0 1 10 0", "A 5 0 30 1 0 10 0", "a 5 5 0 0 1 0 0 L 10 0"):
+        points, closed = gk.synthesis.svg_path_points(f"M 0 0 {arc} V 10", 5)
+        assert not closed and points == pytest.approx([0, 5, 10, 10 - 5j, 10 - 10j])

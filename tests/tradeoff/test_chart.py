@@ -6,8 +6,10 @@ import io
 import re
 import xml.etree.ElementTree as ElementTree
 from base64 import b64encode
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,13 +18,14 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.commands import cli
 from geomkin.progress import shown
+from geomkin.tradeoff import measurement, results
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
 KEPT = Path(__file__).parent.parent.parent / "tests" / "speed" / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
 # What a tick's label says, in the axis's unit.
-SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
+SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0, "ks": 1e3, "": 1.0}
 POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 FRONT = [True, True, True, False, True, False, False]
 
@@ -55,8 +58,9 @@ def axis(root, across):
     found = []
     for label in root.iter(f"{SVG}text"):
         text = label.text or ""
-        if across and (match := re.fullmatch(r"(\d+) (ps|ns|µs|ms|s)", text)):
-            found.append((float(label.get("x")), float(match[1]) * SECONDS[match[2]]))
+        if across and (match := re.fullmatch(r"([\d,]+) ?(ps|ns|µs|ms|s|ks|)", text)):
+            if label.get("text-anchor") == "middle":
+                found.append((float(label.get("x")), float(match[1].replace(",", "")) * SECONDS[match[2]]))
         elif not across and label.get("text-anchor") == "end":
             power = re.fullmatch(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", text)
             found.append((float(label.get("y")), 10.0 ** int(power[1].translate(POWERS)) if power else float(text)))
@@ -87,6 +91,36 @@ def test_the_picture_shows_every_point_where_its_axes_say_it_is():
     assert rings == [place(marks[0])]
     words = " ".join(root.itertext())
     assert {"time per sum", "largest error, mm", "Sum of halves & quarters"} <= {t.strip() for t in words.split("\n")}
+
+
+@pytest.mark.parametrize("decades", [(-11, -6), (-8, 4), (-3, 1), (0, 4)])
+@pytest.mark.parametrize("weighed", [False, True])
+def test_axes_of_any_span_tell_where_points_are(decades, weighed):
+    costs = np.geomspace(*(2.0 * 10.0**power for power in decades), len(POINTS))
+    errors = np.geomspace(3e4, 2e-6, len(POINTS))
+    points = [
+        replace(p, seconds=1e-3 if weighed else cost, weight=1e12 * cost, largest=error)
+        for p, cost, error in zip(POINTS, costs.tolist(), errors.tolist())
+    ]
+    family = replace(FAMILY, weighed="bytes", weigh=lambda problem, found: 1.0)
+    made = gk.tradeoff.chart_files(replace(CHART, families=(gk.tradeoff.FamilyChart(family, tuple(points)),)))
+    root = ElementTree.fromstring(made["toy-sum-by-bytes.svg" if weighed else "toy-sum.svg"])
+    across, upwards = axis(root, True), axis(root, False)
+    marks = [m for m in root.iter(f"{SVG}path") if m.get("class") == "point"]
+    for mark, p in zip(marks, points, strict=True):
+        x, y = place(mark)
+        assert across(x) == pytest.approx(p.weight if weighed else p.seconds, rel=0.02)
+        assert upwards(y) == pytest.approx(p.largest, rel=0.02)
+        setting = f" (terms {p.setting:g})" if p.method == "some" else ""
+        cost = f"{p.weight:g} bytes" if weighed else f"{p.seconds:.2g} s"
+        assert mark.find(f"{SVG}title").text == f"{p.method}{setting}: {cost} per sum, error {p.largest:.2g}"
+    words = [label.text for label in root.iter(f"{SVG}text")]
+    assert ("bytes per sum" if weighed else "time per sum") in words
+    # Of a method's points a line goes through all, in their order; the ticks are no more than fit.
+    (tied,) = [p.get("d") for p in root.iter(f"{SVG}path") if p.get("stroke-dasharray") and p.get("d").count("L") == 3]
+    assert [float(v) for v in re.findall(r"[\d.]+", tied)] == [v for m in marks[1:5] for v in place(m)]
+    ticks = [t for t in root.iter(f"{SVG}text") if t.get("text-anchor") == "middle" and re.match(r"\d", t.text or "")]
+    assert 3 <= len(ticks) <= 7
 
 
 def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_its_points():
@@ -128,6 +162,41 @@ def test_the_page_tells_all_in_words_and_runs_nothing():
     assert "a <processor>" in words and words.count("10 calls") == len(POINTS) and "misses 100.0%" in words
 
 
+def table_of(content):
+    """Cells of the first table of a page, row by row, and the class of each row."""
+    table = re.search("<table>.*?</table>", content, re.DOTALL)[0]
+    found = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in table.split("<tr")[1:]]
+    return found, re.findall(r'<tr(?: class=(\w+))?>(?=<th scope="row")', table)
+
+
+def test_the_table_of_the_page_tells_every_number():
+    from tests.tradeoff.toy import point
+
+    some = [point("some", 1.0, 0.5, seconds) for seconds in (2.5, 1.0, 2.5e-2, 1e-3, 2.5e-5, 1e-6, 2.5e-8)]
+    family = replace(FAMILY, weighed="bytes", weigh=lambda problem, found: 1.0)
+    heavy = [replace(p, weight=w) for p, w in zip((*POINTS, *some), (7.0, *[2.5] * 4, *[np.nan] * 9))]
+    chart = replace(CHART, families=(gk.tradeoff.FamilyChart(family, tuple(heavy)),))
+    (head, *told), classes = table_of(gk.tradeoff.chart_files(chart)["chart.html"].decode())
+    assert head[2:6] == ["largest error, mm", "rms error, mm", "time per sum", "on the front"] and head[8:] == ["bytes"]
+    assert [name == "default" for name in classes] == [p.method.startswith("all") for p in heavy]
+    times = []
+    for row, p, on in zip(told, heavy, chart.families[0].on_front, strict=True):
+        assert row[0] == (
+            f"{p.method} (default)".replace("<", "&lt;").replace(">", "&gt;") if p is heavy[0] else p.method
+        )
+        assert row[1] == (f"terms {p.setting:g}" if p.method == "some" else "")
+        error, _, missed = row[2].partition(", misses ")
+        errors = [float(one.replace("\N{MINUS SIGN}", "-").replace("none", "nan")) for one in (error, row[3])]
+        assert errors == pytest.approx([p.largest, p.rms], rel=0.05, nan_ok=True)
+        assert (float(missed.rstrip("%")) / 100 if missed else 0.0) == p.missed
+        number, unit = row[4].split()
+        assert 1 <= float(number) < 1000 and float(number) * SECONDS[unit] == pytest.approx(p.seconds, rel=5e-3)
+        times.append(row[4])
+        assert row[5] == ("yes" if on else "no") and row[6:8] == ["3 times 10 calls of 1", "5%"]
+        assert row[8:] == ([f"{p.weight:g}"] if np.isfinite(p.weight) else [])
+    assert times[-7:] == ["2.5 s", "1 s", "25 ms", "1 ms", "25 µs", "1 µs", "25 ns"]
+
+
 def test_a_default_off_the_front_is_told_with_what_beats_it():
     from tests.tradeoff.toy import METHODS, point
 
@@ -151,6 +220,69 @@ def test_what_is_measured_is_what_the_method_does(monkeypatch):
     assert [p.rms for p in one.points] == pytest.approx([p.largest / 2**0.5 for p in one.points])
     assert [p.largest for p in one.points] == pytest.approx([0.0, 0.5, 0.5**5, 0.5**10], abs=1e-15)
     assert all(p.seconds > 0 and p.batches >= 3 and p.calls >= 1 and p.results == 1 for p in one.points)
+
+
+@pytest.mark.parametrize("quick", [False, True])
+def test_batches_go_round_until_each_has_had_its_time(quick, monkeypatch):
+    """By a clock that only the methods move: seconds, calls and batches are then known."""
+    now, costs, order = [0.0], {1.0: 1e-6, 2.0: 3e-4, 5.0: 0.05, 10.0: 0.4}, []
+    monkeypatch.setattr(measurement, "time", SimpleNamespace(process_time=lambda: now[0]))
+
+    def make(problem, setting):
+        def call():
+            now[0] += costs[setting]
+            if not order or order[-1] != setting:
+                order.append(setting)
+            return 0.25 if setting < 10 else float("nan")
+
+        return call
+
+    method = gk.tradeoff.Method("moves", "Takes its time.", make, "terms", tuple(costs))
+    family = replace(
+        FAMILY,
+        methods=(method, replace(method, name="slow", slow=True)),
+        count=lambda problem, found: 4,
+        error=lambda problem, found: np.array([found - 1, 0.75, np.inf, 0.0]) * [-1, 1, 1, 1] + 0 * found,
+        weighed="bytes",
+        weigh=lambda problem, found: 8 * found,
+    )
+    shares = []
+    found = measurement.measured(family, quick, shares.append)
+    settings = [1.0, 5.0, 10.0] if quick else list(costs)
+    assert [p.method for p in found] == ["moves"] * len(settings) + ["slow"] * len(settings) * (not quick)
+    assert [p.setting for p in found[: len(settings)]] == settings
+    assert shares == sorted(shares) and 0.3 < shares[len(found)] < 0.5 and shares[-1] == 1
+    for p in found:
+        cost, budget = costs[p.setting], measurement.QUICK / len(found) if quick else measurement.FULL
+        assert p.seconds == pytest.approx(cost / 4) and p.results == 4 and p.spread == pytest.approx(0, abs=1e-6)
+        assert p.weight == pytest.approx(2.0 if p.setting < 10 else np.nan, nan_ok=True)
+        assert p.missed == (0.25 if p.setting < 10 else 1)
+        known = (0.75, np.sqrt(0.375)) if p.setting < 10 else (np.nan, np.nan)
+        assert (p.largest, p.rms) == pytest.approx(known, nan_ok=True)
+        # A batch can be timed, and no point has more of them than its time, or three, take.
+        spent, batch = p.calls * cost * p.batches, p.calls * cost
+        assert batch >= measurement.BATCH or cost > measurement.LONG
+        assert p.calls == 1 or batch < 2.1 * measurement.BATCH
+        if quick and cost > measurement.LONG:
+            assert p.batches == p.calls == 1
+        else:
+            assert p.batches >= 3 and spent > budget - 1e-9 and (p.batches == 3 or spent < budget + 1.001 * batch)
+    # All are gone round, not one after the other.
+    assert len(order) > 3 * len(settings)
+
+
+@pytest.mark.parametrize("told", ["model name\t: Fast <9> : one\nmodel name\t: Other\n", "flags : fpu\n", None])
+def test_the_processor_is_told_by_its_name_and_cores(told, monkeypatch, tmp_path):
+    file = tmp_path / "cpuinfo"
+    if told is not None:
+        file.write_text(told)
+    monkeypatch.setattr(results, "Path", lambda name: file if name == "/proc/cpuinfo" else None)
+    monkeypatch.setattr(results.platform, "processor", lambda: "")
+    monkeypatch.setattr(results.platform, "machine", lambda: "abacus")
+    monkeypatch.setattr(results.os, "cpu_count", lambda: 6)
+    assert results.processor() == ("Fast <9> : one" if told and "model" in told else "abacus") + ", 6 cores"
+    monkeypatch.setattr(results.platform, "processor", lambda: "slide rule")
+    assert results.processor() == ("Fast <9> : one" if told and "model" in told else "slide rule") + ", 6 cores"
 
 
 def test_a_family_that_is_not_there_is_refused_with_those_that_are(tmp_path):

@@ -150,6 +150,32 @@ def test_a_tools_polygons_are_the_tool():
     assert len(circle) >= 2 * np.pi * 10 / 0.5
 
 
+@pytest.mark.parametrize("method", ["law of gearing", "cut by booleans", "sampled distances"])
+def test_what_is_found_of_a_conjugate_tooth_is_its_whole_space_on_the_side_of_minus_y(method):
+    tooth, count = problem("conjugate-tooth"), np.nan if method == "law of gearing" else 160.0
+    z = found("conjugate-tooth", method, count)
+    turned, half = np.angle(z / -1j), np.pi / tooth.mate_teeth
+    assert np.abs(turned).max() < half * (1 + 1e-9) and np.abs(turned).max() > 0.5 * half
+    assert tooth.tip_radius - 0.1 < np.abs(z).max() <= tooth.tip_radius * (1 + 1e-12)
+    # As deep as the tooth is high, or, sampled along radii, to a module below the pitch circle.
+    low = tooth.mate_radius - (1.0 if method == "sampled distances" else 1.2) * tooth.module
+    assert np.abs(z).min() == pytest.approx(tooth.mate_radius - tooth.module, abs=0.1) or np.abs(z).min() > low - 1e-3
+    assert (turned > 0).all() if method == "sampled distances" else turned.min() < -0.5 * half
+
+
+@pytest.mark.parametrize(
+    ("method", "setting"),
+    [("exact curves", np.nan), ("polylines trimmed", 80), ("cut by booleans", 80), ("arcs", 1e-3), ("one arc", np.nan)],
+)
+def test_what_is_found_of_a_root_goes_from_the_bottom_land_to_the_tip(method, setting):
+    gear, z = problem("gear-root").gear(), found("gear-root", method, setting).vertices
+    turned = np.angle(1j / z)
+    assert turned.min() > 0 and turned.max() < np.pi / gear.teeth * (1 + 1e-9)
+    assert np.abs(z[0]) == pytest.approx(gear.root_radius, abs=0.01) and abs(np.abs(z[-1]) - gear.tip_radius) < 0.5
+    # Up the side, which turns back only where the cutter's corner has left the neck.
+    assert (np.diff(np.abs(z)) > -1e-9).all() and len(z) > 8
+
+
 def test_no_way_of_flattening_takes_fewer_vertices_than_the_greedy_one():
     curve = problem("cam-flattening").curve()
     fewest = len(greedy(curve, 0.1))
@@ -206,6 +232,96 @@ def test_volumes_of_solids_and_areas_of_plates():
     assert problem("dxf-writing").area == pytest.approx(gk.area(gk.SpurGear(12, 2).outline) - np.pi * 2.5**2, rel=1e-7)
 
 
+def test_a_bare_solid_s_normals_are_those_of_its_corners_and_look_out():
+    square = np.array([0, 2, 2 + 3j, 3j])
+    solid = files.bare_solid(square, np.array([[0, 1, 2], [0, 2, 3]]), [square], 5.0)
+    read = np.frombuffer(
+        solid, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")]), offset=84
+    )
+    out = read["corners"].mean(axis=1) - [1, 1.5, 2.5]
+    assert np.linalg.norm(read["normal"], axis=1) == pytest.approx(1, abs=1e-6)
+    assert ((read["normal"] * out).sum(axis=1) > 0.5).all()
+    for edge in np.diff(read["corners"], axis=1).transpose(1, 0, 2):
+        assert (read["normal"] * edge).sum(axis=1) == pytest.approx(0, abs=1e-6)
+
+
+# What is measured as an error, of what is wrong by so much
+
+
+def test_errors_of_a_file_are_those_of_its_worst_place():
+    given = problem("csv-writing")
+    lines = found("csv-writing", "all digits", np.nan).decode().splitlines()
+    cells = lines[3].split(",")
+    lines[3] = ",".join([*cells[:3], repr(float(cells[3]) - 20), cells[4]])
+    errors = files.csv_error(given, "\n".join([*lines, ""]).encode())
+    assert len(errors) == 5 * files.ROWS and errors.max() == pytest.approx(0.02) and (errors > 0).sum() == 1
+    stl = FAMILIES["stl-writing"]
+    solid = found("stl-writing", "chords", 1e-3)
+    for size, off in ((1.01, 1.01**3 - 1), (0.99, 1 - 0.99**3)):
+        read = np.frombuffer(
+            solid, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")]), offset=84
+        )
+        grown = read.copy()
+        grown["corners"] *= np.float32(size)
+        (error,) = stl.error(problem("stl-writing"), solid[:84] + grown.tobytes())
+        assert error == pytest.approx(off, abs=2e-5)
+    drawing = found("dxf-writing", "chords", 1e-3)
+    outline = files.outline_of(drawing)
+    moved = [f"10\n{z.real:.9f}\n20\n{z.imag:.9f}\n" for z in 1.002 * outline.vertices]
+    head = b"0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nCUT\n10\n0\n20\n0\n40\n2.5\n0\nLWPOLYLINE\n8\nCUT\n70\n1\n"
+    errors = files.dxf_error(problem("dxf-writing"), head + "".join(moved).encode() + b"0\nENDSEC\n0\nEOF\n")
+    # Radially by 0.2 % of 10.75 to 14 mm; on flanks less of it shows.
+    assert errors.max() == pytest.approx(0.002 * 14, rel=0.1) and errors.min() < 0.005
+    assert len(errors) == 4 * len(outline.vertices)
+
+
+def test_what_was_not_found_is_nan():
+    # Of so few points the polylines of root and flank miss each other.
+    assert found("gear-root", "polylines trimmed", 8) is None
+    assert np.isnan(FAMILIES["gear-root"].error(problem("gear-root"), None)).all()
+    cut = problem("gear-root")
+    line = found("gear-root", "exact curves", np.nan)
+    lifted = replace(line, vertices=line.vertices * 1.001)
+    errors = FAMILIES["gear-root"].error(cut, lifted)
+    assert len(errors) == len(line.vertices) and errors.max() == pytest.approx(0.001 * cut.gear().root_radius)
+
+
+def test_searches_are_asked_for_what_is_told_and_their_errors_are_the_library_s(monkeypatch):
+    """Over few candidates, from which the errors are seen to be those of what was found."""
+    for name, value in {"FITS": 400, "SPREAD": 1000, "FOLLOWED_FITS": 2, "FOLLOWED_SPREAD": 1}.items():
+        monkeypatch.setattr(f"geomkin.synthesis.function.search.{name}", value)
+    for name, value in {"SCORED": 10_000, "STARTS": 10}.items():
+        monkeypatch.setattr(f"geomkin.synthesis.path.starts.{name}", value)
+    asked = []
+
+    def searched(made):
+        return lambda *given, **named: asked.append((given, named)) or made
+
+    known, family = gk.function_generator("log10(x)", (1.0, 2.0), 60, 90), FAMILIES["function-synthesis"]
+    monkeypatch.setattr(functions, "function_generator", searched(known))
+    for method, aim, points in (
+        ("minimax", "minimax", 3),
+        ("least squares", "least-squares", 3),
+        ("three points searched", "points", 3),
+        ("four points searched", "points", 4),
+    ):
+        errors = family.error(problem(family.name), found(family.name, method, np.nan))
+        assert len(errors) == functions.PLACES and errors.max() == pytest.approx(known.largest_error_deg, rel=1e-4)
+        (function, span, *swings), named = asked.pop()
+        assert (function, span) == ("log10(x)", (1.0, 2.0)) and swings == pytest.approx([60, 90])
+        assert named["method"] == aim and (aim != "points" or named["points"] == points)
+    path, family = problem("path-synthesis"), FAMILIES["path-synthesis"]
+    one = gk.path_generator(path.points, 20.0 * np.arange(18))
+    monkeypatch.setattr(paths, "path_generator", searched(one))
+    errors = family.error(path, found(family.name, "search", np.nan))
+    assert errors == pytest.approx([np.sqrt(one.square_error / 18)] * 3, rel=1e-6)
+    assert [named["seed"] for _, named in asked] == list(paths.SEEDS)
+    assert all(given[1] == pytest.approx(20.0 * np.arange(18)) for given, _ in asked)
+    monkeypatch.setattr(paths, "SEEDS", (0,))
+    improved, alone = (family.error(path, found(family.name, way, 3.0)) for way in ("fits improved", "fits alone"))
+    assert len(improved) == len(alone) == 1 and 0.0223 < improved[0] < 0.8 * alone[0]
+
+
 # Weights
 
 
@@ -221,5 +337,9 @@ def test_weights_have_a_front_a_picture_and_columns_of_their_own():
     assert b"vertices per sum" in made["toy-sum-by-vertices.svg"] and b"time per sum" in made["toy-sum.svg"]
     rows = list(csv.DictReader(io.StringIO(made["chart.csv"].decode())))
     assert [row["weight"] for row in rows] == ["10", "1", "2", "3", "4", ""]
-    assert "Whoever goes on with them pays for their vertices." in made["chart.html"].decode()
+    page = made["chart.html"].decode()
+    assert "Whoever goes on with them pays for their vertices. Here the default is on the front at 1 of 1." in page
+    beaten = replace(heavy, points=tuple(replace(p, weight=11.0 - k) for k, p in enumerate(heavy.points)))
+    told = chart_files(replace(CHART, families=(replace(beaten, points=beaten.points[1:]),)))["chart.html"].decode()
+    assert "pays for their vertices." in told and "Here the default" not in told
     assert not [name for name in chart_files(CHART) if "-by-" in name]

@@ -139,3 +139,69 @@ def test_newton_from_one_far_pose_goes_astray_at_some_frames_alone():
     (cold,) = [m for m in one.methods if m.name == "Newton, cold"]
     errors = one.error(problem("iteration"), cold.make(problem("iteration"), 12.0)())
     assert 0.5 < np.mean(errors < 2e-14) < 1
+
+
+def test_the_error_of_a_pose_is_that_of_the_worse_of_its_two_angles():
+    one, right = FAMILIES["four-bar-position"], problem("four-bar-position").directions
+    bar, rocker = (z.copy() for z in right)
+    bar[7] *= np.exp(1e-3j)
+    bar[9] *= np.exp(-2e-3j)
+    rocker[9] *= np.exp(5e-3j)
+    rocker[11] = np.nan
+    errors = one.error(problem("four-bar-position"), (bar, rocker))
+    assert errors[[7, 9]] == pytest.approx([1e-3, 5e-3], rel=1e-5) and np.isnan(errors[11])
+    assert np.flatnonzero(errors != 0).tolist() == [7, 9, 11] and one.count(problem("four-bar-position"), right) == 360
+
+
+def test_the_error_of_rates_is_that_of_the_worst_of_the_four_as_its_share():
+    """As a share of 1 where the value is smaller; what is off by more than itself was not found."""
+    one, given = FAMILIES["four-bar-toggle-rates"], problem("four-bar-toggle-rates")
+    right = [*given.first, *given.second]
+    sizes = np.abs(np.stack(right))
+    for which in range(4):
+        small, large = int(np.argmax(sizes[which] < 0.5)), int(np.argmax(sizes[which]))
+        found = [rate.copy() for rate in right]
+        found[which][small] += 0.25
+        # A smaller slip of another rate of the same pose does not show.
+        found[(which + 1) % 4][small] -= 0.125
+        wrong, shares = [small], [0.25]
+        if which >= 2:
+            assert sizes[which][large] > 1e4
+            found[which][large] *= 1.75
+            wrong, shares = [small, large], [0.25, 0.75]
+        errors = one.error(given, tuple(found))
+        assert errors[wrong] == pytest.approx(shares)
+        assert sorted(np.flatnonzero(errors != 0).tolist()) == sorted(wrong)
+        for much in (1.01, np.inf, np.nan):
+            found[which][small] = right[which][small] + much
+            assert np.isnan(one.error(given, tuple(found))[small])
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0, 10.0])
+def test_errors_of_samples_are_those_at_whole_degrees(step):
+    rates = problem("velocity-from-positions")
+    at = np.arange(3600) * step
+    for name, right in (
+        ("velocity-from-positions", rates.first[1]),
+        ("acceleration-from-positions", rates.second[1]),
+        ("positions-from-velocities", np.angle(rates.directions[1])),
+    ):
+        values = np.interp(at % 360, np.arange(361), np.append(right, right[0]))
+        size = 1.0 if name.startswith("positions") else np.abs(right).max()
+        # At 20 deg, on a later turn, and between two whole degrees where steps are half ones.
+        values[int(20 / step)] += 0.1
+        values[-int(10 / step)] -= 0.2
+        values[1] += 0.3
+        errors = FAMILIES[name].error(rates, (values, step))
+        told = sorted(errors[errors > 1e-12].tolist())
+        assert told == pytest.approx(np.array([0.1, 0.2, *[0.3] * (step >= 1)]) / size)
+        assert len(errors) == (1800 if step < 1 else 3600)
+
+
+def test_the_error_of_a_track_is_the_distance_from_the_right_value():
+    one, given = FAMILIES["six-bar-position"], problem("six-bar-position")
+    found = given.right.copy()
+    found[5] += 3e-3 + 4e-3j
+    found[-1] -= 1e-3
+    errors = one.error(given, found)
+    assert np.flatnonzero(errors).tolist() == [5, 359] and errors[[5, -1]] == pytest.approx([5e-3, 1e-3])

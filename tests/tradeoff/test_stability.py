@@ -11,7 +11,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.tradeoff import Stability, stability
-from geomkin.tradeoff.cell import ANSWERS, answered, measured
+from geomkin.tradeoff.cell import ANSWERS, Digits, answered, measured
 from geomkin.tradeoff.study import CELLS
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
@@ -30,6 +30,22 @@ def judged(cell, distances):
 @every_cell
 def test_the_library_does_at_each_place_what_the_table_says(cell):
     judged(cell, (1e-1, 1e-7, 1e-15))
+
+
+# Places that hold for the very sizes alone.
+ONLY_THERE = ("change point, followed", "pressure angle to its limits")
+
+
+@pytest.mark.parametrize("cell", [c for c in CELLS if c.place not in ONLY_THERE], ids=lambda cell: cell.name)
+def test_beside_the_place_formula_and_library_are_one_for_any_sizes(cell):
+    """Far from where they break, and with no size as round as it is there: whatever one of them leaves out shows."""
+    given = cell.sizes(1e-1)
+    change = 1 - 3e-3 * np.random.default_rng(len(cell.name)).random(len(given))
+    # Numbers of teeth stay whole.
+    whole = [("gear" in cell.family and size == round(size)) for size in given]
+    sizes = tuple(size if keep else size * by for size, keep, by in zip(given, whole, change.tolist()))
+    one = measured(dataclasses.replace(cell, sizes=lambda _: sizes), 1e-1)
+    assert one.library > 10, (sizes, one.library)
 
 
 @every_cell
@@ -62,6 +78,19 @@ def test_a_loss_without_a_word_is_found():
     assert outcome(library=textbook) == "sizes" and outcome(library=lambda *sizes: 0.0) == "lost"
     # A search that comes back with nothing.
     assert outcome(library=lambda *sizes: ()) == "nan"
+
+
+def test_what_a_cell_is_told_to_do():
+    """Of 14 digits, of those of the sizes, of fewer, of nan and of a refusal, by falling distance."""
+    cell = CELLS[0]
+    kinds = {"a": (14.0, False), "s": (8.0, False), "l": (3.0, False), "n": (np.nan, False), "r": (np.nan, True)}
+    for row, told in {
+        "aaa": "all", "asa": "sizes", "sss": "sizes", "aan": "all, nan", "asnn": "sizes, nan", "arr": "all, refused",
+        "anr": "all, refused", "rrr": "refused", "nnn": "nan", "als": "lost", "nla": "lost",
+        "ana": "numbers again beyond nan", "nas": "numbers again beyond nan", "rar": "numbers again beyond nan",
+    }.items():  # fmt: skip
+        digits = [Digits(cell, 0.1, kinds[k][0], np.nan, 9.0, kinds[k][1]) for k in row]
+        assert answered(digits) == told, row
 
 
 def test_the_file_holds_a_row_for_each_cell():

@@ -159,7 +159,9 @@ def _made_straight(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[R
     that none is broken by less than nothing, the box.
     """
     n = len(free)
-    e, (limits, steep), slopes = task.error(p, s), task.limits(p), task.slopes(p, s)
+    e, (limits, steep) = task.error(p, s), task.limits(p)
+    # At a toggle an error is steep without end: such a row tells nothing of where to go.
+    slopes, steep = (np.nan_to_num(one, nan=0.0, posinf=0.0, neginf=0.0) for one in (task.slopes(p, s), steep))
     m, k = e.shape[1], limits.shape[1]
     end = 2 * m + k
     rows, bounds = np.zeros((len(p), end + 1 + 2 * n, n + 2)), np.zeros((len(p), end + 1 + 2 * n))

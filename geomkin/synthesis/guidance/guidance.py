@@ -90,7 +90,7 @@ def body_guides(
     dyads that come near the poses in the sense of least squares, `pose_error` being what is missed.
     least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search and of least
     squares, where none is given), leave others out. Linkages with defects, by name, come after those without.
-    DesignError for fewer poses and equal ones, and where there is no such linkage.
+    DesignError for fewer poses and equal ones, time too short for any answer, and where there is no such linkage.
 
     McCarthy and Soh, Geometric Design of Linkages, 2010, chapters 5 and 6; the search and the verdict on defects are
     derived here. Transmission angles are the least on the way from the first pose to the last.
@@ -118,10 +118,10 @@ def body_guides(
         groups = searched(ask) if len(origins) == 3 or kinds == KINDS[:1] else []
     else:
         groups = along_curves(ask, poses) if len(origins) == 4 else of_dyads(ask, dyads_through(poses))
-    return _ranked(ask, groups)
+    return _ranked(ask, groups, seconds)
 
 
-def _ranked(ask: Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
+def _ranked(ask: Asked, groups: Sequence[Group], seconds: float) -> tuple[BodyGuide, ...]:
     """The linkages of all groups that keep the limits, the best first."""
     ratio = np.inf if ask.largest_ratio is None else ask.largest_ratio
     found: list[BodyGuide] = []
@@ -135,6 +135,8 @@ def _ranked(ask: Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
         # The best fits are often two dyads that are nearly one: no limit is for what is met exactly.
         found = [one for one in found if one.ratio <= LARGEST_RATIO or one.pose_error <= EXACT * size]
     if not found:
+        if ask.watch.cut:
+            raise DesignError("seconds", f"found {seconds:g} s, too short for any answer", "give 10 or more")
         raise DesignError(
             "poses",
             f"found no {' or '.join(ask.kinds)} through them that keeps the limits",

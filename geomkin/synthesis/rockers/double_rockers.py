@@ -181,7 +181,9 @@ def _weights_of(name: str, value: float, ground: float, ends: tuple[Real, Real])
     weights = [float(end[k] * length - end[0]) for end in ends]
     if weights[0] * weights[1] < 0 and min(map(abs, weights)) > NOTHING * (1 + length):
         return abs(weights[1]), abs(weights[0])
-    low, high = sorted(ground * float(end[0] / end[k]) if end[k] else np.inf for end in ends)
+    # At an end where ground and link vanish beside the third, their ratio is that of all the others.
+    told = [ground * float(end[0] / end[k]) if end[k] else np.inf for end in ends if end[0] or end[k]]
+    low, high = min(told), max(told)
     if high - low <= NOTHING * low:
         remedy = f"leave it out: it is {low:.7g} mm in all of them"
     elif np.isfinite(high):

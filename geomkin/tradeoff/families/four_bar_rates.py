@@ -132,9 +132,8 @@ def _differences(problem: FourBarProblem, step: float) -> Call:
 def _error(problem: FourBarProblem, found: Rates) -> Real:
     off = np.zeros(FRAMES)
     for rate, right in zip(found, (*problem.first, *problem.second)):
-        off = np.fmax(off, np.abs(rate - right) / np.maximum(1.0, np.abs(right)))
-        off = np.where(np.isfinite(rate), off, np.nan)
-    # What is wrong by more than itself was not found.
+        off = np.maximum(off, np.abs(rate - right) / np.maximum(1.0, np.abs(right)))
+    # What is wrong by more than itself, or no number, was not found.
     return np.where(off <= 1, off, np.nan)
 
 
