@@ -1,0 +1,51 @@
+"""What a recipe gives is its design where nothing is found or chosen; the kinds' classes by their names."""
+
+import pytest
+
+import geomkin as gk
+from geomkin import kinds
+from tests.texts import recipe_of
+
+LINKAGES = [
+    "four-bar-atlas", "slider-crank-atlas", "cognates", "inflection-circle", "centrodes", "polygons", "shaking-force",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "key"), [*((kind, "linkage") for kind in LINKAGES), ("ring-gear", "gear")])
+def test_the_linkage_or_gear_that_a_recipe_gives_is_its_design(kind, key):
+    recipe = recipe_of(kind)
+    assert recipe.design is getattr(recipe, key)
+
+
+def test_classes_of_kinds_are_found_by_their_names_and_no_other_is():
+    assert {kind: getattr(kinds, name).kind for name, kind in kinds._classes().items()} == {k: k for k in kinds.KINDS}
+    assert set(kinds._classes()) < set(dir(kinds)) and "SpurGearRecipe" in dir(kinds)
+    with pytest.raises(AttributeError, match="geomkin.kinds has no 'SpurGear'"):
+        kinds.SpurGear
+
+
+PINS, SPAN, CHORD = "over_pins", "span", "chordal_thickness"
+
+
+@pytest.mark.parametrize(
+    ("gear", "told"),
+    [
+        ("teeth = 24", {PINS, SPAN, CHORD}),
+        ("teeth = 5\naddendum = 0.05\n[gear.rack]\ntip_radius = 0.1", {PINS}),
+        ("teeth = 17\nprofile_shift = -0.5\naddendum = 1\n[gear.rack]\ntip_radius = 0.1", {SPAN, CHORD}),
+    ],
+)
+@pytest.mark.parametrize("helix", [0, 20])
+def test_notes_of_a_gear_leave_out_what_cannot_be_measured(gear, told, helix):
+    recipe = gk.load(
+        f'kind = "spur-gear"\nhelix_angle_deg = {helix}\nstock = {{ thickness = 30 }}\n[gear]\nmodule = 2\n{gear}\n'
+    )
+    measures, design = recipe.notes["measures_mm"], recipe.design
+    # Round pins and chords are for straight teeth.
+    assert {PINS, SPAN, CHORD} & set(measures) == (told & {SPAN} if helix else told)
+    for measure, name in ((gk.gear.over_pins, PINS), (gk.gear.span, SPAN)):
+        if name in told:
+            measure(design)
+        else:
+            with pytest.raises(gk.DesignError):
+                measure(design)
