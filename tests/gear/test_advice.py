@@ -324,3 +324,38 @@ def test_the_diametral_pitches_named_make_gears_and_those_beyond_do_not():
     assert gk.SpurGear(24, diametral_pitch=high).module == pytest.approx(25.4e-5)
     with pytest.raises(gk.DesignError):
         gk.SpurGear(24, diametral_pitch=low * (1 - 1e-4))
+
+
+def test_the_height_of_a_cutter_named_works_or_none_is_named_where_none_would():
+    rng, seen = np.random.default_rng(2), set()
+    for _ in range(70):
+        sizes = {
+            "teeth": int(rng.integers(4, 60)),
+            "pressure_angle_deg": float(rng.choice([10, 20, 30, 45])),
+            "profile_shift": float(rng.uniform(-5, 5)),
+            "tip_radius": 0.0,
+        }
+        height = float(rng.uniform(0.05, 5))
+        heights = np.concatenate([[height], np.linspace(0.01, 5, 9)]).tolist()
+        made = [_cutter_refused(addendum=one, **sizes) is None for one in heights]
+        if made[0]:
+            continue
+        remedy = _cutter_refused(addendum=height, **sizes).remedy
+        found = re.fullmatch(r"give (?:at (most|least) ([\d.e+-]+) modules, or )?other teeth or profile_shift", remedy)
+        seen.add(found[1])
+        if found[1] is None:
+            assert not any(made)
+        else:
+            named, beyond = float(found[2]), 1e-4 if found[1] == "most" else -1e-4
+            assert _cutter_refused(addendum=named, **sizes) is None
+            assert _cutter_refused(addendum=named + beyond, **sizes) is not None
+            assert (height > named) == (found[1] == "most")
+    assert seen == {"most", "least", None}
+
+
+def _cutter_refused(**sizes):
+    try:
+        gk.gear.PinionCutter(**sizes)
+    except gk.DesignError as refused:
+        return refused
+    return None
