@@ -49,3 +49,19 @@ def test_notes_of_a_gear_leave_out_what_cannot_be_measured(gear, told, helix):
         else:
             with pytest.raises(gk.DesignError):
                 measure(design)
+
+
+@pytest.mark.parametrize(("first", "second"), [(0, 0), (8, 0), (0, 8), (8, 6)])
+def test_steps_tell_of_a_plate_under_two_gears_where_there_is_one(first, second):
+    """Both shafts need a hole in it; without it each has what holds it by itself."""
+    recipe = gk.load(
+        'kind = "gear-pair"\nfirst = { teeth = 12, module = 3, profile_shift = 0.3 }\n'
+        f"second = {{ teeth = 24, module = 3 }}\nfirst_stock.bore = {first}\nsecond_stock.bore = {second}\n"
+    )
+    holds = [part.name for part in recipe.parts] == ["first", "second", "base"]
+    steps = "; ".join(recipe.steps)
+    assert holds == bool(first and second) == ("lay base" in steps) != ("hold the axes 54.8519 mm apart" in steps)
+    shafts = {thing.name for thing in recipe.bought if thing.name.startswith("shaft ") and "collar" not in thing.name}
+    assert len(shafts) == len({first, second} - {0})
+    # Through gear, plate and a collar at either end, or without the plate.
+    assert all(("28 mm long" if holds else "22 mm long") in name for name in shafts if name.startswith("shaft 8"))
