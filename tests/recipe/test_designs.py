@@ -65,3 +65,18 @@ def test_steps_tell_of_a_plate_under_two_gears_where_there_is_one(first, second)
     assert len(shafts) == len({first, second} - {0})
     # Through gear, plate and a collar at either end, or without the plate.
     assert all(("28 mm long" if holds else "22 mm long") in name for name in shafts if name.startswith("shaft 8"))
+
+
+@pytest.mark.parametrize(("slider", "made"), [(2.0, True), (0.2, True), (1e-5, False)])
+def test_steps_tell_of_a_counterweight_where_one_is_cut_and_it_has_the_best_product(slider, made):
+    recipe = gk.load(
+        f'kind = "shaking-force"\nlinkage = {{ crank = 30, coupler = 90 }}\nmasses = {{ slider = {slider} }}\n'
+        "weight_density = 2700\nstock = { thickness = 4 }\n"
+    )
+    weights = [part for part in recipe.parts if part.name == "counterweight"]
+    assert len(weights) == made == sum("counterweight" in step for step in recipe.steps)
+    for part in weights:
+        # Mass of the plate times the distance of its middle from the shaft, on the side away from the crank pin.
+        whole, *holes = [gk.area(c) * gk.plane.centroid(c) for c in (part.outline, *part.holes)]
+        product = (whole - sum(holes)) * 4 * 2700e-9
+        assert product == pytest.approx(-recipe.best.product.real, rel=5e-3)
