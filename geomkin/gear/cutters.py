@@ -15,7 +15,7 @@ from ..plane.joined import Ring
 from ..plane.primitives import Arc, Polyline, Segment
 from ..plane.roulettes import Involute, inverse_involute, involute_function, roll_at
 from ..plane.vec import Pose
-from ..sizes import check_sizes, quantity, rounded_down
+from ..sizes import check_sizes, quantity, rounded_down, rounded_up
 from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
@@ -193,7 +193,7 @@ class PinionCutter:
             raise DesignError(
                 "addendum",
                 f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
-                f"give at most {rounded_down(self._largest_addendum)} modules, or other teeth or profile_shift",
+                self._whole_addendum(),
             )
         largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
         if self.tip_radius > largest:
@@ -251,9 +251,17 @@ class PinionCutter:
     def _half_angle(self, radius: float) -> float:
         return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
 
-    @property
-    def _largest_addendum(self) -> float:
+    def _whole_addendum(self) -> str:
+        """The addendum with which flanks begin and do not meet, in words, or else what might help."""
+        others = "other teeth or profile_shift"
+        least = self.base_radius - self.teeth / 2 - self.profile_shift
         if self.half_angle_at_base <= 0:
-            return 0.0
+            return f"give {others}"
         point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
-        return float(point - self.teeth / 2 - self.profile_shift)
+        largest = float(point - self.teeth / 2 - self.profile_shift)
+        if largest <= max(least, 0.0) + 1e-5:
+            return f"give {others}"
+        if self.addendum <= least:
+            # A little more, for flanks of some length.
+            return f"give at least {rounded_up(least + 1e-6)} modules, or {others}"
+        return f"give at most {rounded_down(largest)} modules, or {others}"

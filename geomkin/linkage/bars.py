@@ -41,8 +41,6 @@ class FourBar(AbstractLinkage):
 
     def __post_init__(self) -> None:
         check_sizes(self, many=True)
-        if self.driver not in ("crank", "coupler", "rocker"):
-            raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or rocker")
         if np.ndim(self.ground + self.crank + self.coupler + self.rocker):
             return
         lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}

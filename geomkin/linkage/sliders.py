@@ -39,8 +39,6 @@ class SliderCrank(AbstractLinkage):
 
     def __post_init__(self) -> None:
         check_sizes(self, many=True)
-        if self.driver not in ("crank", "coupler", "slider"):
-            raise DesignError("driver", f"found {self.driver!r}", "give crank, coupler or slider")
         if np.ndim(self.crank + self.coupler + self.offset):
             return
         if np.abs(self.offset) >= self.crank + self.coupler:
@@ -102,12 +100,6 @@ class InvertedSliderCrank(AbstractLinkage):
 
     def __post_init__(self) -> None:
         check_sizes(self, many=True)
-        for field, value, allowed in (
-            ("line", self.line, ("rocker", "coupler")),
-            ("driver", self.driver, ("crank", "rocker")),
-        ):
-            if value not in allowed:
-                raise DesignError(field, f"found {value!r}", f"give {' or '.join(allowed)}")
         reach = self.ground + self.crank
         if np.ndim(reach + self.offset) == 0 and np.abs(self.offset) >= reach:
             raise DesignError(
@@ -160,8 +152,6 @@ class EllipticTrammel(AbstractLinkage):
 
     def __post_init__(self) -> None:
         check_sizes(self, many=True)
-        if self.driver not in ("rod", "shuttle"):
-            raise DesignError("driver", f"found {self.driver!r}", "give rod or shuttle")
 
     @cached_property
     def linkage(self) -> Linkage:

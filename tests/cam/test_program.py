@@ -352,6 +352,8 @@ FILES = {
     "bytes.csv": b"\xff\xfe\x00",
     "down.csv": b"cam_angle_deg,lift_mm\n0,0\n5,2\n5,3\n360,0\n",
     "below.csv": b"cam_angle_deg,lift_mm\n0,0\n5,-2\n360,0\n",
+    "cell.csv": b"cam_angle_deg,lift_mm\n0,%s\n" % (b"0" * 200_000),
+    "long.csv": b"cam_angle_deg,lift_mm\n" + b"0,0\n" * 10_001,
 }
 
 
@@ -369,6 +371,8 @@ FILES = {
         ("bytes.csv", "not UTF-8"),
         ("down.csv", "5 deg follows 5 deg"),
         ("below.csv", "-2 mm at 5 deg, below the base circle"),
+        ("cell.csv", "cell.csv is not CSV .field larger than field limit.*; give a CSV file"),
+        ("long.csv", "long.csv has 10,002 lines; give at most 10,000 rows"),
         (3, "name of a CSV file"),
     ],
 )
@@ -419,6 +423,11 @@ UP = {"rise": 3, "end_deg": 100}
         ([OptimisedSpline(2, **UP), BACK], "[0].intervals", "at least 3"),
         ([OptimisedSpline(rise=0, end_deg=100), gk.Dwell(end_deg=360)], "[0].rise", "use a dwell"),
         ([OptimisedSpline(end_deg=100), gk.Dwell(end_deg=360)], "[0].rise", "neither"),
+        (
+            [gk.Rise("uniform", **UP), OptimisedSpline(rise=0, duration_deg=100, jerk_limit=50), BACK],
+            "[1].jerk_limit",
+            "multiple of the rise, which is 0; leave it out",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_place(segments, field, words):

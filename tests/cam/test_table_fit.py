@@ -143,6 +143,24 @@ def test_a_table_may_end_as_far_from_its_start_as_the_band_is_wide():
         Program([LiftTable(within=1e-4, rows=given)])
 
 
+@pytest.mark.parametrize(("how", "room"), [({"within": 0.2}, 0.2), ({"decimals": 1}, 0.075), ({"decimals": 12}, 1e-7)])
+def test_a_table_may_start_as_far_from_what_was_before_as_its_band_is_wide(how, room):
+    """Its lift at the start is then that of the segment before: nothing jumps."""
+
+    def program(off):
+        lifts = 2 + off, *(2 + 3 * np.sin(np.pi * k / 12) ** 2 for k in range(1, 12)), 2.0
+        table = LiftTable(rows=tuple((180.0 + 10 * k, float(lift)) for k, lift in enumerate(lifts)), **how)
+        rest = (gk.Dwell(end_deg=330), gk.Return("cycloidal", end_deg=360))
+        return Program([gk.Rise("cycloidal", rise=2, end_deg=180), table, *rest])
+
+    for off in (0.5 * room, -0.5 * room):
+        assert np.abs(program(off).jumps.lift).max() == 0
+        assert program(off).motion(np.pi).lift == pytest.approx(2, abs=1e-12)
+    for off in (1.5 * room, -1.5 * room):
+        with pytest.raises(gk.DesignError, match="the segment before ends at 2; let the lifts agree"):
+            program(off)
+
+
 def test_an_arm_has_its_band_in_degrees():
     arm, straight = (Program([LiftTable(within=0.006, **{name: rows()})]) for name in ("rows_deg", "rows"))
     angle = np.linspace(0, 6, 50)

@@ -251,3 +251,111 @@ def test_cutters_that_fewer_teeth_would_point_are_passed_over():
     with pytest.raises(gk.DesignError) as caught:
         gk.RingGear(8, 2, -9.0, cutter, 1.0)
     assert caught.value.remedy == "give a cutter with fewer teeth and a larger profile_shift"
+
+
+def random_ring(rng):
+    """The call of a ring that may or may not be: teeth, shifts and heights as nobody would choose them."""
+    cutter = {
+        "teeth": int(rng.integers(4, 40)),
+        "addendum": float(rng.uniform(0.2, 2)),
+        "tip_radius": 0.0,
+        "pressure_angle_deg": float(rng.choice([14.5, 20, 30])),
+        "profile_shift": float(rng.choice([0, 0, 0.5, -0.5])),
+    }
+    gear = {
+        "teeth": int(rng.integers(20, 80)),
+        "profile_shift": float(np.round(rng.uniform(-1.5, 4), 2)),
+        "addendum": float(rng.uniform(0.05, 2)),
+        "thinning": float(rng.choice([0, 0, 3])),
+    }
+    return gear, cutter
+
+
+def made_ring(gear, cutter):
+    try:
+        gk.RingGear(module=2, cutter=gk.gear.PinionCutter(**cutter), **gear)
+    except gk.DesignError as refused:
+        return refused
+    return None
+
+
+# What is advised: in which table, under which name, and what lies beyond it, where that is refused.
+ADVISED = {
+    r"^give at least (\d+), or a smaller cutter": ("gear", "teeth", lambda n: n - 1),
+    r"^give at least ([-\d.e]+), or a cutter with fewer": ("gear", "profile_shift", None),
+    r"^give a cutter of (\d+) teeth": ("cutter", "teeth", lambda n: n + 1),
+    r"^give at most ([\d.e-]+) modules, or more": ("gear", "addendum", lambda x: x * (1 + 1e-4)),
+    r"^give at most ([\d.e-]+)$": ("gear", "thinning", lambda x: x * (1 + 1e-4)),
+}
+
+
+def test_whatever_a_ring_is_refused_for_the_number_named_works_and_one_beyond_it_does_not():
+    rng, seen = np.random.default_rng(5), {}
+    while min((seen.get(key, 0) for key in ADVISED), default=0) < 1 or sum(seen.values()) < 250:
+        gear, cutter = random_ring(rng)
+        try:
+            gk.gear.PinionCutter(**cutter)
+        except gk.DesignError:
+            continue
+        refused = made_ring(gear, cutter)
+        key = next((words for words in ADVISED if refused and re.search(words, refused.remedy)), None)
+        if key is None:
+            continue
+        seen[key] = seen.get(key, 0) + 1
+        if seen[key] > 40:
+            continue
+        table, name, beyond = ADVISED[key]
+        number = float(re.search(key, refused.remedy)[1])
+        for value, good in ((number, True), (beyond(number), False)) if beyond else ((number, True),):
+            sizes = {"gear": dict(gear), "cutter": dict(cutter)}
+            sizes[table][name] = int(value) if name == "teeth" else value
+            again = made_ring(**sizes)
+            # Teeth and heights may mend one thing and leave another; shifts, cutters and play leave nothing.
+            same = again is not None and again.problem.split(",")[-1][:20] == refused.problem.split(",")[-1][:20]
+            assert not same if good else again is not None, (key, sizes, refused, again)
+            assert not good or again is None or (name in ("teeth", "addendum") and table == "gear"), (sizes, again)
+
+
+def test_the_diametral_pitches_named_make_gears_and_those_beyond_do_not():
+    with pytest.raises(gk.DesignError, match="diametral_pitch: found 1e-09, which makes a module of") as caught:
+        gk.SpurGear(24, diametral_pitch=1e-9)
+    low, high = (float(word) for word in re.search(r"give ([\d.e+-]+) to ([\d.e+-]+)", caught.value.remedy).groups())
+    assert gk.SpurGear(24, diametral_pitch=low).module == pytest.approx(1e5)
+    assert gk.SpurGear(24, diametral_pitch=high).module == pytest.approx(25.4e-5)
+    with pytest.raises(gk.DesignError):
+        gk.SpurGear(24, diametral_pitch=low * (1 - 1e-4))
+
+
+def test_the_height_of_a_cutter_named_works_or_none_is_named_where_none_would():
+    rng, seen = np.random.default_rng(2), set()
+    for _ in range(70):
+        sizes = {
+            "teeth": int(rng.integers(4, 60)),
+            "pressure_angle_deg": float(rng.choice([10, 20, 30, 45])),
+            "profile_shift": float(rng.uniform(-5, 5)),
+            "tip_radius": 0.0,
+        }
+        height = float(rng.uniform(0.05, 5))
+        heights = np.concatenate([[height], np.linspace(0.01, 5, 9)]).tolist()
+        made = [_cutter_refused(addendum=one, **sizes) is None for one in heights]
+        if made[0]:
+            continue
+        remedy = _cutter_refused(addendum=height, **sizes).remedy
+        found = re.fullmatch(r"give (?:at (most|least) ([\d.e+-]+) modules, or )?other teeth or profile_shift", remedy)
+        seen.add(found[1])
+        if found[1] is None:
+            assert not any(made)
+        else:
+            named, beyond = float(found[2]), 1e-4 if found[1] == "most" else -1e-4
+            assert _cutter_refused(addendum=named, **sizes) is None
+            assert _cutter_refused(addendum=named + beyond, **sizes) is not None
+            assert (height > named) == (found[1] == "most")
+    assert seen == {"most", "least", None}
+
+
+def _cutter_refused(**sizes):
+    try:
+        gk.gear.PinionCutter(**sizes)
+    except gk.DesignError as refused:
+        return refused
+    return None

@@ -77,3 +77,60 @@ def test_measures_beside_the_involute_are_refused_by_name(measure, field):
     with pytest.raises(gk.DesignError) as caught:
         measure()
     assert caught.value.field == field and caught.value.remedy
+
+
+@pytest.mark.parametrize("gear", GEARS, ids=ids)
+def test_a_span_is_measured_on_the_involute_or_refused_with_the_nearest_that_is(gear):
+    fitting = {}
+    for teeth in range(1, gear.teeth):
+        try:
+            fitting[teeth] = gk.gear.span(gear, teeth)
+        except gk.DesignError as refused:
+            assert refused.field == "teeth" and str(teeth) in refused.problem
+            fitting[teeth] = refused.remedy
+    good = [teeth for teeth, found in fitting.items() if not isinstance(found, str)]
+    # Jaws touch as high on the flanks as half the span's tangent reaches: between form and tip circle, and nowhere else.
+    reach = np.hypot(gear.base_radius, [fitting[good[0]].length / 2 + k * gear.base_pitch / 2 for k in (-1, len(good))])
+    assert (good[0] == 1 or reach[0] < gear.form_radius) and reach[1] > gear.tip_radius
+    for teeth, found in fitting.items():
+        if teeth in good:
+            assert gear.form_radius * (1 - 1e-12) <= found.radius <= gear.tip_radius * (1 + 1e-12)
+        else:
+            assert found == f"give {min(good, key=lambda k: abs(k - teeth))}"
+    middle = sum(np.sqrt(r**2 - gear.base_radius**2) for r in (gear.form_radius, gear.tip_radius)) / 2
+    chosen = gk.gear.span(gear)
+    assert all(abs(chosen.length / 2 - middle) <= abs(fitting[k].length / 2 - middle) + 1e-12 for k in good)
+
+
+def test_a_gear_of_which_no_teeth_can_be_spanned_is_measured_over_pins_as_the_refusal_says():
+    gear = gk.SpurGear(5, 2, 0, gk.gear.RackCutter(tip_radius=0.1), addendum=0.05)
+    for teeth in (None, 1, 2):
+        with pytest.raises(gk.DesignError, match="teeth: no number of teeth can be spanned; measure over pins"):
+            gk.gear.span(gear, teeth)
+    assert gear.form_radius < gk.gear.over_pins(gear).contact < gear.tip_radius
+    blunt = gk.SpurGear(17, 2, -0.5, gk.gear.RackCutter(tip_radius=0.1), addendum=1.0)
+    with pytest.raises(gk.DesignError, match="pin: found .* mm.*; measure the span instead"):
+        gk.gear.over_pins(blunt)
+    assert gk.gear.span(blunt).teeth == 2
+
+
+@pytest.mark.parametrize("gear", GEARS, ids=ids)
+def test_a_chord_is_measured_over_the_whole_involute_and_refused_beside_it(gear):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.gear.chord(gear, 2 * gear.tip_radius)
+    low, high = (float(word) for word in caught.value.remedy.split()[1::2])
+    assert low == pytest.approx(gear.form_radius, rel=1e-5) and high == pytest.approx(gear.tip_radius, rel=1e-5)
+    for radius in (low, high):
+        found = gk.gear.chord(gear, radius)
+        half = complex(radius * np.sin(found.half_angle), radius * np.cos(found.half_angle))
+        assert gk.nearest(gear.outline.piece, np.array([half]))[1][0] < 1e-9
+        assert (found.chord, found.height) == pytest.approx((2 * half.real, gear.tip_radius - half.imag))
+    for radius in (low * (1 - 1e-4), high * (1 + 1e-4)):
+        with pytest.raises(gk.DesignError):
+            gk.gear.chord(gear, radius)
+
+
+@pytest.mark.parametrize("measure", [gk.gear.span, gk.gear.chord])
+def test_a_ring_has_no_measure_that_jaws_take(measure):
+    with pytest.raises(gk.DesignError, match="gear: found a ring, whose teeth no jaws reach; measure between pins"):
+        measure(RINGS[0])

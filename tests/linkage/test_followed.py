@@ -1,9 +1,12 @@
 """Branches followed by the motion itself: past near misses, through change points, from any start, at any step."""
 
+import re
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.solve import drive_range
 from tests.linkage.examples import FOUR_BAR, TURN, locked
 from tests.linkage.near_misses import by_brute_force, near_misses
 
@@ -312,3 +315,25 @@ def test_turns_without_end_are_refused_with_the_number_that_works():
     assert gk.move(six_bar, [0, np.radians(most)], "follow").closed.all()
     with pytest.raises(gk.DesignError, match="give at most"):
         gk.move(six_bar, [0, np.radians(most + 2)], "follow").closed
+
+
+def test_more_linkages_than_can_be_followed_are_refused_with_how_many_can(monkeypatch):
+    monkeypatch.setattr(drive_range, "MOST", 2000)
+
+    def closed(count, drive=(0.0, 0.1)):
+        bars = gk.FourBar(np.full(count, 100.0), 30, 90, 70, coupler_point=50 + 50j)
+        return gk.move(gk.StephensonSixBar(bars, 120, 90, 100 + 100j), drive, "follow").closed
+
+    with pytest.raises(gk.DesignError, match="bodies: found 300 linkages to follow; give at most") as caught:
+        closed(300)
+    most = int(re.search(r"at most (\d+) at a time", caught.value.remedy)[1])
+    assert closed(most).all() and 200 < most < 300
+    with pytest.raises(gk.DesignError, match="linkages to follow"):
+        closed(most + 1)
+    # Of a few it is the way that is too long.
+    with pytest.raises(gk.DesignError, match="drive: found .* deg to follow a branch over") as caught:
+        closed(3, (0.0, 20.0))
+    degrees = int(re.search(r"at most (\d+) deg", caught.value.remedy)[1])
+    assert closed(3, (0.0, np.radians(degrees))).all()
+    with pytest.raises(gk.DesignError, match="to follow a branch over"):
+        closed(3, (0.0, np.radians(degrees + 2)))

@@ -223,3 +223,18 @@ def test_what_is_kept_for_the_next_motion_has_bounds(monkeypatch):
             assert gk.move(linkage, drive[:frames]).closed.all()
         assert len(held) == {1: 16, 4096: 4, 700: 16}[frames]
         assert sum(count for _, count in held) <= 16_384
+
+
+def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
+    """One linkage moved by turns on both branches, each told by where a pin is, again and again."""
+    monkeypatch.setattr(solution, "WORTH", 0)
+    turn = np.linspace(0, 2 * np.pi, 25)
+    bar = gk.FourBar(100, 30, 90, 70)
+    pins = {side: complex(gk.move(bar, turn[:1], side).point("rocker_pin").position[0]) for side in (1, -1)}
+    linkage = bar.linkage
+    for side in (1, -1, 1, -1):
+        moved = gk.move(linkage, turn, {"rocker_pin": pins[side]})
+        wanted = gk.move(gk.FourBar(100, 30, 90, 70), turn, side)
+        for body in ("coupler", "rocker"):
+            assert moved.bodies[body].direction == pytest.approx(wanted.bodies[body].direction, abs=1e-12)
+            assert moved.bodies[body].first == pytest.approx(wanted.bodies[body].first, abs=1e-12)

@@ -112,3 +112,10 @@ def test_too_few_samples_are_refused_with_how_many_it_takes():
 def test_what_rates_are_off_adds_up_along_the_way():
     off = gk.linkage.mid_ordinate_integral(np.full(50, 2.0) + 0.1, 0.5, inexact=0.1)
     assert off.values - np.arange(51) * 1.0 == pytest.approx(off.error)
+
+
+@pytest.mark.parametrize(("rates", "start"), [(1.0, 2j), (1j, 2.0), (1 + 1j, 3 - 1j), (2.0, 3.0)])
+def test_the_way_starts_where_it_is_told_whatever_of_the_two_is_complex(rates, start):
+    found = gk.linkage.mid_ordinate_integral(np.full(4, rates), 0.5, start)
+    assert found.values == pytest.approx(start + rates * 0.5 * np.arange(5), rel=1e-14)
+    assert np.iscomplexobj(found.values) == isinstance(rates + start, complex)

@@ -214,3 +214,66 @@ def test_a_neck_is_the_narrowest_way_across_by_its_definition(seed):
             told.append(region.neck([loop], [len(loop)], 6.5))
             assert told[-1] == pytest.approx(by_definition(loop, 6.5), rel=1e-9)
     assert told
+
+
+def regular(corners, radius, centre=0j):
+    return centre + radius * np.exp(2j * np.pi * np.arange(corners) / corners)
+
+
+@pytest.mark.parametrize("outer", [30.0, 0.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_least_distance_of_openings_is_that_of_each_pair(seed, outer):
+    """Circles and polygons in a disc or a square, against the distances of polygons of very many corners."""
+    rng = np.random.default_rng(seed)
+    places = 14 * np.exp(2j * np.pi * (np.arange(5) + rng.uniform(-0.2, 0.2, 5)) / 5) + rng.uniform(-2, 2, 5)
+    radii = [*rng.uniform(1, 4, 3), 0.0, 0.0]
+    holes = [np.array([z]) if r else regular(7, 2 + k, z) for k, (z, r) in enumerate(zip(places, radii))]
+    outline = np.array([1 + 2j]) if outer else square(60, -30 - 30j)
+    found = region.spacing([outline, *holes], [outer, *radii])
+    fine = [regular(400, r, z) if r else hole for z, r, hole in zip(places, radii, holes)]
+    fine.append(regular(900, outer, 1 + 2j) if outer else outline)
+    pairs = [region.gap(a, b) for k, a in enumerate(fine) for b in fine[:k]]
+    assert found == pytest.approx(min(pairs), abs=1e-3)
+    # Each of them alone in the plate, too: the outline by itself.
+    for k, (hole, radius) in enumerate(zip(holes, radii)):
+        alone = region.spacing([outline, hole], [outer, radius])
+        assert alone == pytest.approx(region.gap(fine[k], fine[-1]), abs=1e-3)
+    assert region.spacing([outline], [outer]) == np.inf
+    # Two circles that are nearer to each other than to all else.
+    pair = [np.array([1 + 2j]), np.array([1 + 2j + 9 * np.exp(1j * seed)])]
+    close = region.spacing([outline, *pair], [outer, 5.0, 3.0])
+    assert close == pytest.approx(1.0)
+
+
+def test_boxes_held_by_a_region_and_met_by_no_line():
+    plate = [square(10), square(4, 3 + 3j)[::-1]]
+    corners = np.array([0.5 + 0.5j, 8.5 + 0.5j, 4.5 + 4.5j, 2.5 + 0.5j, 9.5 + 9.5j, 7.5 + 7.5j])
+    boxes = corners[:, None] + square(1)
+    assert region.holds(plate, boxes).tolist() == [True, True, False, True, False, True]
+    lines = [np.array([8 + 0j, 10 + 2j]), np.array([0j, 0.6 + 0.6j])]
+    assert region.holds(plate, boxes, lines).tolist() == [False, False, False, True, False, True]
+
+
+def test_what_is_cut_away_and_which_pieces_stay():
+    (left,) = region.without([square(10)], [square(4, 8 + 3j), square(2, 4 + 4j)])
+    assert [round(signed_area(loop), 12) for loop in left] == [100 - 2 * 4, -4]
+    halves = region.without([square(10)], [np.array([-1 + 4j, 11 + 4j, 11 + 6j, -1 + 6j])])
+    assert [round(signed_area(loop), 12) for (loop,) in halves] == [40, 40]
+    cut = [np.array([5 - 1j, 5 + 11j]), np.array([-1 + 2j, 11 + 2j])]
+    for wanted, area in (
+        (lambda z: z.real < 5, 50),
+        (lambda z: z.imag > 2, 80),
+        (lambda z: (z.real < 5) & (z.imag < 2), 10),
+    ):
+        ((kept,),) = region.where(square(10), cut, wanted)
+        assert signed_area(kept) == pytest.approx(area)
+    assert region.where(square(10), cut, lambda z: z.real > 20) == []
+
+
+@pytest.mark.parametrize("tolerance", [0.5, 0.05])
+def test_a_thinned_polygon_stays_near_what_it_leaves_out(tolerance):
+    loop = disc(20.0, 1e-3)
+    few = region.thinned(loop, tolerance)
+    assert set(few.tolist()) <= set(loop.tolist()) and 3 < len(few) < len(loop) / 2
+    away = shapely.distance(shapely.LinearRing(xy(few)), shapely.points(xy(loop)))
+    assert 0.2 * tolerance < away.max() <= tolerance * (1 + 1e-9)

@@ -121,3 +121,12 @@ def test_what_cannot_be_is_refused(tmp_path, wanted, refusal):
 def test_one_that_was_not_found_cannot_be_chosen(tmp_path):
     with pytest.raises(gk.RecipeError, match="choose: found 999; give at most"):
         gk.make(recipe(rest="choose = 999"), tmp_path)
+
+
+def test_the_middle_of_the_drawing_is_that_of_the_box_round_poses_and_pins():
+    goal = recipe("poses = [[300, 0, 0], [340, 20, 30], [360, 60, 80]]")
+    off = goal.seen - goal.middle
+    for side in (off.real, off.imag):
+        assert side.max() == pytest.approx(-side.min(), rel=1e-12)
+    assert goal.extent == pytest.approx(2 * max(off.real.max(), off.imag.max()), rel=1e-12)
+    assert abs(off.real.max() - off.imag.max()) > 1

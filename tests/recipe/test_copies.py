@@ -124,6 +124,11 @@ def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases
     found = {joint: one.count for one in recipe.bought if one.name.startswith("rod") for joint in one.joints}
     assert found == rods
     assert screws(recipe) == count * screws(alone) - 2 * sum(rods.values())
+    # A joint whose rods take the place of all its screws has none of what goes with them.
+    bolted = {joint for one in recipe.bought if not one.name.startswith("rod") for joint in one.joints}
+    without = {joint for joint, cut in rods.items() if 2 * cut == count}
+    assert bolted == {joint for one in alone.bought for joint in one.joints} - without
+    assert all(one.count > 0 for one in recipe.bought)
     told = [step for step in recipe.steps if step.startswith("copies ")]
     assert len(told) == len(phases) and sum("one rod" in step for step in told) == sum(rods.values())
     # A rod goes through both stacks and what is kept free between them.

@@ -122,3 +122,23 @@ def test_what_introduces_gears_tells_their_teeth(kind, helix, words):
 def test_the_page_begins_with_it(tmp_path):
     gk.write(replace(recipe_of("spur-gear"), helix_angle_deg=20.0), tmp_path / "a.html")
     assert "<p>A helical gear with the root curve" in (tmp_path / "a.html").read_text("utf-8")
+
+
+@pytest.mark.parametrize("faces", [(6, 8, 5), (8, 5, 6), (5, 6, 8), (8, 6, 5)])
+def test_each_mesh_of_a_planetary_set_overlaps_over_the_face_that_both_have(faces):
+    stocks = "\n".join(
+        f"{name}_stock.thickness = {face}" for name, face in zip(("sun", "planet", "ring"), faces, strict=True)
+    )
+    recipe = parse(f'kind = "planetary"\nhelix_angle_deg = 20\n{stocks}\n[gears]\n{SUN}{RING}')
+    found = {
+        name: told["overlap_ratio"]
+        for name, told in recipe.notes.items()
+        if "overlap_ratio" in str(told) and "overlap_ratio" in told
+    }
+    sun, planet, ring = faces
+    # One flank is ahead of itself by so much of a pitch along the circle where it is over.
+    pitches = {
+        name: face * np.tan(np.radians(20)) / (2 * np.pi)
+        for name, face in (("sun_and_planet", min(sun, planet)), ("planet_and_ring", min(planet, ring)))
+    }
+    assert found == pytest.approx(pitches, rel=1e-8)

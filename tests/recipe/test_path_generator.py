@@ -85,6 +85,45 @@ def test_what_cannot_be_is_refused_by_its_key(tmp_path, wanted, message):
         check_recipe(gk.load(tmp_path / "a.toml"))
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,0\n" * 1002, "rows.csv has 1,002 lines; give at most 1,000 points"),
+        (f"0,{'0' * 200_000}\n", "rows.csv is not CSV .field larger than field limit.*; give a CSV file"),
+        ("x,y\n0,0\n5,-2e9\n", "row 3 of rows.csv holds 5, -2e.09; give places within 1e.09 of 0"),
+        ("0,0\n2e9,5\n", "row 2 of rows.csv holds 2e.09, 5; give places within"),
+        ("0,0\nnan,5\n", "row 2 of rows.csv holds nan, 5; give places within"),
+        ("0,0\n1,2,3\n", "row 2 of rows.csv holds '1,2,3'; give two numbers in each row: x and y in mm"),
+    ],
+)
+def test_rows_that_are_no_points_are_refused(tmp_path, text, message):
+    (tmp_path / "rows.csv").write_text(text)
+    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
+    with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
+        check_recipe(gk.load(tmp_path / "a.toml"))
+
+
+def test_as_many_rows_as_are_allowed_are_read(tmp_path):
+    (tmp_path / "rows.csv").write_text("x,y\n" + "".join(f"{k},{k % 7}\n" for k in range(1000)))
+    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
+    places = gk.load(tmp_path / "a.toml").wanted.places
+    assert places.tolist() == [complex(k, k % 7) for k in range(1000)]
+
+
+def test_the_same_name_read_from_two_folders_is_equal(tmp_path):
+    recipes = []
+    for folder in (tmp_path / "one", tmp_path / "other"):
+        folder.mkdir()
+        (folder / "rows.csv").write_text("0,0\n10,2\n20,3\n")
+        (folder / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
+        recipes.append(gk.load(folder / "a.toml"))
+    one, other = (recipe.wanted.file for recipe in recipes)
+    assert one == other and hash(one) == hash(other) and one != "rows.csv" and repr(one) == "FileName('rows.csv')"
+    (tmp_path / "one" / "more.csv").write_text("0,0\n10,2\n20,3\n")
+    (tmp_path / "one" / "b.toml").write_text('kind = "path-generator"\nwanted = { file = "more.csv" }\n')
+    assert gk.load(tmp_path / "one" / "b.toml").wanted.file != one
+
+
 def test_another_one_is_chosen_and_one_too_many_refused():
     second = gk.load(FIVE.replace("[bounds]", "[search]\nseed = 1\n[bounds]") + "").design
     assert second.linkage.crank > 0
