@@ -25,7 +25,6 @@ LOGS = {}
 BY_VELOCITY = {
     "pump-stroke": "swing and stroke end where the slider stands still",
     "wiper": "so does the rocker's swing",
-    "sieve": "how near a linkage that is iterated comes to a lock is told by its rates",
 }
 BY_ACCELERATION = {
     "centrodes": "a run ends where the instant centre's velocity does",
