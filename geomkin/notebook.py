@@ -25,8 +25,8 @@ from .gear.planetary import PlanetarySet
 from .gear.rack import RackPair
 from .gear.ring import RingGear
 from .gear.spur import SpurGear
-from .judge.gear import mesh_checks
 from .judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, linkage_checks
+from .judge.mesh import mesh_checks
 from .kinds.disk_cam import DiskCamRecipe
 from .kinds.planetary import PlanetaryRecipe
 from .kinds.single_gears import RingGearRecipe, SpurGearRecipe
@@ -41,8 +41,8 @@ from .recipe.dump import to_toml
 from .recipe.recipe import AbstractRecipe
 from .recipe.settings import Files
 from .scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
-from .scenes.gear import pair_scene
 from .scenes.linkage import linkage_scene
+from .scenes.mesh import pair_scene
 from .shop.cam import CamStock
 from .shop.gear.gears import GearStock, RingStock, gear_parts
 from .synthesis.found import Found

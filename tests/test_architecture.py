@@ -232,9 +232,9 @@ def test_help_loads_no_numpy():
 
 
 def test_a_gear_alone_loads_no_mates():
-    mates = "geomkin.gear.conjugate"
-    assert mates not in loaded_by("import geomkin.kinds.single_gears", 3)
-    assert mates in loaded_by("import geomkin.kinds.conjugate_gears", 3)
+    mates = {f"geomkin.gear.{name}" for name in ("conjugate", "pair", "planetary", "rack")}
+    assert not loaded_by("import geomkin.kinds.single_gears", 3) & mates
+    assert loaded_by("import geomkin.kinds.planetary, geomkin.kinds.conjugate_gears", 3) >= mates
 
 
 UNLOADED = {

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .conjugate.lantern import LanternPinion as LanternPinion
     from .conjugate.tables import flank_table as flank_table
     from .conjugate.tables import pin_table as pin_table
+    from .contact import contact_table as contact_table
     from .contract import AbstractGear as AbstractGear
     from .contract import AbstractInvoluteGear as AbstractInvoluteGear
     from .contract import AbstractShaper as AbstractShaper
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from .cutters import undercut_free_shift as undercut_free_shift
     from .helix import Helix as Helix
     from .measures import chord as chord
-    from .measures import contact_table as contact_table
     from .measures import over_pins as over_pins
     from .measures import span as span
     from .measures import tooth_table as tooth_table

@@ -1,4 +1,4 @@
-"""What is measured on gears: span, over pins, chord of a tooth (ISO 21771, DIN 3960); teeth and contact as tables."""
+"""What is measured on gears: span, over pins, chord of a tooth (ISO 21771, DIN 3960); teeth as a table."""
 
 from __future__ import annotations
 
@@ -16,13 +16,6 @@ from ..plane.roulettes import inverse_involute, roll_at
 from ..sizes import Length, rounded_down, rounded_up
 from ..table import Column, Table, xy_columns
 from .contract import AbstractInvoluteGear
-from .pair import GearPair
-from .rack import RackPair
-
-# Places along the path of contact: enough to draw its curves.
-ROWS = 101
-# Base pitches to either side at which other pairs of flanks are looked for: no gears have as many in contact.
-NEIGHBOURS = 9
 
 
 @dataclass(frozen=True)
@@ -175,28 +168,3 @@ def _sides(gear: AbstractInvoluteGear) -> Mapping[str, AbstractCurve]:
         return {"involute": Reversed(gear.flank), "root": Reversed(gear.root_curve)}
     sides = {"root": gear.root_curve, "involute": gear.flank}
     return sides | {"tip": gear.tip_edge} if gear.tip_edge else sides
-
-
-@checked
-def contact_table(pair: GearPair | RackPair) -> Table:
-    """Contact of one pair of flanks from its beginning to its end, sliding included."""
-    names, gear = pair.names, pair.driver
-    start, end = pair.contact_lengths
-    along = np.linspace(start, end, ROWS)
-    turn = np.degrees((along - np.sqrt(gear.pitch_radius**2 - gear.base_radius**2)) / gear.base_radius)
-    first, second = pair.sliding(along)
-    # Other pairs of flanks are whole base pitches away.
-    other = along[:, None] + gear.base_pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-    count = ((other >= start - 1e-9) & (other <= end + 1e-9)).sum(axis=1)
-    return Table(
-        (
-            Column(
-                f"{names[0]}_turn", "deg", "turn since its pitch circle's flank point was on the line of action", turn
-            ),
-            Column("along", "mm", f"place on the line of action, from the base circle of the {names[0]}", along),
-            Column(f"{names[0]}_radius", "mm", "radius of the contact", np.hypot(gear.base_radius, along)),
-            Column(f"{names[0]}_sliding", "", "specific sliding", first),
-            Column(f"{names[1]}_sliding", "", "specific sliding", second),
-            Column("pairs", "", "pairs of flanks in contact", count),
-        )
-    )

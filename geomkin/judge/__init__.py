@@ -7,11 +7,11 @@ if TYPE_CHECKING:
     from .conjugate import conjugate_checks as conjugate_checks
     from .conjugate import touch_check as touch_check
     from .gear import gear_checks as gear_checks
-    from .gear import mesh_checks as mesh_checks
-    from .gear import planetary_checks as planetary_checks
     from .linkage import collision_check as collision_check
     from .linkage import hole_check as hole_check
     from .linkage import linkage_checks as linkage_checks
+    from .mesh import mesh_checks as mesh_checks
+    from .mesh import planetary_checks as planetary_checks
 else:
     from ..lazy import attach
 

@@ -9,18 +9,19 @@ from typing import Literal
 
 from ..check import Check
 from ..errors import DesignError
+from ..gear.contact import contact_table
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.cutters import balanced_shifts, undercut_free_shift
 from ..gear.helix import Helix
-from ..gear.measures import contact_table
 from ..gear.pair import GearPair
 from ..gear.rack import GearRack, RackPair
 from ..gear.spur import SpurGear
-from ..judge.gear import gear_checks, mesh_checks
+from ..judge.gear import gear_checks
+from ..judge.mesh import mesh_checks
 from ..part import Part
 from ..recipe.settings import Files
 from ..scene import Scene
-from ..scenes.gear import pair_scene
+from ..scenes.mesh import pair_scene
 from ..shop.assembling import Assembly
 from ..shop.base import BaseStock, RackBaseStock
 from ..shop.gear.assemblies import Wheel, pair_assembly, rack_assembly

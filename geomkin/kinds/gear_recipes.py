@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -12,13 +12,15 @@ from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Hand, Helix, helix_angle
 from ..gear.measures import chord, over_pins, span
-from ..gear.pair import GearPair
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
 from ..recipe.settings import Files
 from ..sizes import WIDEST, check_sizes, entry
 from .assembled import AbstractAssembledRecipe
+
+if TYPE_CHECKING:
+    from ..gear.pair import GearPair
 
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000

@@ -14,16 +14,17 @@ from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Helix
 from ..gear.planetary import PlanetarySet
-from ..judge.gear import gear_checks, planetary_checks
+from ..judge.gear import gear_checks
+from ..judge.mesh import planetary_checks
 from ..part import Part
 from ..recipe.settings import Drive, Files
 from ..scene import Scene
-from ..scenes.gear import planetary_scene
+from ..scenes.mesh import planetary_scene
 from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
 from ..shop.gear.assemblies import planetary_assembly
-from ..shop.gear.bases import planetary_base
-from ..shop.gear.gears import GearStock, RingStock, carrier, gear_parts
+from ..shop.gear.bases import carrier, planetary_base
+from ..shop.gear.gears import GearStock, RingStock, gear_parts
 from ..sizes import entry
 from ..table import Column, Table
 from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes, shown

@@ -18,8 +18,8 @@ from ..recipe.settings import Files
 from ..scene import Scene
 from ..scenes.gear import gear_scene
 from ..shop.assembling import Assembly
-from ..shop.gear.assemblies import single_assembly
 from ..shop.gear.gears import GearStock, RingStock, gear_parts
+from ..shop.gear.single import single_assembly
 from ..sizes import entry
 from ..table import Table
 from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helix_notes

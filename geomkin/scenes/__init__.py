@@ -6,11 +6,11 @@ if TYPE_CHECKING:
     from .cam import cam_scene as cam_scene
     from .conjugate import conjugate_scene as conjugate_scene
     from .gear import gear_scene as gear_scene
-    from .gear import pair_scene as pair_scene
-    from .gear import planetary_scene as planetary_scene
     from .instant import centrodes_scene as centrodes_scene
     from .instant import inflection_scene as inflection_scene
     from .linkage import linkage_scene as linkage_scene
+    from .mesh import pair_scene as pair_scene
+    from .mesh import planetary_scene as planetary_scene
     from .vectors import force_scene as force_scene
     from .vectors import polygons_scene as polygons_scene
 else:

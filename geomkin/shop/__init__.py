@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .cam_assembly import cam_bought as cam_bought
     from .drawing import PlateStock as PlateStock
     from .drawing import engraved as engraved
+    from .gear.bases import carrier as carrier
     from .gear.bases import pair_base as pair_base
     from .gear.bases import planetary_base as planetary_base
     from .gear.bases import rack_base as rack_base
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from .gear.gears import RingStock as RingStock
     from .gear.gears import Web as Web
     from .gear.gears import base_plate as base_plate
-    from .gear.gears import carrier as carrier
     from .gear.gears import gear_parts as gear_parts
     from .linkage.stack import Stack as Stack
     from .linkage.stack import link_parts as link_parts

@@ -8,7 +8,8 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.plane import region
-from geomkin.shop.gear.gears import GearStock, RingStock, Web, base_plate, carrier, gear_parts, openings
+from geomkin.shop.gear.bases import carrier
+from geomkin.shop.gear.gears import GearStock, RingStock, Web, base_plate, gear_parts, openings
 
 
 def polygon(curve):

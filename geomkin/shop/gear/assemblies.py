@@ -13,11 +13,10 @@ from ..shafts import collar_width, pin_bill
 from .bases import RING_SCREWS
 from .gears import GearStock, RingStock
 from .mated import AbstractMated
+from .single import clear
 
 # Teeth are alike, and so are the spaces between them.
 MESH = "any tooth in any space"
-# mm between a motor's plate and a gear on its shaft: over the heads of the screws.
-HEADS = 2.0
 
 
 @dataclass(frozen=True)
@@ -27,21 +26,6 @@ class Wheel:
     name: str
     letter: str
     stock: AbstractBored | None
-
-
-def single_assembly(name: str, stock: GearStock) -> Assembly:
-    """A gear by itself, on a shaft or a motor."""
-    if not stock.bore and stock.motor is None:
-        return Assembly((), ())
-    told = Assembling(motor=stock.motor)
-    told.shaft("", name, stock, stock.thickness, 0)
-    told.tell(0, seated(name, "", stock) + _clear(stock))
-    return told.told()
-
-
-def _clear(stock: AbstractBored, plate: str = "") -> str:
-    """How far a gear is from the plate of its motor, where no other plate lies between."""
-    return "" if stock.motor is None or plate else f", {HEADS:g} mm above motor_plate, clear of the heads of its screws"
 
 
 def pair_assembly(
@@ -68,7 +52,7 @@ def pair_assembly(
             continue
         grip = (plate or 0.0) + wheel.stock.thickness
         told.shaft(wheel.letter, wheel.name, wheel.stock, grip, layer)
-        words = seated(wheel.name, wheel.letter if told.lettered else "", wheel.stock) + _clear(wheel.stock, told.plate)
+        words = seated(wheel.name, wheel.letter if told.lettered else "", wheel.stock) + clear(wheel.stock, told.plate)
         if wheel is second:
             words += ", both together" if helix.herringbone else f", in mesh with {first.name}, {MESH}"
         told.tell(layer, words)
@@ -84,7 +68,7 @@ def rack_assembly(stock: GearStock, distance: float, base: RackBaseStock | None,
     layer = told.lowest
     told.shaft("A", "pinion", stock, thick * (1 if base is None else 2), layer)
     if base is None:
-        told.tell(layer, seated("pinion", "", stock) + _clear(stock))
+        told.tell(layer, seated("pinion", "", stock) + clear(stock))
         told.tell(layer, f"lay rack in mesh with pinion, {MESH}")
         told.end(f"guide rack with its reference line {distance:.6g} mm from the axis: no plate here does")
         return told.told()
@@ -119,7 +103,7 @@ def planetary_assembly(
     turning = planet.fit == "press" or planet.across_flat is not None or bool(planet.keyway[0])
     if carried and not turning and not stands:
         told.tell(0, f"glue {_shafts(gears.planets, '')} into carrier, flush below")
-    told.tell(layer, seated("sun", on_sun, sun) + _clear(sun, told.plate))
+    told.tell(layer, seated("sun", on_sun, sun) + clear(sun, told.plate))
     if stands:
         assert base is not None
         held = f"{RING_SCREWS} screws B through it from above, a washer and a nut on each from below"
@@ -179,7 +163,7 @@ def lantern_assembly(
     told.shaft("A", "disc", stock, under + 3 * thick + PLAY, layer + 2, keys=2)
     told.buy("disc", pin_bill(pin, 3 * thick + PLAY, count))
     told.tell(layer, f"glue {count} pins into the first disc, flush below")
-    told.tell(layer, seated("it", on_disc, stock) + _clear(stock, told.plate))
+    told.tell(layer, seated("it", on_disc, stock) + clear(stock, told.plate))
     if ring:
         told.tell(layer + 1, f"lay ring round the pins, {MESH}")
     else:

@@ -1,4 +1,4 @@
-"""Bases of gears: what holds pairs, racks and planetary sets at their working distances."""
+"""Bases of gears, and carriers: what holds pairs, racks and planets at their working distances."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from ...errors import DesignError
 from ...gear.planetary import PlanetarySet
 from ...gear.rack import RackPair
 from ...part import Part
+from ...plane.curve import AbstractCurve
+from ...plane.primitives import Circle, rounded_hull
 from ...sizes import Length
 from ..base import BaseOpening, BaseStock, RackBaseStock, standing_plate
 from ..bore import bore, fits_of
@@ -131,3 +133,17 @@ def planetary_base(
     held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
     corner = complex(outer, outer)
     return held, standing_plate((-corner, corner), openings, stock, ring.thickness)
+
+
+@checked
+def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
+    """The plate that holds the planets at their distance, the sun's shaft passing its middle.
+
+    diameters: of the holes for the shafts of sun and planets, mm.
+    """
+    sun, planet = diameters
+    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
+    outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
+    holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
+    holes += [Circle(complex(z), planet / 2) for z in around if planet]
+    return Part("carrier", outline, tuple(holes), thickness, body="carrier")

@@ -13,12 +13,10 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...gear.contract import AbstractGear
 from ...gear.helix import Helix
-from ...gear.planetary import PlanetarySet
 from ...part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Polyline, rounded_hull
 from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..bore import bore
 from ..fits import AbstractBored
 
 
@@ -149,20 +147,6 @@ def base_plate(
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
     return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
-
-
-@checked
-def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
-    """The plate that holds the planets at their distance, the sun's shaft passing its middle.
-
-    diameters: of the holes for the shafts of sun and planets, mm.
-    """
-    sun, planet = diameters
-    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
-    outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
-    holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
-    holes += [Circle(complex(z), planet / 2) for z in around if planet]
-    return Part("carrier", outline, tuple(holes), thickness, body="carrier")
 
 
 def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tuple[AbstractCurve, ...]:
