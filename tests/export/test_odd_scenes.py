@@ -73,6 +73,13 @@ def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
             cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 3e-4, 0.005, 0.01, 0.02, 0.3, 1.0, 7.0, 2e4])
+def test_files_carry_as_few_decimals_as_tell_a_ten_thousandth_of_the_tolerance(tolerance):
+    last = 10.0 ** -decimals(tolerance)
+    assert last <= 1e-4 * tolerance * (1 + 1e-12) or decimals(tolerance) == 0
+    assert 10 * last > 1e-4 * tolerance * (1 + 1e-12)
+
+
 def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):
     job = Job("twins", Loose((plate(0j), plate(3j))), 0.01)
     from geomkin.export.step import write
