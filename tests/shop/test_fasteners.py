@@ -9,6 +9,8 @@ import pytest
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.shop.fasteners import LENGTHS, SIZES, Fastener, fastener_of
+from geomkin.shop.linkage import stack
+from geomkin.shop.linkage.heads import placed
 from geomkin.shop.linkage.plates import assemble
 from geomkin.shop.linkage.stack import link_parts, stack_links
 from geomkin.shop.linkage.stock import LinkStock
@@ -78,6 +80,29 @@ def test_no_head_meets_anything(name):
     stack = stack_links(motion, STOCK)
     looked = gk.move(linkage, np.linspace(0, 2 * np.pi, 541), branch)
     assert bool(hits(looked, stack, STOCK)) == bool(stack.collisions)
+
+
+def test_layers_hold_the_heads_that_reach_into_them(monkeypatch):
+    """By places looked at in each layer, of every joint but one that stands out by a hair alone."""
+    made, real = [], stack.Heads
+    monkeypatch.setattr(stack, "Heads", lambda *given: made.append(real(*given)) or made[-1])
+    for linkage, branch, *_ in list(BUILDABLE.values())[:6]:
+        stack_links(gk.move(linkage, TURN, branch), STOCK)
+    seen, shares = set(), np.linspace(0.01, 0.99, 99)
+    for heads in made:
+        places = placed(heads.gaps())
+        for layer in range(-2, places[-1] + 4):
+            reaching = set()
+            for reach in heads.reaches:
+                low, high = places[reach.first], places[reach.last] + 1
+                head, nut = (end / STOCK.thickness for end in STOCK.fastener_used.ends((high - low) * STOCK.thickness))
+                below, above = (nut, head) if reach.first == 0 else (head, nut)
+                for side, start, end in (("below", low - below, low), ("above", high, high + above)):
+                    if ((start < layer + shares) & (layer + shares < end)).any():
+                        reaching.add(reach.pin.name)
+                        seen.add(side)
+            assert {pin.name for pin in heads._heads_in(places, layer)} == reaching
+    assert seen == {"below", "above"}
 
 
 def test_the_look_would_see_a_head():

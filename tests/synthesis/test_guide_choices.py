@@ -6,6 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis import body_guides, circle_of_sliders, dyads_through, image_poles, poles
 from geomkin.synthesis.guidance.displacement_poles import SliderCircle
+from geomkin.synthesis.guidance.guide_search import rail_of
 from tests.synthesis.test_guidance import KNOWN, THREE, check, has, poses_of
 
 DRIVE = np.array([0.4, 0.8, 1.2, 1.7, 2.1, 2.6, 3.0])
@@ -145,3 +146,12 @@ def test_time_that_is_too_short_is_told_as_such():
     assert has(body_guides(poses_of(KNOWN, DRIVE[:5]), seconds=0), KNOWN, DRIVE[:5])
     with pytest.raises(gk.DesignError, match="poses: found no four-bar through them that keeps the limits"):
         body_guides(poses, "four-bar", least_transmission_angle_deg=89, largest_ratio=1.01, region=(0j, 1 + 1j))
+
+
+def test_the_direction_of_a_rail_is_to_the_right_or_up():
+    ahead = np.exp(1j * np.linspace(-np.pi, np.pi, 25))
+    ahead = np.append(ahead, [1, -1, 1j, -1j])
+    for shares in ([0, 1, 3], [3, 1, 0], [1, 3, 0]):
+        way = rail_of(np.multiply.outer(shares, ahead) + 5 - 2j)
+        assert np.abs(way) == pytest.approx(1) and (way / ahead).imag == pytest.approx(0, abs=1e-12)
+        assert ((way.real > -1e-12) & ((np.abs(way.real) > 1e-12) | (way.imag > 0))).all()

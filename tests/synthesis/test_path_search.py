@@ -14,6 +14,7 @@ from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import PathTask
 from geomkin.synthesis.path.least_squares import Linearised, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
+from geomkin.synthesis.path.path import _turns
 from geomkin.synthesis.path.starts import loop, short_tour
 from geomkin.synthesis.path.way import way_through
 from tests.synthesis.test_nine_points import DRIVE, KNOWN, NO_KEYS, POINTS, SEEN, SIZE, THREE
@@ -330,3 +331,11 @@ def test_straight_least_squares_are_had_in_few_steps(local, reach):
     assert (np.abs(x) <= reach).all() and (reach == 100) != (np.abs(x) == reach).any()
     assert sums == pytest.approx([task.least(one, -reach, reach) for one in range(4)], rel=1e-9)
     assert task(np.arange(4), x, t).sums == pytest.approx(sums) and not start[0].any() and not start[1].any()
+
+
+def test_cranks_may_be_told_in_steps_of_less_than_a_degree_and_in_either_sense():
+    for sense in (1, -1):
+        told = 200 + sense * np.array([0, 0.5, 0.8, 1.7])
+        assert np.degrees(_turns(told, 4)) == pytest.approx(told - 200, abs=1e-12)
+        with pytest.raises(gk.DesignError, match="neither all rise nor all fall"):
+            _turns(np.array([0, 0.5, 0.4]) * sense, 3)

@@ -93,6 +93,15 @@ def test_what_a_cell_is_told_to_do():
         assert answered(digits) == told, row
 
 
+def test_small_and_large_modules_are_as_far_off_as_is_told():
+    far = {"module over 2 mm": lambda module: module / 2, "2 mm over the module": lambda module: 2 / module}
+    cells = [cell for cell in CELLS if cell.distance in far and cell.result == "form radius"]
+    assert {cell.distance for cell in cells} == set(far)
+    for cell in cells:
+        for x in (1e-1, 3e-6):
+            assert far[cell.distance](cell.sizes(x)[1]) == pytest.approx(x)
+
+
 def test_the_file_holds_a_row_for_each_cell():
     cells = [cell for cell in CELLS if cell.family in ("poles", "instant centre") or cell.place == "small sizes"][:3]
     found = Stability(tuple((measured(cell, 1e-2), measured(cell, 1e-14)) for cell in cells))
