@@ -341,3 +341,9 @@ def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
             assert told.startswith(" It takes long, and a quick chart leaves it out.</dd>" if method.slow else "</dd>")
     readme = (KEPT.parents[2] / "README.md").read_text("utf-8")
     assert [name for name in FAMILIES if f"`{name}`" not in readme] == []
+
+
+def test_what_is_made_one_at_a_time_is_timed_one_by_one():
+    single = {"file", "profile", "curve", "space", "side of a tooth"}
+    found = {family.per: family.count(None, None) for family in FAMILIES.values() if family.per in single}
+    assert found == dict.fromkeys(single, 1)
