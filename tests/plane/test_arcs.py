@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.arcs import to_arcs
+from geomkin.plane.arcs import _merge, to_arcs
 from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
@@ -199,3 +199,14 @@ def test_a_tolerance_is_a_distance(tolerance):
     with pytest.raises(DesignError) as refusal:
         to_arcs(Circle(0j, 1.0), tolerance)
     assert refusal.value.field == "tolerance"
+
+
+@pytest.mark.parametrize("sweeps", [(1.0, 0.3), (0.3, 1.0, 0.2), (-0.4, -0.1), (1.0, 0.3, -0.5)])
+def test_neighbours_of_one_circle_become_one_arc_however_long_they_are(sweeps):
+    ends = 10 * np.exp(1j * np.cumsum([0, *sweeps]))
+    z, bulges = _merge(ends, np.tan(np.array(sweeps) / 4))
+    # What turns back stays apart.
+    ahead = [sweep for sweep in sweeps if sweep * sweeps[0] > 0]
+    told = [sum(ahead), *(sweep for sweep in sweeps if sweep * sweeps[0] < 0)]
+    assert 4 * np.arctan(bulges) == pytest.approx(told)
+    assert z == pytest.approx(10 * np.exp(1j * np.cumsum([0, *told])))
