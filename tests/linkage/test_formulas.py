@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.linkage.solve import program, solution, worked
 from tests.linkage.exact import four_bar
-from tests.linkage.examples import ALL, FOUR_BAR, walking_leg
+from tests.linkage.examples import ALL, FOUR_BAR, locked, walking_leg
 
 NEVER = 10**18
 
@@ -238,3 +238,12 @@ def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
         for body in ("coupler", "rocker"):
             assert moved.bodies[body].direction == pytest.approx(wanted.bodies[body].direction, abs=1e-12)
             assert moved.bodies[body].first == pytest.approx(wanted.bodies[body].first, abs=1e-12)
+    # One set of formulas for each branch told by its sign, and by its place, however often it is moved.
+    assert len(linkage.formulas) == 4
+
+
+def test_loops_told_by_places_leave_nothing_behind():
+    loops, drive = locked()
+    for k in range(3):
+        assert gk.move(loops, drive, {"B": complex(loops.estimate["B"]) + 1e-9 * k}).closed.any()
+    assert len(loops.formulas) == 0

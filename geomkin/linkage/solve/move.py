@@ -14,6 +14,7 @@ from ..motion import Motion
 from .branch import Branch, Chosen, chosen
 from .dyads import Dyad
 from .formulas import Timing
+from .loops import Loops
 from .placement import Placement
 from .plan import plan
 from .solution import LinkageSolution
@@ -63,6 +64,9 @@ def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
 def _planned(linkage: Linkage, asked: Chosen) -> tuple[Placement, ...]:
     told = replace(linkage, estimate={**linkage.estimate, **asked.near}) if asked.near else linkage
     placements = plan(told, asked.follow)
+    if asked.near and not any(isinstance(one, Loops) for one in placements):
+        # Only what is iterated starts from places. Any other plan is the linkage's own, by which its formulas are kept.
+        placements = plan(linkage, asked.follow)
     if asked.signs or asked.near:
         asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
     return placements

@@ -218,6 +218,9 @@ class LinkageSolution:
         key = self.placements, timing.steady, timing.speed.ndim, asked.default, *signs
         formulas = written.get(key, 0)
         if isinstance(formulas, int):
+            if asked.near and not tell_all(self.placements, self._range.branches):
+                # Its placements are its own: what is counted for them is never asked for again.
+                return None
             written[key] = moved = formulas + len(self.drive) * prod(self.linkage.shape) + MOVING
             if moved < WORTH or not tell_all(self.placements, self._range.branches):
                 return None
