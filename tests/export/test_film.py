@@ -1,6 +1,7 @@
 """Pictures of scenes made by hand, read back: what comes and goes, grows and shrinks, and leaves a trail."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import geomkin as gk
 from geomkin.export.animation import _run, animation
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
+from geomkin.export.still import Still
 from geomkin.scene import Scene, SceneBody, SceneMark
 from geomkin.table import Column, Table
 from tests.export.stills import SPACE, loops, motions, pose_at, root_of
@@ -163,3 +165,10 @@ def test_what_stays_on_a_body_goes_with_it_and_turns_with_it():
             assert np.abs(np.angle(seen / mark.direction)).max() < 0.02, mark.label
     # What stays where it is on the plate follows the plate's own motion, and has none besides.
     assert len(motions(root)) == 3
+
+
+def test_a_trail_has_every_stretch_of_two_frames_and_more():
+    place = np.array([0, 1, np.nan, 2, np.nan, np.nan, 3, 4, 5]) + 1j
+    mark = SceneMark("point", place, "construction", "tip")
+    nine = SimpleNamespace(scene=SimpleNamespace(time=np.arange(9.0)))
+    assert [run.real.tolist() for run in Still.trail_runs(nine, mark)] == [[0, 1], [3, 4, 5]]

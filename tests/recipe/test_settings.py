@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+import geomkin as gk
 from geomkin.kinds import KINDS
-from geomkin.recipe.settings import Turn
+from geomkin.recipe.settings import Stroke, Turn
 from tests.texts import parse, template_of
 
 TURNING = [name for name in KINDS if "# end_deg = 360 " in template_of(name)]
@@ -36,3 +37,10 @@ def test_what_looks_like_radians(start, end, meant):
 @pytest.mark.parametrize("way", [360, 180, 90, 1, 2, 3, 6, 6.25, 6.3, 12.5, 1.5, 3.1, 0.01, 45, 314, 157, 628])
 def test_what_is_meant_in_degrees(way):
     assert Turn(start_deg=10, end_deg=10 + way).checks == ()
+
+
+def test_a_stroke_ends_beyond_its_start():
+    assert Stroke(start=70, end=70.001).end == 70.001
+    for end in (70, 69.999):
+        with pytest.raises(gk.DesignError, match="give more than 70, the start"):
+            Stroke(start=70, end=end)

@@ -163,3 +163,20 @@ def test_no_force_has_no_arrow_and_any_other_is_drawn_at_one_scale():
     assert one.vector[-1] / other.vector[-1] == pytest.approx(-2j) and np.isnan(one.vector[3])
     low, high = plain.box
     assert 0.1 < np.nanmax(np.abs(one.vector)) / abs(high - low) < 1
+
+
+@pytest.mark.parametrize("name", ["straight-sided", "point-tooth", "straight-sided-ring"])
+def test_a_conjugate_pair_slides_as_its_table_says(name):
+    scene, table = recipe(name).scene, recipe(name).table
+    heads = ("pressure_angle_deg", "sliding_mm_per_rad")
+    rows = ({column.header: column.values for column in one.columns} for one in (scene.table, table))
+    shown, told = (np.stack([one[head] for head in heads]) for one in rows)
+    shown, told = (both[:, np.isfinite(both).all(axis=0)] for both in (shown, told))
+    size = np.ptp(told, axis=1)[:, None]
+    nearest = np.abs((shown[:, :, None] - told[:, None]) / size[:, None]).max(axis=0).min(axis=1)
+    assert nearest.max() < 0.03 and np.ptp(shown[1]) > 0.3 * size[1, 0]
+
+
+def test_wanted_points_are_named_once():
+    wanted = [curve.label for curve in recipe("path-generator").scene.curves if curve.role == "wanted"]
+    assert len(wanted) > 2 and sorted(wanted)[-2:] == ["", "wanted points"]
