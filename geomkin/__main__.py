@@ -36,6 +36,12 @@ def main() -> None:
         # What is refused on purpose is told elsewhere; this is ours to mend, and a traceback helps no user.
         fault = harmless(f"{type(error).__name__}: {error}")
         sys.exit(f"geomkin failed by a fault of its own ({fault}); please report the recipe")
+    finally:
+        import gc
+
+        # The interpreter looks once more through all objects for rings of them when it ends: a tenth of a short run,
+        # for memory that goes with the process.
+        gc.freeze()
 
 
 def _calm() -> None:

@@ -44,6 +44,7 @@ def left(monkeypatch, capsys):
     yield call
     signal.signal(signal.SIGINT, handler)
     gc.set_threshold(*often)
+    gc.unfreeze()
 
 
 @pytest.mark.parametrize(
