@@ -5,13 +5,14 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import checked
 from ..brief import one_line
+from ..cached import cached_property
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole, dot

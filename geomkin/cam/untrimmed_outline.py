@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from ..cached import cached_property
 from ..plane.curve import AbstractCurve, Stretch, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Pose, Real, Whole, cross

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Protocol
 
 from ..brief import one_line
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..part import Bought, Part

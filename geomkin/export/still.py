@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 
 from ..arguments import Count, between, checked, whole_between
+from ..cached import cached_property
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring

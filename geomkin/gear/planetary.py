@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ..arguments import NUMBER, RealsOrNan, checked, refused
 from ..brief import one_line
+from ..cached import cached_property
 from ..display import moving
 from ..errors import DesignError
 from ..plane.vec import Pose, Real

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError
 from ..plane.joined import Ring
 from ..plane.vec import Pose, Real

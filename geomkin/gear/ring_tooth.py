@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..brief import one_line
+from ..cached import cached_property
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real

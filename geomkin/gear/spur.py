@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Annotated, Literal, NoReturn
 
 import numpy as np
 
 from ..arguments import NUMBER, Sort
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError
 from ..plane.joined import Ring
 from ..plane.primitives import Polyline

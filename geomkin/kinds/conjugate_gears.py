@@ -6,11 +6,11 @@ import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..gear.conjugate.conjugate import Conjugate, conjugate

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import SAME_CURVE, collision_check, reached

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..cam.base_circle import least_base_circle
 from ..cam.cam import Cam
 from ..cam.followers.follower import FOLLOWERS

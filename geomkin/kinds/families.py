@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..cached import cached_property
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG
 from ..plane.vec import Real, rounded

@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..cam.program.segments import Rows
 from ..check import Check
 from ..errors import DesignError

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..gear.contact import contact_table

@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..linkage.bars import FourBar

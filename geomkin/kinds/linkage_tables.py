@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..linkage.motion import Motion

@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..check import Check
 from ..errors import DesignError
 from ..linkage.coupler_curve import CouplerCurve

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
+from ..cached import cached_property
 from ..check import Check
 from ..gear.cutters import undercut_free_shift
 from ..gear.measures import tooth_table

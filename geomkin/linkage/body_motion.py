@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from ..brief import one_line, short
+from ..cached import cached_property
 from ..plane.vec import Complex, Real
 from .solve.formulas import Timing, first_of, second_of
 from .solve.solution import LinkageSolution

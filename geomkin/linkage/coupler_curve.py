@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Points, Reals, check_fields, checked
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError, shown
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross, unit

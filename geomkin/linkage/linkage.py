@@ -5,13 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from ..arguments import Place, Sort, check_fields, is_place
 from ..brief import LONGEST, one_line
+from ..cached import cached_property
 from ..display import moving
 from ..errors import DesignError, shown
 from ..names import check_names

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from ..arguments import checked
 from ..brief import clipped, short
+from ..cached import cached_property
 from ..display import moving
 from ..errors import DesignError
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot

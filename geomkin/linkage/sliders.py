@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
 
+from ..cached import cached_property
 from ..errors import DesignError
 from ..sizes import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
 from .linkage import AbstractLinkage, Linkage, Slider

@@ -6,11 +6,11 @@ import copy
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any, ClassVar, Self
 
 from ..arguments import checked
 from ..brief import one_line
+from ..cached import cached_property
 from ..check import Check
 from ..display import moving
 from ..part import Bought, Part

@@ -6,7 +6,6 @@ import os
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 from .. import __version__
 from ..arguments import Extended, checked
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError, shown
 from ..plane.vec import Mask
 from ..progress import Watch

@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
-from functools import cached_property
 from html import escape
 
 import numpy as np
 
 from ..arguments import Reals, checked
 from ..brief import one_line
+from ..cached import cached_property
 from ..errors import DesignError
 from .breaking import cams, gears, instants, linkages, poses
 from .cell import ANSWERS, Cell, Digits, answered, measured

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from ...beside import text_beside
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError, printable, shown
 from ...plane.vec import Real, Whole
 from ...sizes import FARTHEST

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError, shown
 from ...plane.vec import Real, Whole
 from .given_lifts import TableFit

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve, Stretch
 from ...plane.flatten import smooth_runs

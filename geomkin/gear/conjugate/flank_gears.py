@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 
 from ...arguments import checked
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve, Moved
 from ...plane.flatten import flatten

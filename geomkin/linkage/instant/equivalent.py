@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from ...arguments import Place, check_fields
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.vec import Complex, Real, dot, unit
 from ..linkage import Linkage, Slider

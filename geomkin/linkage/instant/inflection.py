@@ -13,13 +13,13 @@ their vector product, at infinity too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import Places, checked
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.vec import Complex, Real, cross, dot, unit
 from ..motion import Motion

@@ -10,12 +10,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad

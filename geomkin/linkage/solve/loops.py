@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage

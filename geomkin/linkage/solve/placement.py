@@ -9,12 +9,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
 from ..solve import tape
 from .tape import Recorded

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from math import prod
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch

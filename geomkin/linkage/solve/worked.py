@@ -17,6 +17,7 @@ WORTH_LOADED, WORTH_LOADING = 200_000, 1_000_000_000
 # Frames of one linkage up to which what was asked for the last time comes with what is asked for first. More, and what
 # is not asked for this time takes time and room; fewer, and what several results go on from is worked out for each.
 USUAL = 16_384
+COMPILED = f"{__package__}.compiled"
 
 
 class Worked:
@@ -70,7 +71,7 @@ class Worked:
 def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
     """Run a program by the engine that is done with it first."""
     work = len(program.calls) * frames * prod(linkages)
-    loaded = f"{__package__}.compiled" in sys.modules
+    loaded = COMPILED in sys.modules
     if work >= (WORTH_LOADED if loaded else WORTH_LOADING) and find_spec("numba"):
         from ..solve import compiled
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
+from ...cached import cached_property
 from ...plane.vec import Complex
 from .layers import Meetings, Run, runs
 from .near import Pair, meeting

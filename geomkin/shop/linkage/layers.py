@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations, compress
 
 import numpy as np
 
+from ...cached import cached_property
 from ...linkage.motion import Motion
 from ...plane.vec import Mask, Whole
 from .near import Pair, meeting

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
+from ...cached import cached_property
 from ...errors import DesignError
 from ...linkage.motion import Motion
 from ...plane.hulls import separation

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 from string import ascii_uppercase
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from ...arguments import checked
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...linkage.motion import Motion
 from ...part import Bought, Part

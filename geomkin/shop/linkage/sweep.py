@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from ...cached import cached_property
 from ...linkage.motion import Motion
 from ...plane.hulls import separation
 from ...plane.vec import Array, Complex, Real, Whole, dot

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...arguments import Reals, Sort, check_fields, checked
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError, shown
 from ...plane.vec import Real
 

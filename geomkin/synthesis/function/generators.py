@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
+from ...cached import cached_property
 from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Mask, Real
 from .minimax import AbstractTask

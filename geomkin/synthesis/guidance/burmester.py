@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import permutations
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...arguments import Positive, check_fields, checked
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Mask, Real

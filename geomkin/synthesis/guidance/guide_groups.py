@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...progress import Watch
 from .dyads import Dyads, dyads_through

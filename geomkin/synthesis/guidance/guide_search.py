@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...plane.vec import Complex, Mask, Real, cross, unit
 from ...progress import Watch
 from .guides import AbstractGuides, guides_of, usable

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...linkage.bars import FourBar
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.sliders import EllipticTrammel, SliderCrank

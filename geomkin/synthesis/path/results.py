@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from ...brief import one_line
+from ...cached import cached_property
 from ...errors import DesignError
 from ...linkage.bars import FourBar
 from ...linkage.cognate_linkages import Cognate, cognates
