@@ -37,6 +37,9 @@ NEAR_ENOUGH, SLOW = 1e-5, 1e-3
 CLOSE, HALVINGS = 1e-9, 30
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
+# Newton's next step is taken for as many times the square of the last one at least: more, and steps that have converged
+# are looked at once more; less, and one that only happened to be short passes for converged.
+SQUARED = 100.0
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
 MOST = 12_000
 # Where Newton's whole steps begin, as a share of the linkage's size: nearer, each squares what is missed. Larger, and
@@ -122,9 +125,13 @@ def polished(equations: Equations, points: Real, told: tuple[Real, Real] | None 
         size, missed[moving] = np.abs(step).max(axis=1), np.abs(value).max(axis=1)
         # Steps that no longer shrink are rounding and would go on to the last. Close to a limit they only halve.
         on = np.isfinite(size) & ((size < 0.9 * last) | (missed[moving] > 1e-12))
-        moving, size = moving[on], size[on]
+        moving, size, last = moving[on], size[on], last[on]
         points[moving, :-1] -= step[on]
-        rough = size > 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
+        # As many times its square as this step is of the one before, or more, will the next one be.
+        left = np.maximum(size / last**2, SQUARED) * size**2
+        rounding = 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
+        missed[moving[left <= rounding]] = 0.0
+        rough = left > rounding
         moving, last = moving[rough], size[rough]
         if not moving.size:
             break
@@ -167,7 +174,8 @@ class Trace:
         # At a limit of a dyad before the loops no direction is known: there the path ends both ways.
         along = np.linalg.svd(slopes[0])[2][-1] if np.isfinite(slopes).all() else np.zeros(len(start))
         along = along * np.copysign(1.0, along[-1])
-        self._arms = [_Arm(equations, start, slopes[0], way * along, way) for way in (-1, 1)]
+        side = _side(slopes[0], along)
+        self._arms = [_Arm(equations, start, way * side, way * along, way) for way in (-1, 1)]
 
     def at(self, drive: Real) -> Real:
         """Unknowns, (frames, n), at drives (frames,); nan beyond the limits."""
@@ -185,10 +193,10 @@ class Trace:
 class _Arm:
     """One way along the path, `way` +1 with rising drives: points, and the unit directions of the path there."""
 
-    def __init__(self, equations: Equations, start: Real, slopes: Real, along: Real, way: int):
+    def __init__(self, equations: Equations, start: Real, side: float, along: Real, way: int):
         self.points, self.ways, self.way = [start], [along], way
         self._equations = equations
-        self._side = _side(slopes, along)
+        self._side = side
         self._step = LONGEST
         # How fast the path turned in the last step, square to it.
         self._bend = np.zeros(len(start))

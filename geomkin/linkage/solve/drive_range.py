@@ -57,7 +57,7 @@ class DriveRange:
 
     def _at(self, q: Real) -> Poses:
         """Drives against all linkages, with nothing placed but the fixed body."""
-        column = q.reshape(-1, *(1,) * len(self.linkages))
+        column = q.reshape(-1, *(1,) * len(self.linkages)) if self.linkages else q
         return Poses({self.linkage.ground: ORIGIN}, {self.linkage.ground: AHEAD}, column, {}, self._before_loops)
 
     def _posed(self, p: Poses, placements: Sequence[Placement]) -> Poses:
