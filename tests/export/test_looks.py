@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.export.animation import animation
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
 from geomkin.export.names_beside import stand
@@ -251,6 +252,60 @@ def test_how_far_a_body_reaches_is_that_of_its_farthest_part():
     reach = {item.body: item.reach for item in items(still) if item.body}
     assert reach["two"] == pytest.approx(70, rel=2e-3) and reach["one"] == pytest.approx(200**0.5)
     assert reach["none"] == pytest.approx(0.1 * still.size)
+
+
+@pytest.mark.parametrize("sort", ["vector", "circle"])
+def test_what_grows_from_nothing_is_drawn_in_its_usual_size_and_seen_so_without_motion(sort):
+    sizes = np.array([0, 0, 0, 0, 0, 0, 20.0, 30.0, 40.0])
+    how = {"radius": sizes} if sort == "circle" else {"vector": sizes * np.exp(0.1j * np.arange(FRAMES))}
+    mark = SceneMark(sort, ALONG * 1j, "contact", "grown", **how)
+    scene = scene_of(mark, bodies=[body(plate())])
+    for frame in (6, 8):
+        root = root_of(animation(Job("film", Loose((), scene.table, scene), 0.01, assembly_at=10.0 * frame)))
+        (one,) = [one for one in root.iter() if "contact" in one.get("class", "")]
+        (group,) = [group for group in root.iter(f"{SPACE}g") if one in list(group)]
+        usual = float(one.get("r") or numbers(one.get("d"))[2])
+        there = placed(group.get("transform"))
+        assert 20 <= usual <= 40 and there(0) == pytest.approx(10j * frame)
+        tip = sizes[frame] * (np.exp(0.1j * frame) if sort == "vector" else 1)
+        assert there(usual) - there(0) == pytest.approx(tip, abs=0.02)
+    gone = SceneMark(
+        sort, ALONG * 1j, "contact", "gone", **({"radius": 0 * sizes} if sort == "circle" else {"vector": 0j * sizes})
+    )
+    scene = scene_of(gone, bodies=[body(plate())])
+    for write in (animation, assembly):
+        root = root_of(write(Job("film", Loose((), scene.table, scene), 0.01)))
+        assert not [one for one in root.iter() if "contact" in one.get("class", "")]
+
+
+def test_what_has_no_name_has_no_title_and_what_shows_nothing_is_not_drawn():
+    marks = pin(30 + 30j, ""), SceneMark("point", ONE * 50, "wanted", "")
+    root = still_of(*marks, bodies=[body(plate()), body(None, "bare")])
+    assert [one.text for one in root.iter(f"{SPACE}title")] == ["still, assembled", "plate"]
+    assert all(len(group) for group in root.iter(f"{SPACE}g"))
+
+
+def test_a_scene_that_shows_nothing_is_as_large_as_a_millimetre_to_each_side():
+    still = Still(scene_of(), np.array([0]))
+    assert still.bounds == (-1 - 1j, 1 + 1j) and still.size == 1
+    root = still_of()
+    assert all(float(one) > 0 for one in root.get("viewBox").split()[2:])
+
+
+def test_names_at_the_edge_have_room_for_all_their_letters():
+    """A point at each corner, whose name stands outward of it."""
+    corners = {"first one": 0j, "second one": 420 + 0j, "third one": 420 + 200j, "fourth one": 200j}
+    root = still_of(*(SceneMark("point", ONE * z, "wanted", name) for name, z in corners.items()))
+    still = Still(
+        scene_of(*(SceneMark("point", ONE * z, "wanted", name) for name, z in corners.items())), np.array([0])
+    )
+    ends = np.array([(n.place - n.half, n.place + n.half) for n in stand(still)])
+    left, top, wide, high = map(float, root.get("viewBox").split())
+    low, most = min(ends.real.min(), 0.0), max(ends.real.max(), 420.0)
+    assert (left, left + wide) == pytest.approx((low - 14, most + 14), abs=0.06)
+    assert (-top, -top - high) == pytest.approx(
+        (max(ends.imag.max(), 200) + 14, min(ends.imag.min(), 0) - 14 - 22), abs=0.06
+    )
 
 
 def test_a_trail_of_what_slides_is_in_36_dashes():

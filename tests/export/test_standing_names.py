@@ -194,6 +194,62 @@ def test_lines_are_named_at_their_middle_and_points_beside_them():
     assert stand(still) == ()
 
 
+SIDES = [45, 135, -45, -135, 0, 180, 90, -90]
+
+
+@pytest.mark.parametrize("taken", range(2 * len(SIDES)))
+def test_a_point_s_name_takes_the_first_of_its_sides_that_is_free(taken):
+    """Each side that comes before is taken by a pin in the middle of where the name would be."""
+    dot = 210 + 90j
+    point = SceneMark("point", ONE * dot, "wanted", "a")
+    pins, near = [], []
+    for _ in range(taken + 1):
+        near.append(names_of(point, *pins)["a"])
+        pins.append(SceneMark("pin", ONE * near[-1].place, "construction", ""))
+    assert len({complex(np.round(name.place, 3)) for name in near}) == taken + 1
+    name, side = near[-1], np.exp(1j * np.radians(SIDES[taken % len(SIDES)]))
+    assert box(name).distance(shapely.Point(210, 90)) > 0.7 * TALL
+    if taken < len(SIDES):
+        # From the corner or the middle of the side that is nearest it is in that direction, as far as three quarters of
+        # a letter's height.
+        corner = name.place - complex(
+            np.sign(round(side.real, 9)) * name.half.real, np.sign(round(side.imag, 9)) * name.half.imag
+        )
+        assert corner - dot == pytest.approx(0.75 * TALL * side)
+    else:
+        # Farther off, on the same side of the point.
+        inner = near[taken - len(SIDES)]
+        assert abs(name.place - dot) > abs(inner.place - dot) + 0.8 * TALL
+        assert abs(np.angle((name.place - dot) / (inner.place - dot))) < 0.3
+
+
+def test_a_block_s_name_is_below_or_above_it_then_beside_it_then_farther_off():
+    slide, rod = SceneMark("slide", ONE * (200 + 90j), "construction", "way", direction=ONE), body("rod", at=200 + 90j)
+    pins, places = [], []
+    for _ in range(6):
+        places.append(names_of(slide, *pins, bodies=[rod])["rod"].place - (200 + 90j))
+        pins.append(SceneMark("pin", ONE * (places[-1] + 200 + 90j), "construction", ""))
+    aside = half_size("rod", TALL).real + 1.2 * TALL
+    assert places == pytest.approx([-1.6j * TALL, 1.6j * TALL, aside, -aside, -2.8j * TALL, 2.8j * TALL])
+
+
+def test_a_line_s_name_moves_along_it_and_then_aside():
+    line = SceneMark("line", ONE * (10 + 90j), "construction", "ab", vector=ONE * 400)
+    pins, places = [], []
+    for _ in range(25):
+        places.append(names_of(line, *pins)["ab"].place)
+        pins.append(SceneMark("pin", ONE * places[-1], "construction", ""))
+    along, beside = np.real(places) - 10, np.imag(places) - 90
+    aside = half_size("ab", TALL).real + 0.5 * TALL
+    assert along[:3] == pytest.approx([200, 140, 260]) and (beside[:3] == 0).all()
+    wanted = [
+        400 * share + step
+        for step in (0, aside, -aside, 1.7j * TALL, -1.7j * TALL)
+        for share in (0.5, 0.35, 0.65, 0.2, 0.8)
+    ]
+    assert np.sort_complex(np.round(along + 1j * beside, 6)) == pytest.approx(np.sort_complex(np.round(wanted, 6)))
+
+
 def test_letters_that_fill_a_square_are_twice_as_wide():
     assert half_size("ab", 10.0) == pytest.approx(5.2 + 5j)
     assert half_size("a\u6f22\uff21", 10.0) == pytest.approx(12.6 + 5j)
