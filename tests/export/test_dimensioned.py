@@ -17,7 +17,7 @@ from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
 from geomkin.export.dimensioned import drawing, scale_told
-from geomkin.export.job import Job
+from geomkin.export.job import Job, Loose
 from geomkin.export.sheet_dxf import sheet as sheet_dxf
 from geomkin.plane.primitives import Circle
 
@@ -297,3 +297,27 @@ base = {}
     apart = abs(circles[22.2] - circles[8.2])
     assert recipe.design.centre_distance == pytest.approx(58) and apart == pytest.approx(58, abs=1e-4)
     assert "58" in texts or "A to B: 58" in texts
+
+
+@pytest.mark.parametrize("size", [0.2, 1.0, 7.0])
+def test_every_size_stands_at_a_line_as_long_as_it_says(size):
+    """Lengths at the drawing's scale: larger than the part, as large, and smaller."""
+    outline = gk.plane.Polyline(size * np.array([-20 - 15j, 90 - 15j, 90 + 45j, -20 + 45j]))
+    holes = tuple(Circle(size * z, 3.0 * size) for z in (10 + 0j, 70 + 0j, 70 + 30j))
+    made = drawing(Job("plate", Loose((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
+    (scale,) = [re.search(r"scale (.+):(.+)", t.text).groups() for t in made.texts if "scale" in t.text]
+    scale = float(scale[0]) / float(scale[1])
+    assert {0.2: scale > 1, 1.0: scale == 1, 7.0: scale < 1}[size]
+    lines = [np.asarray(shape.vertices) for layer, shape in made.shapes if layer == "DIM" and not shape.closed]
+    told = [text for text in made.texts if text.layer == "DIM"]
+    assert sorted(float(text.text) for text in told) == pytest.approx(sorted([110 * size, 60 * size, 60 * size]))
+    for text in told:
+        at = [line for line in lines if abs(line.mean() - text.place) < 12]
+        assert any(abs(abs(line[1] - line[0]) - scale * float(text.text)) < 1e-3 for line in at)
+    # Those of holes begin and end over them: of circles on paper, by their middles.
+    middles = np.array([shape.centre for layer, shape in made.shapes if layer == "PART" and isinstance(shape, Circle)])
+    above = [line for line in lines if line.imag.min() > middles.imag.max() and np.ptp(line.imag) == 0]
+    (level,) = [line for line in above if np.ptp(line.real) == pytest.approx(60 * size * scale)]
+    assert np.sort(level.real) == pytest.approx(np.unique(np.round(middles.real, 6)), abs=1e-3)
+    corner = [t.text for t in made.texts if t.text.startswith("hole 1 to hole 3")]
+    assert corner == [f"hole 1 to hole 3: {abs(60 + 30j) * size:.5g}"]
