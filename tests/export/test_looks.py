@@ -292,6 +292,43 @@ def test_a_scene_that_shows_nothing_is_as_large_as_a_millimetre_to_each_side():
     assert all(float(one) > 0 for one in root.get("viewBox").split()[2:])
 
 
+DISC = gk.Part("disc", gk.plane.Circle(10j, 20.0), (), 3.0)
+UP = np.exp(0.5j * np.pi)
+# What reaches how far: left, low, right, high, about a plate from -50 to 50 on either axis.
+FAR = {
+    "a circle": ({"marks": [SceneMark("circle", ONE * (5 + 7j), "contact", radius=np.full(FRAMES, 100.0))]}, (-95, -93, 105, 107)),
+    "an arrow": ({"marks": [SceneMark("vector", ONE * 40, "contact", vector=ONE * (60 - 90j))]}, (-50, -90, 100, 50)),
+    "a point's whole way": ({"marks": [SceneMark("point", 2 * ALONG + 60j, "traced", trail=True)]}, (-50, -50, 160, 60)),
+    "a point": ({"marks": [SceneMark("point", 2 * ALONG + 60j, "traced")]}, (-50, -50, 50, 60)),
+    "a body where it stands": ({"bodies": [SceneBody("disc", (DISC,), 60 + 30j + ALONG, ONE * UP)]}, (-50, -50, 70, 50)),
+    "a fixed one": ({"bodies": [SceneBody("disc", (DISC,), ONE * -60, ONE * UP, fixed=True)]}, (-90, -50, 50, 50)),
+    "a curve on it": (
+        {
+            "bodies": [SceneBody("bare", (), 60 + 30j + ALONG, ONE * UP)],
+            "curves": [SceneCurve(gk.plane.Segment(10 + 0j, 40 + 20j), "pitch", "", "bare")],
+        },
+        (-50, -50, 60, 70),
+    ),
+    "a curve": ({"curves": [SceneCurve(gk.plane.Segment(10 + 0j, 40 - 80j), "pitch")]}, (-50, -80, 50, 50)),
+    "a curve that runs off": ({"curves": [SceneCurve(gk.plane.Segment(0j, 60 - 900j), "centrode")]}, (-50, -80, 60, 50)),
+    "a circle that is too large": (
+        {"marks": [SceneMark("circle", ONE * -10, "inflection", radius=np.full(FRAMES, 70.0))]},
+        (-80, -70, 60, 70),
+    ),
+    "what is shown on pages alone": ({"marks": [SceneMark("vector", ONE, "velocity", vector=ONE * 300)]}, (-50, -50, 50, 50)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", FAR)
+def test_a_picture_has_room_for_all_that_it_shows_and_follows_what_runs_off_so_far(what):
+    held, (left, low, right, high) = FAR[what]
+    square = gk.Part("square", gk.plane.Polyline(50 * np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])), (), 3.0)
+    curves, marks = tuple(held.get("curves", ())), held.get("marks", ())
+    scene = scene_of(*marks, bodies=[body(square, "square"), *held.get("bodies", ())], curves=curves)
+    # The disc is in the middle of its chords to a three-hundredth of its size.
+    assert Still(scene, np.array([0])).bounds == pytest.approx((complex(left, low), complex(right, high)), abs=0.15)
+
+
 def test_names_at_the_edge_have_room_for_all_their_letters():
     """A point at each corner, whose name stands outward of it."""
     corners = {"first one": 0j, "second one": 420 + 0j, "third one": 420 + 200j, "fourth one": 200j}

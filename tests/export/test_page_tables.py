@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.sections import worst_frame
+from geomkin.export.sections import notes, worst_frame
 from geomkin.scene import Scene
 from geomkin.table import Column, Table
 
@@ -88,3 +88,9 @@ def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
     assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
     assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
     assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None
+
+
+def test_what_is_so_is_told_with_yes_and_what_is_not_with_no():
+    told = notes({"closed": False, "works": True, "sizes_mm": [1, 2.5], "many": list(range(7)), "none": 0.0})
+    assert "<dt>Closed</dt><dd>no</dd>" in told and "<dt>Works</dt><dd>yes</dd>" in told
+    assert "<dt>Sizes, mm</dt><dd>1, 2.5</dd>" in told and "<dt>None</dt><dd>0</dd>" in told and "Many" not in told
