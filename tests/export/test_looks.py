@@ -9,8 +9,8 @@ import geomkin as gk
 from geomkin.export.animation import animation
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
-from geomkin.export.names_beside import stand
-from geomkin.export.picture import items
+from geomkin.export.names_beside import Name, stand
+from geomkin.export.picture import items, page_box
 from geomkin.export.still import Still
 from geomkin.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE, loops, placed, root_of, titled
@@ -343,6 +343,25 @@ def test_names_at_the_edge_have_room_for_all_their_letters():
     assert (-top, -top - high) == pytest.approx(
         (max(ends.imag.max(), 200) + 14, min(ends.imag.min(), 0) - 14 - 22), abs=0.06
     )
+
+
+def test_every_corner_of_every_name_is_within_the_picture():
+    still = Still(scene_of(bodies=[body(plate())]), np.array([0]))
+    names = [Name("left", -50 + 20j, 30 + 6j), Name("right", 430 - 20j, 20 + 5j), Name("top", 9 + 230j, 4 + 3j)]
+    assert page_box(still, names) == pytest.approx((-94 - 39j, 464 + 247j))
+    assert page_box(still, names[:1], 10) == pytest.approx((-94 - 24j, 434 + 214j))
+    assert page_box(still) == pytest.approx((-14 - 14j, 434 + 214j))
+
+
+@pytest.mark.parametrize("wide", [5.0, 100.0, 300.0])
+def test_a_narrow_picture_is_as_wide_as_the_words_beside_its_scale(wide):
+    root = still_of(bodies=[body(plate(wide=wide, high=420), named=False)])
+    left, _, across, _ = map(float, root.get("viewBox").split())
+    (words,) = [one for one in root.iter(f"{SPACE}text") if one.get("class") == "scale"]
+    end = float(words.get("x")) + 0.52 * 11 * len(words.text)
+    assert left == pytest.approx(-14, abs=0.06) and end <= left + across
+    # No wider than it must be.
+    assert across == pytest.approx(wide + 28, abs=0.2) or end > left + 0.7 * across
 
 
 def test_a_trail_of_what_slides_is_in_36_dashes():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.cut import _rounded_arcs, cut
+from geomkin.export.cut import _rounded_arcs, cut, decimals
 from geomkin.export.solid import solid
 from geomkin.export.stl import TRIANGLE, stl
 
@@ -12,7 +12,7 @@ from geomkin.export.stl import TRIANGLE, stl
 @pytest.mark.parametrize("shift", range(5))
 def test_an_arc_shorter_than_a_file_can_tell_goes_and_its_neighbours_keep_their_bulges(shift):
     """Wherever the outline begins."""
-    corners = np.array([0, 40, 40 + 5e-5j, 40 + 30j, 30j])
+    corners = np.array([0, 40, 40 + 5e-5j, 40 + 30j, 5 + 42j])
     bulges = np.array([0.3, 0.9, 0.5, 0.0, -0.2])
     exact = gk.plane.Polyline(np.roll(corners, shift), np.roll(bulges, shift))
     made = _rounded_arcs(exact, 0.01)
@@ -22,6 +22,17 @@ def test_an_arc_shorter_than_a_file_can_tell_goes_and_its_neighbours_keep_their_
     turned = _rounded_arcs(gk.plane.Polyline(exact.vertices[::-1], -np.roll(exact.bulges[::-1], -1)), 0.01)
     assert gk.plane.signed_area(turned) == pytest.approx(gk.area(exact), abs=0.01)
     assert sorted(turned.bulges) == pytest.approx([-0.2, 0.0, 0.3, 0.5])
+
+
+@pytest.mark.parametrize("high", [2e-6, 2e-4])
+def test_an_arc_that_is_flat_to_the_last_decimal_is_straight(high):
+    """As high over its chord as a file tells, or less; its chord is 40 mm long, and the others' bulges are as large."""
+    bulge = high / 20
+    corners = np.array([0, 40, 40 + 30j, 5 + 42j])
+    made = _rounded_arcs(gk.plane.Polyline(corners, np.array([bulge, 0.25, 0.0, -bulge])), 1.0)
+    assert decimals(1.0) == 4
+    kept = bulge if high > 5e-5 else 0.0
+    assert made.bulges == pytest.approx([kept, 0.25, 0.0, -kept], abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [3.0, 300.0])

@@ -109,6 +109,8 @@ def test_a_name_keeps_off_pins_dots_stands_and_paths():
     own = body("name", part(BAR), at=210 + 40j)
     free = names_of(bodies=[own])["name"]
     assert free.place == pytest.approx(210 + 40j)
+    at_origin = Still(scene_of(bodies=[body("name", part(BAR))]), np.array([0]))
+    assert [name.place for name in stand(at_origin)] == pytest.approx([0])
     path = 210 + 40j + (0.5 * ALONG - 20) * 1j
     for mark in (
         SceneMark("pin", ONE * free.place, "construction", "pin"),
