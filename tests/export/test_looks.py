@@ -1,12 +1,15 @@
 """Stills of scenes made by hand, read back: how large pins, blocks and arrows are, and what is drawn where."""
 
+import io
 import re
 
+import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
 from geomkin.export.animation import animation
+from geomkin.export.assembly_dxf import assembly as assembly_dxf
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
 from geomkin.export.names_beside import Name, stand
@@ -393,3 +396,32 @@ def test_names_stand_with_the_middle_of_their_letters_where_they_are_told():
         text = texts[name.text]
         assert text.get("class") == (name.role or "of")
         assert float(text.get("x")) - 1j * (float(text.get("y"))) == pytest.approx(name.place - 0.35 * 11j, abs=0.01)
+
+
+@pytest.mark.parametrize("k", [1.0, 2.5])
+def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
+    """As wide as the holes that they sit in, or in what is called a pixel of the picture."""
+    part = plate((k * (100 + 100j), 5.0 * k), wide=420 * k, high=200 * k)
+    marks = {
+        "PINS": [(100 + 100j, "pin", "construction", 5), (50 + 50j, "fixed pin", "construction", 3)],
+        "WANTED": [(200 + 70j, "point", "wanted", 2.5)],
+        "CONSTRUCTION": [(100 + 100j, "point", "construction", 2.5), (250 + 30j, "circle", "construction", 20)],
+    }
+    given = [
+        SceneMark(sort, ONE * k * z, role, radius=np.full(FRAMES, k * radius) if sort == "circle" else None)
+        for held in marks.values()
+        for z, sort, role, radius in held
+    ]
+    scene = scene_of(*given, bodies=[body(part, fixed=True)])
+    content = assembly_dxf(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=0.0))
+    space = ezdxf.read(io.StringIO(content.decode())).modelspace()
+    for layer, held in marks.items():
+        circles = space.query(f'CIRCLE[layer=="{layer}"]')
+        found = sorted((c.dxf.center.x, c.dxf.center.y, c.dxf.radius) for c in circles)
+        wanted = sorted((k * z.real, k * z.imag, k * radius) for z, _, _, radius in held)
+        assert np.array(found) == pytest.approx(np.array(wanted), abs=1e-3 * k)
+    (text,) = space.query("TEXT")
+    (name,) = stand(Still(scene, np.array([0])))
+    assert (text.dxf.text, text.dxf.layer) == ("plate", "NAMES")
+    assert text.dxf.height == pytest.approx(0.72 * 11 * k, rel=5e-3)
+    assert complex(*text.get_placement()[1].vec2) == pytest.approx(name.place, abs=0.06 * k)

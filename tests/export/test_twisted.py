@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.export.nest import box
 from geomkin.export.solid import _is_closed
 from geomkin.export.stl import TRIANGLE, stl
 from geomkin.export.twisted import solid_cut
@@ -149,6 +150,13 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
     x, y, _ = triangles(stl(made)).reshape(-1, 3).T
     assert low.real <= x.min() + 1e-4 and low.imag <= y.min() + 1e-4
     assert high.real >= x.max() - 1e-4 and high.imag >= y.max() - 1e-4
+    # So does its box on a sheet, in whole mm, whichever way it lies.
+    for way in (1, 1j, -1, -1j):
+        corner, size = box(made, way)
+        z = (x + 1j * y) * way
+        assert corner.real <= z.real.min() + 1e-4 and corner.imag <= z.imag.min() + 1e-4
+        assert (corner + size).real >= z.real.max() - 1e-4 and (corner + size).imag >= z.imag.max() - 1e-4
+        assert (corner, size) == (complex(np.round(corner)), complex(np.round(size)))
     # No larger than it takes at most: as far all round as its farthest corner, or as it slides.
     if moves == "holes" or shift:
         sizes = high - low, complex(np.ptp(x), np.ptp(y))
