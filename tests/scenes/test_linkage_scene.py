@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.scene import Limit
 from geomkin.scenes import linkage_scene
 
 from .gallery import marks
@@ -140,3 +141,28 @@ def test_bodies_that_nothing_is_cut_of_are_lines_from_each_point_to_the_next_and
     assert not [mark for mark in shown.marks if mark.sort == "line"]
     only = [part for part in plates if part.body != "coupler"]
     assert len([m for m in linkage_scene(motion, gk.linkage.motion_table(motion), only).marks if m.sort == "line"]) == 3
+
+
+@pytest.mark.parametrize(
+    "linkage", [BAR, gk.SliderCrank(30, 90), gk.InvertedSliderCrank(80, 30, offset=6, point=120 + 5j)]
+)
+def test_every_column_but_the_driver_and_the_time_is_in_one_plot_with_others_of_its_unit(linkage):
+    motion = gk.move(linkage, TURN[1:-1], speed=2.0)
+    table = gk.linkage.motion_table(motion)
+    limit = Limit(40.0, "least")
+    scene = linkage_scene(motion, table, limits={"transmission_angle": limit, "nothing": limit})
+    units = {column.header: column.unit for column in table.columns}
+    shown = [header for plot in scene.plots for header in plot.columns]
+    known = [
+        c.header for c in table.columns[1:] if c.unit != "s" and "branch" not in c.name and np.isfinite(c.values).any()
+    ]
+    assert sorted(shown) == sorted(known) and len({plot.title for plot in scene.plots}) == len(scene.plots)
+    for plot in scene.plots:
+        assert len({units[header] for header in plot.columns}) == 1
+        # What a plot shows is in its title: of a point its name, of bodies and slides what is told of them.
+        name, _, what = plot.title.rpartition(", ")
+        assert all(header.startswith(name.replace(" ", "_").replace("sliding", "")) for header in plot.columns)
+        assert what not in ("velocity", "acceleration") or all(f"_{what}_" in header for header in plot.columns)
+        assert plot.limits == ((limit,) if plot.columns == ("transmission_angle_deg",) else ())
+    # The most telling first: where a point goes, then angles.
+    assert scene.plots[0].title.endswith(", place") and "_alpha" not in scene.plots[1].columns[0]
