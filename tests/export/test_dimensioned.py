@@ -69,7 +69,23 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
     "name", ["crank-rocker", "walking-leg", "gear-pair", "whitworth", "lantern", "roller-cam", "herringbone-pair"]
 )
 def test_no_text_lies_on_another_or_on_a_line(name):
-    made = drawing(job_of(name))
+    is_legible(drawing(job_of(name)))
+
+
+@pytest.mark.parametrize(
+    "places", [(0, 25, 50), (0, 50, 25), (50, 0, 25), (0, 15, 60), (60, 0, 20), (0, 30), (0, 20, 45, 70)]
+)
+def test_nor_does_one_where_holes_are_in_a_row(places):
+    holes = tuple(Circle(complex(x), 3.0) for x in places)
+    bar = gk.Part("bar", gk.plane.slot(-10 + 0j, 90 + 0j, 12.0), holes, 3.0)
+    made = drawing(Job("bar", Loose((bar,)), 0.01))
+    is_legible(made)
+    pairs = combinations(places, 2) if len(places) < 4 else zip(places, places[1:])
+    lengths = [float(text.text) for text in made.texts if text.layer == "DIM"]
+    assert sorted(lengths) == sorted([124, 24, *(abs(b - a) for a, b in pairs)])
+
+
+def is_legible(made):
     boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
     lines = []
     for _, shape in made.shapes:

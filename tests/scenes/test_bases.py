@@ -66,3 +66,26 @@ def test_the_plate_of_a_motor_lies_still_under_everything():
         assert first.origin.shape == first.direction.shape == without.bodies[0].origin.shape
         assert [(b.name, b.layer) for b in others] == [(b.name, b.layer + 1) for b in without.bodies]
     assert on_motor(without.bodies, ()) is without.bodies
+
+
+LAYERS = {
+    "roller-cam": {"cam": 1, "roller": 1, "follower": 0},
+    "rocker-cam": {"cam": 1, "roller": 1, "arm": 0},
+    "flat-cam": {"cam": 1, "follower": 1},
+    "flat-rocker-cam": {"cam": 1, "arm": 1},
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+@pytest.mark.parametrize("based", [False, True])
+def test_what_carries_a_roller_is_beside_it_and_over_a_base_if_there_is_one(name, based):
+    """A face touches the cam itself, and so lies in its plane."""
+    own = recipe(name)
+    bodies = [*LAYERS[name], *["ground"] * based]
+    parts = [plate(body=body) for body in bodies]
+    scene = gk.scenes.cam_scene(own.cam, own.table, parts)
+    over = based and "roller" in LAYERS[name]
+    wanted = {body: layer + over for body, layer in LAYERS[name].items()} | ({"ground": 0} if based else {})
+    assert {body.name: body.layer for body in scene.bodies} == wanted
+    assert [body.name for body in scene.bodies if body.fixed] == ["ground"] * based
+    assert all(body.parts[0].body == body.name for body in scene.bodies)
