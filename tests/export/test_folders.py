@@ -54,6 +54,18 @@ def test_what_a_killed_run_left_goes_and_what_another_writes_stays(tmp_path):
     assert left == {young.name, "mine", "a", f"{files.PREFIX}folder"}
 
 
+@pytest.mark.skipif(os.name != "posix", reason="permissions are otherwise there")
+@pytest.mark.parametrize("mask", [0o022, 0o027, 0o077, 0o000])
+def test_files_may_be_read_by_those_whom_the_user_lets_read_new_files(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        files.write_whole(tmp_path, {"a": b"1"})
+        assert os.umask(mask) == mask
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
 def test_a_file_that_is_gone_is_removed_and_what_is_none_is_told(tmp_path):
     (tmp_path / "a").write_text("x")
     for _ in range(2):

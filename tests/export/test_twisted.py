@@ -157,6 +157,8 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
         assert corner.real <= z.real.min() + 1e-4 and corner.imag <= z.imag.min() + 1e-4
         assert (corner + size).real >= z.real.max() - 1e-4 and (corner + size).imag >= z.imag.max() - 1e-4
         assert (corner, size) == (complex(np.round(corner)), complex(np.round(size)))
+        room = np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)]) * way
+        assert size.real < np.ptp(room.real) + 2 and size.imag < np.ptp(room.imag) + 2
     # No larger than it takes at most: as far all round as its farthest corner, or as it slides.
     if moves == "holes" or shift:
         sizes = high - low, complex(np.ptp(x), np.ptp(y))
