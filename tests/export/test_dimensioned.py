@@ -16,7 +16,8 @@ import shapely
 from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
-from geomkin.export.dimensioned import drawing, scale_told
+from geomkin.export.cut import cut
+from geomkin.export.dimensioned import drawing, scale_of, scale_told
 from geomkin.export.job import Job, Loose
 from geomkin.export.sheet_dxf import sheet as sheet_dxf
 from geomkin.plane.primitives import Circle
@@ -285,6 +286,13 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
     paper, part = map(float, scale.split(":"))
     (drawn,) = [shape for layer, shape in made.shapes if layer == "PART"]
     assert drawn.radius == pytest.approx(size / 2 * paper / part) and scale_told(paper / part) == scale
+    # The longer side of the largest part decides, whichever that is.
+    for long in (size + 1j, 1 + 1j * size):
+        corners = np.array([0, long.real, long, 1j * long.imag])
+        cuts = [
+            cut(gk.Part(name, gk.plane.Polyline(z), (), 3.0), 1e-3) for name, z in (("a", corners), ("b", corners / 9))
+        ]
+        assert scale_of(cuts) == scale_of(cuts[::-1]) == pytest.approx(paper / part)
 
 
 def test_it_is_written_where_it_is_asked_for(tmp_path):

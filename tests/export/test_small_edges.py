@@ -57,3 +57,16 @@ def test_corners_that_the_format_cannot_tell_from_a_straight_line_leave_no_flat_
 def test_a_gentle_curve_keeps_its_corners():
     circle = cut(gk.Part("disc", gk.plane.Circle(0j, 50.0), (), 2.0), 1e-6 * 50)
     assert len(solid(circle)[0]) == 2 * len(circle.loops[0].points)
+
+
+@pytest.mark.parametrize("kerf", [0.0, 0.2])
+def test_places_that_a_file_cannot_tell_apart_are_one(kerf):
+    twice = np.array([0, 40, 40 + 1e-8j, 40 + 30j, 40 + 30j - 1e-8, 30j, 1e-8j])
+    hole = gk.plane.Polyline(np.array([10 + 10j, 20 + 10j, 20 + 10j + 1e-8, 15 + 20j]))
+    made = cut(gk.Part("plate", gk.plane.Polyline(twice), (hole,), 3.0), 0.01, kerf=kerf)
+    for loop in made.loops:
+        apart = np.abs(loop.points - np.roll(loop.points, 1))
+        assert apart.min() > 10.0**-made.digits / 2
+    if not kerf:
+        assert [len(loop.points) for loop in made.loops] == [4, 3]
+        assert made.area == pytest.approx(1200 - 50) == made.chord_area
