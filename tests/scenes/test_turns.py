@@ -40,3 +40,5 @@ def test_planets_and_carrier_turn_as_the_table_says():
         seen = np.unwrap(np.angle(named(scene, name).direction))
         told = np.radians(np.asarray(scene.table[header]))
         assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9, name
+    (plot,) = scene.plots
+    assert plot.title == "angles" and plot.columns == ("carrier_angle_deg", "planet_angle_deg")
