@@ -2,6 +2,7 @@
 
 import io
 import re
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -326,3 +327,10 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
     assert (text.dxf.text, text.dxf.layer) == ("plate", "NAMES")
     assert text.dxf.height == pytest.approx(0.72 * 11 * k, rel=5e-3)
     assert complex(*text.get_placement()[1].vec2) == pytest.approx(name.place, abs=0.06 * k)
+
+
+def test_a_film_is_the_same_whenever_its_time_begins():
+    scene = scene_of(SceneMark("point", ALONG + 0j, "traced"), bodies=[body(plate())])
+    later = replace(scene, time=scene.time + 7)
+    one, other = (animation(Job("film", Loose((), scene.table, shown), 0.01)) for shown in (scene, later))
+    assert one == other
