@@ -258,7 +258,8 @@ def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
 def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
     """Pairs of holes whose distances are told: all of three, the next of more, those with letters first."""
     if len(holes) <= 3:
-        yield from combinations(holes, 2)
+        # The longest last, and so outermost: farther in, the end lines of the others would cross its number.
+        yield from sorted(combinations(holes, 2), key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
     elif len(holes) <= MOST_HOLES:
         # What turns is at the letters: screws between two of them would hide the distance that must be right.
         yield from pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED)))

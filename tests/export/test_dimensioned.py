@@ -16,8 +16,9 @@ import shapely
 from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
-from geomkin.export.dimensioned import drawing, scale_told
-from geomkin.export.job import Job
+from geomkin.export.cut import cut
+from geomkin.export.dimensioned import drawing, scale_of, scale_told
+from geomkin.export.job import Job, Loose
 from geomkin.export.sheet_dxf import sheet as sheet_dxf
 from geomkin.plane.primitives import Circle
 
@@ -69,7 +70,23 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
     "name", ["crank-rocker", "walking-leg", "gear-pair", "whitworth", "lantern", "roller-cam", "herringbone-pair"]
 )
 def test_no_text_lies_on_another_or_on_a_line(name):
-    made = drawing(job_of(name))
+    is_legible(drawing(job_of(name)))
+
+
+@pytest.mark.parametrize(
+    "places", [(0, 25, 50), (0, 50, 25), (50, 0, 25), (0, 15, 60), (60, 0, 20), (0, 30), (0, 20, 45, 70)]
+)
+def test_nor_does_one_where_holes_are_in_a_row(places):
+    holes = tuple(Circle(complex(x), 3.0) for x in places)
+    bar = gk.Part("bar", gk.plane.slot(-10 + 0j, 90 + 0j, 12.0), holes, 3.0)
+    made = drawing(Job("bar", Loose((bar,)), 0.01))
+    is_legible(made)
+    pairs = combinations(places, 2) if len(places) < 4 else zip(places, places[1:])
+    lengths = [float(text.text) for text in made.texts if text.layer == "DIM"]
+    assert sorted(lengths) == sorted([124, 24, *(abs(b - a) for a, b in pairs)])
+
+
+def is_legible(made):
     boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
     lines = []
     for _, shape in made.shapes:
@@ -269,6 +286,13 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
     paper, part = map(float, scale.split(":"))
     (drawn,) = [shape for layer, shape in made.shapes if layer == "PART"]
     assert drawn.radius == pytest.approx(size / 2 * paper / part) and scale_told(paper / part) == scale
+    # The longer side of the largest part decides, whichever that is.
+    for long in (size + 1j, 1 + 1j * size):
+        corners = np.array([0, long.real, long, 1j * long.imag])
+        cuts = [
+            cut(gk.Part(name, gk.plane.Polyline(z), (), 3.0), 1e-3) for name, z in (("a", corners), ("b", corners / 9))
+        ]
+        assert scale_of(cuts) == scale_of(cuts[::-1]) == pytest.approx(paper / part)
 
 
 def test_it_is_written_where_it_is_asked_for(tmp_path):
@@ -297,3 +321,27 @@ base = {}
     apart = abs(circles[22.2] - circles[8.2])
     assert recipe.design.centre_distance == pytest.approx(58) and apart == pytest.approx(58, abs=1e-4)
     assert "58" in texts or "A to B: 58" in texts
+
+
+@pytest.mark.parametrize("size", [0.2, 1.0, 7.0])
+def test_every_size_stands_at_a_line_as_long_as_it_says(size):
+    """Lengths at the drawing's scale: larger than the part, as large, and smaller."""
+    outline = gk.plane.Polyline(size * np.array([-20 - 15j, 90 - 15j, 90 + 45j, -20 + 45j]))
+    holes = tuple(Circle(size * z, 3.0 * size) for z in (10 + 0j, 70 + 0j, 70 + 30j))
+    made = drawing(Job("plate", Loose((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
+    (scale,) = [re.search(r"scale (.+):(.+)", t.text).groups() for t in made.texts if "scale" in t.text]
+    scale = float(scale[0]) / float(scale[1])
+    assert {0.2: scale > 1, 1.0: scale == 1, 7.0: scale < 1}[size]
+    lines = [np.asarray(shape.vertices) for layer, shape in made.shapes if layer == "DIM" and not shape.closed]
+    told = [text for text in made.texts if text.layer == "DIM"]
+    assert sorted(float(text.text) for text in told) == pytest.approx(sorted([110 * size, 60 * size, 60 * size]))
+    for text in told:
+        at = [line for line in lines if abs(line.mean() - text.place) < 12]
+        assert any(abs(abs(line[1] - line[0]) - scale * float(text.text)) < 1e-3 for line in at)
+    # Those of holes begin and end over them: of circles on paper, by their middles.
+    middles = np.array([shape.centre for layer, shape in made.shapes if layer == "PART" and isinstance(shape, Circle)])
+    above = [line for line in lines if line.imag.min() > middles.imag.max() and np.ptp(line.imag) == 0]
+    (level,) = [line for line in above if np.ptp(line.real) == pytest.approx(60 * size * scale)]
+    assert np.sort(level.real) == pytest.approx(np.unique(np.round(middles.real, 6)), abs=1e-3)
+    corner = [t.text for t in made.texts if t.text.startswith("hole 1 to hole 3")]
+    assert corner == [f"hole 1 to hole 3: {abs(60 + 30j) * size:.5g}"]

@@ -10,7 +10,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export import files, index
-from geomkin.export.summary import LARGEST
+from geomkin.export.summary import LARGEST, files_told
 from geomkin.export.summary import told as told_by_summary
 from tests.export.test_index import read
 
@@ -52,6 +52,18 @@ def test_what_a_killed_run_left_goes_and_what_another_writes_stays(tmp_path):
     files.write_whole(tmp_path, {"a": b"1"})
     left = {path.name for path in tmp_path.iterdir()}
     assert left == {young.name, "mine", "a", f"{files.PREFIX}folder"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions are otherwise there")
+@pytest.mark.parametrize("mask", [0o022, 0o027, 0o077, 0o000])
+def test_files_may_be_read_by_those_whom_the_user_lets_read_new_files(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        files.write_whole(tmp_path, {"a": b"1"})
+        assert os.umask(mask) == mask
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o666 & ~mask
 
 
 def test_a_file_that_is_gone_is_removed_and_what_is_none_is_told(tmp_path):
@@ -166,3 +178,13 @@ def test_a_summary_as_large_as_none_of_ours_is_passed_by(tmp_path):
     for size, read_back in ((LARGEST, True), (LARGEST + 1, False)):
         (tmp_path / "summary.json").write_text(json.dumps({"a": "x" * (size - short)}))
         assert bool(told_by_summary(tmp_path)) == read_back
+
+
+def test_of_the_files_that_a_summary_tells_only_those_that_are_made_are_ours(tmp_path):
+    """What it tells is removed before a recipe is made anew: nothing else may be, whatever stands in it."""
+    own = ["a.dxf", "A.STL", "a-assembly.svg", "a.found.toml"]
+    others = ["a.toml", "notes.txt", "found.toml", ".dxf", "../a.dxf", "b/a.dxf", "a.docx", 3, None, ["a.dxf"], {}]
+    folder = made(tmp_path, "a", {"files": [*own, *others]})
+    assert files_told(folder) == set(own)
+    for strange in ("a.dxf", {"a.dxf": 1}, None, 7):
+        assert files_told(made(tmp_path, f"b{strange!r:.3}", {"files": strange})) == set()

@@ -136,3 +136,16 @@ def test_what_the_font_has_not_is_left_out():
     _, accented = lettered(gk.Part("crank", BAR, HOLES, 3.0, hole_names=("\u00c4", "B")), 1)
     _, plain = lettered(gk.Part("crank", BAR, HOLES, 3.0, hole_names=("A", "B")), 1)
     assert all(np.array_equal(one, other) for one, other in zip(accented, plain, strict=True))
+
+
+@pytest.mark.parametrize("size", [20.0, 400.0])
+@pytest.mark.parametrize(("longer", "along"), [(1.015, False), (1.03, True)])
+def test_a_part_that_is_hardly_longer_than_wide_is_lettered_level_whatever_its_size(size, longer, along):
+    """Ellipses at an angle: of the squares of both half axes, the difference to the sum is the share that counts."""
+    turn = np.exp(0.6j)
+    angle = np.linspace(0, 2 * np.pi, 201)[:-1]
+    outline = gk.plane.Polyline(turn * size * (longer * np.cos(angle) + 1j * np.sin(angle)))
+    _, strokes = lettered(gk.Part("LLL", outline, (), 3.0), 1)
+    stem, *_ = strokes
+    way = stem[1] - stem[0]
+    assert abs(np.angle((way / (turn if along else 1)) ** 4)) < 0.05

@@ -14,7 +14,7 @@ from geomkin.export import layout
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import GAP, lay_out, lay_out_on
-from geomkin.export.nest import MOST
+from geomkin.export.nest import MOST, least_turn
 
 # Chords of what is read back, mm.
 FINE = 1e-3
@@ -125,6 +125,23 @@ def test_a_bent_part_is_turned_to_its_least_box_and_engraved_as_it_lies():
     for placed, plate in zip(sheet.placed, found):
         lines = [shapely.LineString(gk.plane.xy(loop.points)) for loop in placed.loops if loop.layer == "LABEL"]
         assert lines and all(plate.contains(line) for line in lines)
+
+
+def test_a_part_with_an_edge_too_short_to_turn_lies_as_it_is_drawn():
+    """Rounded once more, such an edge would be none."""
+    for short, turned in ((1e-3, True), (2e-6, False)):
+        bar = np.array([0, 100, 100 + 12j, 50 + 12j, 50 - short + 12j, 12j]) * np.exp(0.6j)
+        (made,) = flats([gk.Part("bar", gk.plane.Polyline(bar), (), 3.0)])
+        turn = least_turn(made)
+        assert (turn != 1) == turned and abs(turn) == pytest.approx(1)
+        if turned:
+            # To its least box by whole degrees: along one of its axes.
+            seen = made.loops[0].points * turn
+            assert np.ptp(seen.real) * np.ptp(seen.imag) < 1.1 * 100 * 12
+    square = gk.plane.Polyline(40 * np.exp(0.02j) * np.array([0, 1, 1 + 1j, 1j]))
+    (made,) = flats([gk.Part("square", square, (), 3.0)])
+    # What saves little is not worth it.
+    assert least_turn(made) == 1
 
 
 def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sheet():

@@ -217,6 +217,24 @@ def test_places_keep_their_digits_whatever_the_size(size):
     assert np.abs(x + 1j * y - scene.marks[0].place).max() < 1e-4 * size
 
 
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e3])
+def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
+    """A spline round about, in a scene as wide as it: its chords lie off it by a five-thousandth of the size or less."""
+    turn = np.linspace(0, 2 * np.pi, 9)
+    corners = size * np.exp(1j * turn) * (1 + 0.2 * np.cos(3 * turn))
+    corners[-1] = corners[0]
+    spline = gk.plane.Spline(corners)
+    scene = dataclasses.replace(turning(radius=size), curves=(SceneCurve(spline, "traced"),))
+    low, high = scene.box
+    data = json.loads(island(scene, "a"))
+    text = data["paths"][data["scenes"][0]["curves"][0]["path"]]
+    numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", text)]
+    points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))
+    assert gk.nearest(spline, points)[1].max() < 8e-5 * size
+    off = gk.nearest(spline, (points[1:] + points[:-1]) / 2)[1].max()
+    assert 4e-5 * abs(high - low) < off < 2.3e-4 * abs(high - low)
+
+
 @pytest.mark.parametrize("largest", [3.7e-5, 0.99, 4.2, 731.0, 2.6e7])
 def test_values_of_a_table_have_six_digits_of_the_largest(largest):
     scene = turning()

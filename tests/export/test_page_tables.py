@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.sections import worst_frame
+from geomkin.export.job import Job, Loose
+from geomkin.export.sections import joined, notes, worst_frame
+from geomkin.part import Bought
 from geomkin.scene import Scene
 from geomkin.table import Column, Table
 
@@ -88,3 +90,22 @@ def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
     assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
     assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
     assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None
+
+
+def test_what_is_so_is_told_with_yes_and_what_is_not_with_no():
+    told = notes({"closed": False, "works": True, "sizes_mm": [1, 2.5], "many": list(range(7)), "none": 0.0})
+    assert "<dt>Closed</dt><dd>no</dd>" in told and "<dt>Works</dt><dd>yes</dd>" in told
+    assert "<dt>Sizes, mm</dt><dd>1, 2.5</dd>" in told and "<dt>None</dt><dd>0</dd>" in told and "Many" not in told
+
+
+def test_what_is_bought_is_told_with_its_order_where_there_is_one_and_with_letters_where_there_are_some():
+    plate = gk.Part("plate", gk.plane.Circle(0j, 9.0), (gk.plane.Circle(0j, 2.0),), 3.0)
+    bought = (Bought("pin", 2, ("A", "B")),)
+    assert joined(Job("a", Loose((plate,)), 0.01)) == ""
+    told = joined(Job("a", Loose((plate,), bought=bought), 0.01))
+    assert "<h2>What is bought</h2>" in told and "<li>2 × pin: A B</li>" in told and "Bottom up" not in told
+    for names in ((), ("A",)):
+        part = replace(plate, hole_names=names)
+        told = joined(Job("a", Loose((part,), bought=bought, steps=("Lay it down.", "Pin it.")), 0.01))
+        assert "<h2>How it goes together</h2>" in told and "<ul><li>Lay it down.</li><li>Pin it.</li></ul>" in told
+        assert ("Letters are at the holes. Bottom up:" in told) == bool(names)

@@ -18,6 +18,13 @@ PARTS = [
     ),
     gk.Part("gear", gk.SpurGear(17, 2, 0.3).outline, (gk.plane.slot(-3, 3, 2),), 6.0),
     gk.Part("turned", gk.plane.Reversed(gk.plane.slot(-10, 30j, 6)), (gk.plane.Circle(-10, 2),), 2.0),
+    # A hole none of whose edges and arcs are alike.
+    gk.Part(
+        "uneven",
+        gk.plane.Circle(0j, 40.0),
+        (gk.plane.Polyline(np.array([-10 - 8j, 14 - 8j, 18 + 9j, -4 + 15j]), np.array([0.4, -0.2, 0.0, 0.3])),),
+        3.0,
+    ),
 ]
 
 

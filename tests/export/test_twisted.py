@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.export.nest import box
 from geomkin.export.solid import _is_closed
 from geomkin.export.stl import TRIANGLE, stl
 from geomkin.export.twisted import solid_cut
@@ -136,3 +137,31 @@ def test_a_solid_whose_edges_meet_more_than_two_triangles_is_not_closed():
     assert not _is_closed(np.concatenate([body, other]), 6)
     assert not _is_closed(body[1:], 4)
     assert not _is_closed(np.concatenate([body[:1, ::-1], body[1:]]), 4)
+
+
+@pytest.mark.parametrize("moves", ["outline", "holes"])
+@pytest.mark.parametrize(("turn", "shift"), [(0.9, 0.0), (-2.0, 0.0), (0.0, 7.0), (0.0, -7.0)])
+def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shift, moves):
+    square = gk.plane.Polyline(np.array([-20 - 12j, 20 - 12j, 20 + 12j, -20 + 12j]))
+    twist = gk.Twist(turn, shift, moves=moves)
+    made = solid_cut(gk.Part("leaning", square, (gk.plane.Circle(0j, 3.0),), 5.0, twist=twist), 0.01)
+    assert made.leans == (moves == "outline")
+    low, high = made.box
+    x, y, _ = triangles(stl(made)).reshape(-1, 3).T
+    assert low.real <= x.min() + 1e-4 and low.imag <= y.min() + 1e-4
+    assert high.real >= x.max() - 1e-4 and high.imag >= y.max() - 1e-4
+    # So does its box on a sheet, in whole mm, whichever way it lies.
+    for way in (1, 1j, -1, -1j):
+        corner, size = box(made, way)
+        z = (x + 1j * y) * way
+        assert corner.real <= z.real.min() + 1e-4 and corner.imag <= z.imag.min() + 1e-4
+        assert (corner + size).real >= z.real.max() - 1e-4 and (corner + size).imag >= z.imag.max() - 1e-4
+        assert (corner, size) == (complex(np.round(corner)), complex(np.round(size)))
+        room = np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)]) * way
+        assert size.real < np.ptp(room.real) + 2 and size.imag < np.ptp(room.imag) + 2
+    # No larger than it takes at most: as far all round as its farthest corner, or as it slides.
+    if moves == "holes" or shift:
+        sizes = high - low, complex(np.ptp(x), np.ptp(y))
+        assert sizes[0] == pytest.approx(sizes[1], abs=1e-3)
+    else:
+        assert (low, high) == pytest.approx((-abs(20 + 12j) * (1 + 1j), abs(20 + 12j) * (1 + 1j)))

@@ -235,3 +235,29 @@ def test_regions_of_a_tooth_lie_on_its_outline_end_to_end_but_for_what_is_lost(g
     if lost:
         assert complex(lost.point(lost.breaks[-1])) == pytest.approx(complex(gear.flank.point(gear.flank.breaks[0])))
         assert gk.length(lost) / (gk.length(lost) + gk.length(gear.flank)) == pytest.approx(gear.involute_lost)
+
+
+def test_contacts_of_planets_are_between_the_tips_of_the_teeth_that_touch():
+    """Each path of contact begins where one gear's tip circle crosses it and ends where the other's does."""
+    own = recipe("planetary")
+    gears, away = own.gears, 1j * own.gears.inner.centre_distance
+    curves = {curve.label: curve for curve in own.scene.curves if curve.role == "contact"}
+    sun, planet, ring = gears.inner.first.tip_radius, gears.inner.second.tip_radius, gears.outer.second.tip_radius
+    for label, other in (("contact of sun and planet", sun), ("contact of planet and ring", ring)):
+        curve = curves[label].curve
+        ends = [complex(curve.point(np.asarray(at))) for at in curve.breaks]
+        assert curves[label].body == "carrier" and len(ends) == 2
+        on = [(abs(z) - other, abs(z - away) - planet) for z in ends]
+        # One on the planet's tip circle, the other on that of its mate.
+        assert min(abs(first) for first, _ in on) < 1e-9 and min(abs(second) for _, second in on) < 1e-9
+    # At some moment a tooth of each is there, in the middle of either path; of a path on the other flanks it is not.
+    turn = np.linspace(0, 0.37, 75)
+    sun, planets, ring = gears.poses(turn)
+    arm = np.exp(1j * turn / gears.ratios["sun to carrier"])
+    mates = {"contact of sun and planet": (sun, gears.sun), "contact of planet and ring": (ring, gears.outer.second)}
+    for label, (pose, gear) in mates.items():
+        curve = curves[label].curve
+        place = arm * complex(curve.point(np.asarray(curve.breaks)).mean())
+        pairs = (planets[0], gears.inner.second), (pose, gear)
+        off = np.max([gk.nearest(one.outline, at.locate(place))[1] for at, one in pairs], axis=0)
+        assert off.min() < 0.05

@@ -1,0 +1,336 @@
+"""Stills of scenes made by hand, read back: how large pins, blocks and arrows are, and what is drawn where."""
+
+import io
+import re
+from dataclasses import replace
+
+import ezdxf
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export.animation import animation
+from geomkin.export.assembly_dxf import assembly as assembly_dxf
+from geomkin.export.assembly_svg import assembly
+from geomkin.export.job import Job, Loose
+from geomkin.export.names_beside import stand
+from geomkin.export.picture import items
+from geomkin.export.still import Still
+from geomkin.scene import SceneBody, SceneCurve, SceneMark
+from tests.export.stills import SPACE, loops, placed, root_of, titled
+from tests.export.test_film import ALONG, FRAMES, scene_of
+
+ONE = np.ones(FRAMES, dtype=complex)
+
+
+def plate(*holes, name="plate", wide=420.0, high=200.0, marks=()):
+    """As wide as what is called a pixel 420 times, where it is the largest thing shown."""
+    corners = np.array([0, wide, complex(wide, high), 1j * high])
+    return gk.Part(name, gk.plane.Polyline(corners), tuple(gk.plane.Circle(*hole) for hole in holes), 3.0, marks=marks)
+
+
+def body(part, name="plate", at=0j, turn=1 + 0j, **more):
+    return SceneBody(name, (part,) if part else (), ONE * at, ONE * turn, **more)
+
+
+def still_of(*marks, at=0.0, **more):
+    scene = scene_of(*marks, **more)
+    return root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=at)))
+
+
+def pin(place, label, sort="pin"):
+    return SceneMark(sort, ONE * place, "construction", label)
+
+
+def drawn(root, name):
+    """The shapes of what has this title, without the title."""
+    return [one for one in titled(root, name) if one.tag != f"{SPACE}title"]
+
+
+def numbers(text):
+    return [float(one) for one in re.findall(r"-?\d*\.?\d+", text)]
+
+
+@pytest.mark.parametrize("k", [1.0, 2.5])
+@pytest.mark.parametrize("grounded", [False, True])
+def test_a_pin_fills_the_widest_hole_that_it_sits_in_and_stands_on_the_ground_where_no_plate_shows_it(k, grounded):
+    turn, at = np.exp(0.5j), k * (30 - 10j)
+    holes = [(k * (100 + 100j), 5.0 * k), (k * (300 + 100j), 20.0 * k), (k * (200 + 50j), 1.0 * k)]
+    here = {name: at + turn * place for name, (place, _) in zip(("fits", "wide", "narrow"), holes)}
+    here |= {"other": here["fits"] + 11 * k, "alone": at + turn * k * (50 + 20j)}
+    long = gk.Part(
+        "long",
+        gk.plane.Polyline(k * np.array([0, 420, 420 + 200j, 200j])),
+        tuple(gk.plane.Circle(*h) for h in holes),
+        3.0,
+    )
+    second = gk.Part("second", gk.plane.Circle(0j, 12.0 * k), (gk.plane.Circle(0j, 6.0 * k),), 3.0)
+    bodies = [body(long, "long", at, turn), body(second, "second", here["fits"], fixed=grounded)]
+    corners = at + turn * k * np.array([0, 420, 420 + 200j, 200j])
+    px = max(np.ptp(corners.real), np.ptp(corners.imag)) / 420
+    root = still_of(
+        *(pin(z, name, "fixed pin" if name == "alone" else "pin") for name, z in here.items()), bodies=bodies
+    )
+    wanted = {"fits": 6 * k, "wide": 8 * px, "narrow": 3.2 * px, "other": 3.8 * px, "alone": 3.8 * px}
+    for name, radius in wanted.items():
+        *stands, circle = [one for one in drawn(root, name) if one.get("class") != "core"]
+        assert float(circle.get("r")) == pytest.approx(radius, rel=5e-3), name
+        assert circle.get("class") == "pin" and placed(titled(root, name).get("transform"))(0) == pytest.approx(
+            here[name], abs=0.08
+        )
+        cores = [one for one in drawn(root, name) if one.get("class") == "core"]
+        assert len(cores) == (name == "alone") and len(stands) == (name == "alone" and not grounded)
+        for core in cores:
+            assert float(core.get("r")) == pytest.approx(0.35 * radius, rel=5e-3)
+        for one in stands:
+            # Told in pixels.
+            assert placed(one.get("transform"))(1) == pytest.approx(px, rel=1e-3) and "stroke-width:1" in one.get(
+                "style"
+            )
+    assert len(root.findall(f".//{SPACE}pattern")) == grounded
+    for pattern in root.iter(f"{SPACE}pattern"):
+        assert float(pattern.get("width")) == float(pattern.get("height")) == pytest.approx(5 * px, rel=5e-3)
+        assert numbers(pattern.find(f"{SPACE}path").get("style"))[-1] == pytest.approx(1.2 * px, rel=5e-3)
+
+
+@pytest.mark.parametrize("k", [1.0, 0.02])
+def test_blocks_dots_and_arrows_are_as_large_as_told(k):
+    way = np.exp(0.4j)
+    root = still_of(
+        SceneMark("slide", ONE * k * (60 + 60j), "construction", "block", direction=ONE * way),
+        SceneMark("point", ONE * k * (90 + 30j), "wanted", "dot"),
+        SceneMark("vector", ONE * k * 30j, "contact", "long", vector=ONE * k * 50 * way),
+        SceneMark("vector", ONE * k * 80, "contact", "short", vector=ONE * k * 3j),
+        SceneMark("line", ONE * k * 150, "construction", "link", vector=ONE * k * 40j),
+        SceneMark("line", ONE * k * 170, "contact", "line", vector=ONE * k * 40j),
+        SceneMark("circle", ONE * k * (300 + 100j), "contact", "circle", radius=np.full(FRAMES, 33.0 * k)),
+        bodies=[body(plate(wide=420 * k, high=200 * k))],
+    )  # fmt: skip
+    ((block,), (dot,), (circle,)) = (drawn(root, name) for name in ("block", "dot", "circle"))
+    x, y, wide, high, back = numbers(block.get("d"))
+    assert (x, y, wide, high, back) == (-10, -6.5, 20, 13, -20)
+    set_there = [placed(one.get("transform")) for one in (titled(root, "block"), block)]
+    assert set_there[0](set_there[1](10)) == pytest.approx(k * (60 + 60j + 10 * way), abs=0.01 * k)
+    assert (dot.get("class"), float(dot.get("r"))) == ("dot wanted", pytest.approx(3.2 * k))
+    assert (circle.get("class"), float(circle.get("r"))) == ("line contact", pytest.approx(33 * k))
+    for name, long, head, look in (("long", 50, 7, "arrow contact"), ("short", 3, 3, "arrow contact")):
+        (arrow,) = drawn(root, name)
+        told = numbers(arrow.get("d"))
+        assert told[:3] == [0, 0, pytest.approx(long * k)] and arrow.get("class") == look
+        back, up, tip, zero, back_too, down = told[3:]
+        assert (back, up) == pytest.approx((k * (long - head), k * 0.4 * head), abs=1e-3 * k)
+        assert (tip, zero, back_too, down) == (told[2], 0, back, -up)
+    for name, look in (("link", "link construction"), ("line", "arrow contact")):
+        (line,) = drawn(root, name)
+        assert numbers(line.get("d")) == [0, 0, pytest.approx(40 * k)] and line.get("class") == look
+
+
+@pytest.mark.parametrize("k", [1.0, 3.0])
+def test_a_block_that_goes_along_one_line_has_a_rail_below_it(k):
+    ahead = np.exp(0.3j)
+    block = SceneMark("slide", k * (20 + 40j) + k * ALONG * ahead, "construction", "block", direction=ONE * ahead)
+    frame = body(plate(wide=420 * k, high=200 * k))
+    (rail,) = [one for one in still_of(block, bodies=[frame]).iter(f"{SPACE}path") if one.get("class") == "rail"]
+    strokes = [line / ahead / k - (20 + 40j) / ahead for line in loops(rail.get("d"))[0]]
+    long, *short = strokes
+    assert long == pytest.approx([-16 - 8j, 96 - 8j], abs=0.03)
+    # Hatched along all of it, with as many strokes as there is room for.
+    assert [stroke[0] for stroke in short] == pytest.approx(np.arange(-12, 96, 7) - 8j, abs=0.04)
+    assert [stroke[1] - stroke[0] for stroke in short] == pytest.approx([-4 - 5j] * len(short), abs=0.04)
+
+
+BENT = 1e-2
+NO_RAIL = {
+    "stands still": (0 * ALONG + 20j, ONE),
+    "goes along a bent line": (ALONG + BENT * ALONG * (80 - ALONG) * 1j, ONE),
+    "turns": (ALONG + 0j, np.exp(2e-3j * ALONG)),
+    "is nowhere": (np.full(FRAMES, np.nan + 0j), ONE),
+}
+
+
+@pytest.mark.parametrize("why", NO_RAIL)
+def test_any_other_block_has_none(why):
+    place, way = NO_RAIL[why]
+    root = still_of(SceneMark("slide", place, "construction", "block", direction=way), bodies=[body(plate())])
+    assert not [one for one in root.iter() if one.get("class") == "rail"]
+
+
+def test_nor_has_one_where_a_plate_shows_the_ground_and_one_that_is_seldom_there_has_its_own():
+    place = ALONG + 40j
+    place[[0, 4]] = np.nan
+    block = SceneMark("slide", place, "construction", "block", direction=ONE)
+    for fixed in (True, False):
+        root = still_of(block, bodies=[body(plate(), fixed=fixed)], at=10.0)
+        rails = [loops(one.get("d"))[0] for one in root.iter() if one.get("class") == "rail"]
+        assert len(rails) == (not fixed)
+        for long, *_ in rails:
+            assert long == pytest.approx([-6 + 32j, 96 + 32j], abs=0.01)
+
+
+LAYERS = {
+    "the ground under a moving plate": ((0, True), (1, False), ()),
+    "the ground over a moving plate": ((2, True), (1, False), ("first",)),
+    "the ground in the layer of a moving plate": ((1, True), (1, False), ()),
+    "the ground over the ground": ((2, True), (1, True), ()),
+    "a moving plate over a moving one": ((2, False), (1, False), ()),
+    "a moving plate over the ground": ((2, False), (1, True), ()),
+}
+
+
+@pytest.mark.parametrize("how", LAYERS)
+def test_the_ground_is_hatched_and_lets_be_seen_what_moves_below_it(how):
+    *layers, over = LAYERS[how]
+    bodies = [
+        body(plate(), name, layer=layer, fixed=fixed) for name, (layer, fixed) in zip(("first", "second"), layers)
+    ]
+    root = still_of(bodies=bodies)
+    for one, (_, fixed) in zip(bodies, layers):
+        within = titled(root, one.name)
+        faint = [group for group in within.iter(f"{SPACE}g") if group.get("class") == "over"]
+        assert bool(faint) == (one.name in over)
+        looks = [path.get("class") for path in within.iter(f"{SPACE}path")]
+        assert looks == (
+            ["plate ground", "hatch"] if fixed else [f"plate t{[b for b in bodies if not b.fixed].index(one)}"]
+        )
+    # The lowest first, in their order where they lie in one layer.
+    shown = [title.text for title in root.iter(f"{SPACE}title") if title.text in ("first", "second")]
+    assert shown == [b.name for b in sorted(bodies, key=lambda b: b.layer)]
+
+
+def test_moving_bodies_are_coloured_in_their_order_and_begin_anew_after_eight():
+    bodies = [body(plate(), f"b{k}", layer=(7 * k) % 11, fixed=k == 3) for k in range(11)]
+    root = still_of(bodies=bodies)
+    looks = [next(titled(root, one.name).iter(f"{SPACE}path")).get("class") for one in bodies]
+    assert looks == [f"plate {t}" for t in ["t0", "t1", "t2", "ground", "t3", "t4", "t5", "t6", "t7", "t0", "t1"]]
+
+
+def test_a_curve_goes_with_its_body_or_lies_on_the_ground_and_is_drawn_once():
+    line = gk.plane.Segment(10 + 10j, 60 + 10j)
+    curves = (
+        SceneCurve(line, "pitch", "on", "plate"),
+        SceneCurve(line, "contact", "off"),
+        SceneCurve(line, "wanted", "", "bare"),
+    )
+    at, turn = 100 + 20j, np.exp(0.3j)
+    bodies = [body(plate(), "plate", at, turn), body(None, "bare", -at, turn)]
+    root = still_of(bodies=bodies, curves=curves)
+    for role, where in (
+        ("pitch", lambda z: at + turn * z),
+        ("contact", lambda z: z),
+        ("wanted", lambda z: -at + turn * z),
+    ):
+        (group,) = [g for g in root.iter(f"{SPACE}g") if any(one.get("class") == f"line {role}" for one in g)]
+        (path,) = [one for one in group if one.get("class") == f"line {role}"]
+        ((ends,), _) = loops(path.get("d"))
+        assert placed(group.get("transform"))(ends) == pytest.approx(where(np.array([10 + 10j, 60 + 10j])), abs=0.02)
+
+
+def test_how_far_a_body_reaches_is_that_of_its_farthest_part():
+    near, far = plate(wide=10, high=10), gk.Part("far", gk.plane.Circle(40 - 30j, 20.0), (), 3.0)
+    scene = scene_of(
+        SceneMark("line", ONE, "construction", "", vector=ONE * 100j),
+        bodies=[SceneBody("two", (near, far), 0 * ONE, ONE), body(None, "none"), body(near, "one")],
+        curves=(SceneCurve(gk.plane.Segment(0j, 1 + 0j), "pitch", "", "none"),),
+    )
+    still = Still(scene, np.array([0]))
+    reach = {item.body: item.reach for item in items(still) if item.body}
+    assert reach["two"] == pytest.approx(70, rel=2e-3) and reach["one"] == pytest.approx(200**0.5)
+    assert reach["none"] == pytest.approx(0.1 * still.size)
+
+
+@pytest.mark.parametrize("sort", ["vector", "circle"])
+def test_what_grows_from_nothing_is_drawn_in_its_usual_size_and_seen_so_without_motion(sort):
+    sizes = np.array([0, 0, 0, 0, 0, 0, 20.0, 30.0, 40.0])
+    how = {"radius": sizes} if sort == "circle" else {"vector": sizes * np.exp(0.1j * np.arange(FRAMES))}
+    mark = SceneMark(sort, ALONG * 1j, "contact", "grown", **how)
+    scene = scene_of(mark, bodies=[body(plate())])
+    for frame in (6, 8):
+        root = root_of(animation(Job("film", Loose((), scene.table, scene), 0.01, assembly_at=10.0 * frame)))
+        (one,) = [one for one in root.iter() if "contact" in one.get("class", "")]
+        (group,) = [group for group in root.iter(f"{SPACE}g") if one in list(group)]
+        usual = float(one.get("r") or numbers(one.get("d"))[2])
+        there = placed(group.get("transform"))
+        assert 20 <= usual <= 40 and there(0) == pytest.approx(10j * frame)
+        tip = sizes[frame] * (np.exp(0.1j * frame) if sort == "vector" else 1)
+        assert there(usual) - there(0) == pytest.approx(tip, abs=0.02)
+    gone = SceneMark(
+        sort, ALONG * 1j, "contact", "gone", **({"radius": 0 * sizes} if sort == "circle" else {"vector": 0j * sizes})
+    )
+    scene = scene_of(gone, bodies=[body(plate())])
+    for write in (animation, assembly):
+        root = root_of(write(Job("film", Loose((), scene.table, scene), 0.01)))
+        assert not [one for one in root.iter() if "contact" in one.get("class", "")]
+
+
+def test_what_has_no_name_has_no_title_and_what_shows_nothing_is_not_drawn():
+    marks = pin(30 + 30j, ""), SceneMark("point", ONE * 50, "wanted", "")
+    root = still_of(*marks, bodies=[body(plate()), body(None, "bare")])
+    assert [one.text for one in root.iter(f"{SPACE}title")] == ["still, assembled", "plate"]
+    assert all(len(group) for group in root.iter(f"{SPACE}g"))
+
+
+def test_a_trail_of_what_slides_is_in_36_dashes():
+    frames = 145
+    place = np.linspace(0, 300, frames) + 0j
+    table = gk.Table((gk.Column("way", "mm", "of the driver", np.linspace(5, 30, frames)),))
+    closed = np.ones(frames, dtype=bool)
+    scene = gk.scene.Scene(
+        table, np.arange(float(frames)), closed, (), marks=(SceneMark("point", place, "traced", trail=True),)
+    )
+    root = root_of(assembly(Job("still", Loose((), table, scene), 0.01)))
+    (trail,) = [one for one in root.iter() if one.get("class") == "trail traced"]
+    dashes = np.array(loops(trail.get("d"))[0])
+    assert dashes == pytest.approx(300 / 72 * np.arange(72).reshape(36, 2) + 0j, abs=0.02)
+
+
+def test_names_stand_with_the_middle_of_their_letters_where_they_are_told():
+    scene = scene_of(
+        pin(30 + 30j, "a_pin"),
+        SceneMark("point", ONE * (200 + 150j), "traced", "a_tip"),
+        bodies=[body(plate(), "a_plate")],
+    )
+    still = Still(scene, np.array([0]))
+    root = root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=0.0)))
+    texts = {one.text: one for one in root.iter(f"{SPACE}text")}
+    names = stand(still)
+    assert {name.text: name.role for name in names} == {"a plate": "", "a tip": "traced"}
+    for name in names:
+        text = texts[name.text]
+        assert text.get("class") == (name.role or "of")
+        assert float(text.get("x")) - 1j * (float(text.get("y"))) == pytest.approx(name.place - 0.35 * 11j, abs=0.01)
+
+
+@pytest.mark.parametrize("k", [1.0, 2.5])
+def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
+    """As wide as the holes that they sit in, or in what is called a pixel of the picture."""
+    part = plate((k * (100 + 100j), 5.0 * k), wide=420 * k, high=200 * k)
+    marks = {
+        "PINS": [(100 + 100j, "pin", "construction", 5), (50 + 50j, "fixed pin", "construction", 3)],
+        "WANTED": [(200 + 70j, "point", "wanted", 2.5)],
+        "CONSTRUCTION": [(100 + 100j, "point", "construction", 2.5), (250 + 30j, "circle", "construction", 20)],
+    }
+    given = [
+        SceneMark(sort, ONE * k * z, role, radius=np.full(FRAMES, k * radius) if sort == "circle" else None)
+        for held in marks.values()
+        for z, sort, role, radius in held
+    ]
+    scene = scene_of(*given, bodies=[body(part, fixed=True)])
+    content = assembly_dxf(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=0.0))
+    space = ezdxf.read(io.StringIO(content.decode())).modelspace()
+    for layer, held in marks.items():
+        circles = space.query(f'CIRCLE[layer=="{layer}"]')
+        found = sorted((c.dxf.center.x, c.dxf.center.y, c.dxf.radius) for c in circles)
+        wanted = sorted((k * z.real, k * z.imag, k * radius) for z, _, _, radius in held)
+        assert np.array(found) == pytest.approx(np.array(wanted), abs=1e-3 * k)
+    (text,) = space.query("TEXT")
+    (name,) = stand(Still(scene, np.array([0])))
+    assert (text.dxf.text, text.dxf.layer) == ("plate", "NAMES")
+    assert text.dxf.height == pytest.approx(0.72 * 11 * k, rel=5e-3)
+    assert complex(*text.get_placement()[1].vec2) == pytest.approx(name.place, abs=0.06 * k)
+
+
+def test_a_film_is_the_same_whenever_its_time_begins():
+    scene = scene_of(SceneMark("point", ALONG + 0j, "traced"), bodies=[body(plate())])
+    later = replace(scene, time=scene.time + 7)
+    one, other = (animation(Job("film", Loose((), scene.table, shown), 0.01)) for shown in (scene, later))
+    assert one == other

@@ -1,0 +1,91 @@
+"""What stands still under a mechanism: bases whose holes are at the axes, plates of motors under all that turns."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.plane import Circle
+from geomkin.scenes.motor import apart, on_motor
+
+from .gallery import RECIPES, marks, named, recipe
+
+PLATE = gk.plane.Polyline(np.array([-200 - 200j, 200 - 200j, 200 + 200j, -200 + 200j]))
+
+
+def plate(*holes, body="ground"):
+    return gk.Part("base", PLATE, tuple(Circle(z, 1.0) for z in holes), 3.0, body=body)
+
+
+WITH_BASE = ["gear-pair", "planetary", "rack-and-pinion", "rocker-cam", "roller-cam", "straight-sided", "lantern"]
+
+
+@pytest.mark.parametrize("name", WITH_BASE)
+def test_every_axis_that_stands_still_stands_in_a_hole_of_the_base(name):
+    text = (RECIPES / f"{name}.toml").read_text("utf-8")
+    own = recipe(name) if "[base]" in text else gk.load(f"{text}\n[base]\n")
+    body = named(own.scene, "ground")
+    assert body.fixed and np.ptp(body.direction) == 0 and (body.origin == 0).all()
+    (base,) = body.parts
+    holes = [complex(hole.centre * body.direction[0]) for hole in base.holes if isinstance(hole, Circle)]
+    axes = marks(own.scene, "fixed pin")
+    assert axes and all((mark.place == mark.place[0]).all() for mark in axes)
+    for mark in axes:
+        assert min(abs(hole - mark.place[0]) for hole in holes) < 1e-9, mark.label
+    assert all(other.layer > body.layer for other in own.scene.bodies if not other.fixed)
+
+
+def test_a_base_lies_under_planets_as_it_is_drawn_and_the_carrier_over_them():
+    own = recipe("planetary")
+    for parts, layer in (((), 0), ((plate(70 + 20j),), 2)):
+        scene = gk.scenes.planetary_scene(own.gears, own.table, parts)
+        assert named(scene, "carrier").layer == layer
+        assert {body.layer for body in scene.bodies if body.name not in ("carrier", "ground")} == {1}
+        for body in scene.bodies:
+            if body.name == "ground":
+                assert body.parts == parts and (body.direction == 1).all() and (body.origin == 0).all()
+    assert body.name == "ground" and body.layer == 0
+
+
+def scenes_with(parts):
+    pair, planets, cam, lantern = (recipe(n) for n in ("gear-pair", "planetary", "roller-cam", "lantern"))
+    yield gk.scenes.pair_scene(pair.design, parts)
+    yield gk.scenes.pair_scene(recipe("rack-and-pinion").design, parts)
+    yield gk.scenes.gear_scene(pair.design.first, parts)
+    yield gk.scenes.planetary_scene(planets.gears, planets.table, parts)
+    yield gk.scenes.cam_scene(cam.cam, cam.table, parts)
+    yield gk.scenes.conjugate_scene(lantern.design, lantern.table, parts)
+
+
+def test_the_plate_of_a_motor_lies_still_under_everything():
+    motor = plate(15 + 15j, body="motor")
+    assert apart((motor, plate()))[1] == (motor,)
+    for with_motor, without in zip(scenes_with((motor,)), scenes_with(())):
+        first, *others = with_motor.bodies
+        assert (first.name, first.parts, first.fixed, first.layer) == ("motor", (motor,), True, 0)
+        assert (first.direction == 1).all() and (first.origin == 0).all()
+        assert first.origin.shape == first.direction.shape == without.bodies[0].origin.shape
+        assert [(b.name, b.layer) for b in others] == [(b.name, b.layer + 1) for b in without.bodies]
+    assert on_motor(without.bodies, ()) is without.bodies
+
+
+LAYERS = {
+    "roller-cam": {"cam": 1, "roller": 1, "follower": 0},
+    "rocker-cam": {"cam": 1, "roller": 1, "arm": 0},
+    "flat-cam": {"cam": 1, "follower": 1},
+    "flat-rocker-cam": {"cam": 1, "arm": 1},
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+@pytest.mark.parametrize("based", [False, True])
+def test_what_carries_a_roller_is_beside_it_and_over_a_base_if_there_is_one(name, based):
+    """A face touches the cam itself, and so lies in its plane."""
+    own = recipe(name)
+    bodies = [*LAYERS[name], *["ground"] * based]
+    parts = [plate(body=body) for body in bodies]
+    scene = gk.scenes.cam_scene(own.cam, own.table, parts)
+    over = based and "roller" in LAYERS[name]
+    wanted = {body: layer + over for body, layer in LAYERS[name].items()} | ({"ground": 0} if based else {})
+    assert {body.name: body.layer for body in scene.bodies} == wanted
+    assert [body.name for body in scene.bodies if body.fixed] == ["ground"] * based
+    assert all(body.parts[0].body == body.name for body in scene.bodies)

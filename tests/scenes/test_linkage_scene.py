@@ -1,0 +1,168 @@
+"""Scenes of linkages: how long arrows are, where instant centres are seen, how time passes, what is drawn as lines."""
+
+import re
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.scene import Limit
+from geomkin.scenes import linkage_scene
+
+from .gallery import marks
+
+TURN = np.linspace(0, 2 * np.pi, 61)
+BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
+
+
+def scene_of(linkage, drive=TURN, **more):
+    motion = gk.move(linkage, drive, **more)
+    return motion, linkage_scene(motion, gk.linkage.motion_table(motion))
+
+
+def crossing(a, b, c, d):
+    """Of the lines through a and b, and through c and d."""
+    one, two = b - a, d - c
+    return a + one * np.imag(np.conj(two) * (c - a)) / np.imag(np.conj(two) * one)
+
+
+def test_centres_that_are_no_joints_are_where_links_cross_as_far_as_anybody_looks():
+    motion, scene = scene_of(gk.FourBar(100, 60, 95, 75))
+    found = {mark.label: mark.place for mark in marks(scene, "point", "instant centre of")}
+    at = {name: motion.point(name).position for name in motion.linkage.pins}
+    pivots, pins = ("crank_pivot", "rocker_pivot"), ("crank_pin", "rocker_pin")
+    wanted = {
+        "instant centre of ground and coupler": crossing(at[pivots[0]], at[pins[0]], at[pivots[1]], at[pins[1]]),
+        "instant centre of crank and rocker": crossing(at[pivots[0]], at[pivots[1]], at[pins[0]], at[pins[1]]),
+    }
+    assert {frozenset(re.split(" and |centre of ", label)[1:]) for label in found} == {
+        frozenset(re.split(" and |centre of ", label)[1:]) for label in wanted
+    }
+    for label, place in wanted.items():
+        (shown,) = [held for other, held in found.items() if set(other.split()) == set(label.split())]
+        with np.errstate(invalid="ignore"):
+            near = np.abs(place) < 3 * float(np.max(motion.linkage.size))
+        assert 0 < near.sum() < motion.closed.sum() and np.array_equal(np.isfinite(shown), near)
+        assert np.abs(shown - place)[near].max() < 1e-6
+
+
+def test_of_many_bodies_only_centres_on_the_ground_are_shown():
+    for name, few in (("six", True), ("seven", False)):
+        bodies = {
+            "ground": {"O": 0, "C": 100, "E": 100 + 100j},
+            "crank": {"O": 0, "A": 30},
+            "coupler": {"A": 0, "B": 90, "P": 50 + 50j},
+            "rocker": {"C": 0, "B": 70},
+            "link": {"P": 0, "F": 120},
+            "out": {"E": 0, "F": 90},
+        }
+        if name == "seven":
+            bodies |= {"more": {"F": 0, "G": 100}, "last": {"E": 0, "G": 110}}
+        _, scene = scene_of(gk.Linkage(bodies, "crank"), np.linspace(0.7, 0.9, 5))
+        labels = [mark.label for mark in marks(scene, "point", "instant centre of")]
+        assert any("ground" not in label for label in labels) == few and any("ground" in label for label in labels)
+
+
+@pytest.mark.parametrize("speed", [3.0, -40.0])
+def test_arrows_are_told_with_their_scale_and_cut_off_where_they_would_cover_all(speed):
+    motion, scene = scene_of(BAR, speed=speed)
+    size = float(np.max(motion.linkage.size))
+    for role, unit in (("velocity", "mm/s"), ("acceleration", "mm/s2")):
+        arrows = {mark.label.split(f" {role}")[0]: mark for mark in scene.marks if mark.role == role}
+        assert set(arrows) == {"crank_pin", "rocker_pin", "coupler_point"}
+        scales = {re.search(rf", 1 mm is (\S+) {re.escape(unit)}$", mark.label)[1] for mark in arrows.values()}
+        (scale,) = map(float, scales)
+        most = []
+        for name, mark in arrows.items():
+            track = motion.point(name)
+            assert np.array_equal(mark.place, track.position)
+            real = getattr(track, role)
+            wanted = real / scale
+            long = np.abs(wanted) > 0.745 * size
+            assert np.abs(mark.vector - wanted)[~long].max() < 6e-3 * size
+            assert np.abs(np.abs(mark.vector)[long] - 0.75 * size).max(initial=0) < 6e-3 * size
+            assert np.abs(np.angle(mark.vector / real)).max() < 1e-9
+            most.append(np.percentile(np.abs(wanted), 95))
+        assert max(most) == pytest.approx(0.5 * size, rel=6e-3)
+    assert not [
+        mark
+        for mark in linkage_scene(motion, gk.linkage.motion_table(motion), rates=False).marks
+        if "1 mm is" in mark.label
+    ]
+
+
+@pytest.mark.parametrize(
+    ("drive", "more", "time", "cyclic"),
+    [
+        (TURN, {"speed": 4.0}, TURN / 4, True),
+        (TURN, {"speed": -4.0}, TURN / 4, True),
+        (-2 * TURN, {"speed": 4.0}, 2 * TURN / 4, True),
+        (1.5 + TURN, {"speed": 2.0}, TURN / 2, True),
+        (0.9 * TURN, {"speed": 2.0}, 0.9 * TURN / 2, False),
+        (TURN, {"speed": 0.0}, np.linspace(0, 2, 61), True),
+        (TURN, {"speed": 2.0, "acceleration": 0.5}, np.linspace(0, 2, 61), True),
+        (TURN, {"speed": 2.0 + TURN}, np.linspace(0, 2, 61), True),
+        (0 * TURN + 1, {"speed": 2.0}, 0 * TURN, False),
+    ],
+)
+def test_time_passes_as_the_driver_does_or_in_two_seconds(drive, more, time, cyclic):
+    _, scene = scene_of(BAR, drive, **more)
+    assert scene.time == pytest.approx(time) and scene.cyclic == cyclic
+
+
+def test_what_is_driven_by_a_slide_goes_round_nowhere():
+    pushed = gk.SliderCrank(30, 90, driver="slider")
+    _, scene = scene_of(pushed, 70 + np.linspace(0, 2 * np.pi, 7), speed=10.0)
+    assert not scene.cyclic
+
+
+def test_bodies_that_nothing_is_cut_of_are_lines_from_each_point_to_the_next_and_back():
+    motion, scene = scene_of(BAR)
+    sides = [mark for mark in scene.marks if mark.sort == "line"]
+    at = {
+        name: motion.point(name).position
+        for name in ("crank_pivot", "crank_pin", "rocker_pin", "rocker_pivot", "coupler_point")
+    }
+    seen = set()
+    for mark in sides:
+        ends = [
+            name
+            for z in (mark.place, mark.place + mark.vector)
+            for name, place in at.items()
+            if np.abs(z - place).max() < 1e-9
+        ]
+        seen.add(frozenset(ends))
+        assert len(ends) == 2
+    told = [("crank_pivot", "crank_pin"), ("crank_pin", "rocker_pin"), ("rocker_pin", "rocker_pivot")]
+    told += [("crank_pin", "coupler_point"), ("coupler_point", "rocker_pin")]
+    assert seen == {frozenset(pair) for pair in told}
+    plates = gk.shop.link_parts(motion)
+    shown = linkage_scene(motion, gk.linkage.motion_table(motion), plates)
+    assert not [mark for mark in shown.marks if mark.sort == "line"]
+    only = [part for part in plates if part.body != "coupler"]
+    assert len([m for m in linkage_scene(motion, gk.linkage.motion_table(motion), only).marks if m.sort == "line"]) == 3
+
+
+@pytest.mark.parametrize(
+    "linkage", [BAR, gk.SliderCrank(30, 90), gk.InvertedSliderCrank(80, 30, offset=6, point=120 + 5j)]
+)
+def test_every_column_but_the_driver_and_the_time_is_in_one_plot_with_others_of_its_unit(linkage):
+    motion = gk.move(linkage, TURN[1:-1], speed=2.0)
+    table = gk.linkage.motion_table(motion)
+    limit = Limit(40.0, "least")
+    scene = linkage_scene(motion, table, limits={"transmission_angle": limit, "nothing": limit})
+    units = {column.header: column.unit for column in table.columns}
+    shown = [header for plot in scene.plots for header in plot.columns]
+    known = [
+        c.header for c in table.columns[1:] if c.unit != "s" and "branch" not in c.name and np.isfinite(c.values).any()
+    ]
+    assert sorted(shown) == sorted(known) and len({plot.title for plot in scene.plots}) == len(scene.plots)
+    for plot in scene.plots:
+        assert len({units[header] for header in plot.columns}) == 1
+        # What a plot shows is in its title: of a point its name, of bodies and slides what is told of them.
+        name, _, what = plot.title.rpartition(", ")
+        assert all(header.startswith(name.replace(" ", "_").replace("sliding", "")) for header in plot.columns)
+        assert what not in ("velocity", "acceleration") or all(f"_{what}_" in header for header in plot.columns)
+        assert plot.limits == ((limit,) if plot.columns == ("transmission_angle_deg",) else ())
+    # The most telling first: where a point goes, then angles.
+    assert scene.plots[0].title.endswith(", place") and "_alpha" not in scene.plots[1].columns[0]
