@@ -222,6 +222,29 @@ def test_many_linkages_are_followed_as_each_is_alone():
         assert np.array_equal(many.bodies["out1"].direction[:, k], one.bodies["out1"].direction, equal_nan=True)
 
 
+def test_a_large_one_among_small_ones_is_followed_over_its_whole_stroke():
+    """A piston turns a crank, and that another by a parallelogram: in line where the crank points along the slide."""
+
+    def moved(size, drive):
+        bodies = {
+            "ground": {"O": 0, "C": 100 * size},
+            "crank": {"O": 0, "A": 30 * size, "D": 20 * size},
+            "rod": {"A": 0, "S": 90 * size},
+            "piston": {"S": 0},
+            "coupler": {"D": 0, "E": 100 * size},
+            "rocker": {"C": 0, "E": 20 * size},
+        }
+        slide = gk.Slider("slide", "piston", "ground", through=960j)
+        return gk.move(gk.Linkage(bodies, "piston", (slide,)), drive, gk.Follow({"A": -1, "E": -1}))
+
+    sizes, drive = np.array([1.0, 80.0]), np.linspace(9500, 9550, 30)
+    many, alone = moved(sizes, drive), moved(80.0, drive)
+    assert not many.closed[:, 0].any() and alone.closed.all()
+    crank, rocker = alone.crank.direction, alone.rocker.direction
+    assert np.ptp(np.sign(crank.imag)) == 2 and np.abs(crank - rocker).max() < 1e-6
+    assert np.abs(many.rocker.direction[:, 1] - rocker).max() < 1e-12
+
+
 @pytest.mark.parametrize("name", ["output_pin", "coupler_point"])
 def test_the_branch_nearest_to_given_places_is_the_one_they_were_taken_from(name):
     six_bar = gk.StephensonSixBar(

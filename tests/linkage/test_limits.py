@@ -242,3 +242,28 @@ def test_a_coupler_curve_of_a_driving_slide_needs_its_places_and_is_told_them():
     curve = gk.CouplerCurve(linkage, "coupler_point", span=middle)
     assert np.array_equal(curve.breaks, middle)
     assert curve.point(middle[0]) == gk.move(linkage, [middle[0]]).point("coupler_point").position[0]
+
+
+def tangent_drive():
+    """A pin in a slot of the crank and in one along x, 5 mm off: it runs away where the crank points along x."""
+    return gk.Linkage(
+        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
+        "crank",
+        (gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
+    )
+
+
+@pytest.mark.parametrize("span", [None, (0.0, 2 * np.pi), (1.0, 2.0), (np.pi - 1, np.pi + 1)])
+def test_a_part_is_not_lost_where_guides_stand_parallel_in_its_middle(span):
+    assert gk.driver_limits(tangent_drive(), span=span) == (span or (0.0, 2 * np.pi),)
+
+
+def test_dashes_over_a_place_where_guides_stand_parallel_are_refused_with_it():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.dashes(tangent_drive(), [0j], [np.pi - 1, np.pi + 1], 0.1, body="block")
+    words = "drive: the linkage opens at 3.14159 for a moment; give steps that end there"
+    assert str(caught.value) == words
+    ends = [np.pi - 1, np.pi - 0.1, np.pi + 0.1, np.pi + 1]
+    (dashes,) = gk.linkage.dashes(tangent_drive(), [0j], ends, 0.1, body="block")
+    for dash, (low, high) in zip(dashes, (ends[:2], ends[2:]), strict=True):
+        assert dash.imag == pytest.approx(5) and dash[[0, -1]].real == pytest.approx(5 / np.tan([low, high]))
