@@ -260,6 +260,32 @@ def test_the_branch_nearest_to_given_places_is_the_one_they_were_taken_from(name
         assert alone.branches["rocker_pin"] == signs["rocker_pin"]
 
 
+NEAR = {
+    "rocker_pin": gk.FourBar(100, 30, 90, 70, 40 + 25j, origin=7 - 3j, ground_angle_deg=37),
+    "slider_pin": gk.SliderCrank(30, 90, 12, origin=7 - 3j, ground_angle_deg=37),
+    "tip": gk.Linkage(
+        {"ground": {"O": 0, "C": 80}, "crank": {"O": 0, "A": 30}, "block": {"A": 0}, "lever": {"C": 0, "tip": 130}},
+        "crank",
+        (gk.Slider("slide", "block", "lever", 0, 7j),),
+        7 - 3j,
+        37.0,
+    ),
+    "output_pin": gk.WattSixBar(FOUR_BAR, 50 - 30j, 90, 60, 180),
+}
+
+
+@pytest.mark.parametrize("name", NEAR)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_of_two_branches_the_nearer_one_is_taken_however_little_nearer(name, sign):
+    """By places just on this side of the middle between the points of both."""
+    joint = {"tip": "slide"}.get(name, name)
+    for angle in (0.3, 2.1, 4.4):
+        here, there = (gk.move(NEAR[name], [angle], {joint: s}).point(name).position[0] for s in (sign, -sign))
+        for aside in (0, 60j):
+            place = here + (0.49 + aside) * (there - here)
+            assert gk.move(NEAR[name], [angle], {name: place}).branches[joint] == sign
+
+
 def test_places_tell_at_the_first_frame_that_closes_and_start_loops():
     triple_rocker, drive = gk.FourBar(4, 3, 2, 2.5), np.linspace(2.0, -1.0, 20)
     for sign in (1, -1):
