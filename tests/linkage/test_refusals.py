@@ -108,8 +108,8 @@ REFUSED = [
     ),
     # Sizes with which nothing closes.
     (
-        lambda: gk.SliderCrank(30, 90, -125),
-        "offset: found -125 mm, but crank and coupler together reach only 120 mm, so the loop cannot close; give less "
+        lambda: gk.SliderCrank(30, 90, -120),
+        "offset: found -120 mm, but crank and coupler together reach only 120 mm, so the loop cannot close; give less "
         "than 120 mm or lengthen the others",
     ),
     (
