@@ -267,3 +267,27 @@ def test_dashes_over_a_place_where_guides_stand_parallel_are_refused_with_it():
     (dashes,) = gk.linkage.dashes(tangent_drive(), [0j], ends, 0.1, body="block")
     for dash, (low, high) in zip(dashes, (ends[:2], ends[2:]), strict=True):
         assert dash.imag == pytest.approx(5) and dash[[0, -1]].real == pytest.approx(5 / np.tan([low, high]))
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("turn", [0, 40])
+def test_a_sliding_body_is_pushed_along_its_line_whichever_of_the_two_names_it(swapped, turn):
+    """One over how fast the joint slides as it is told itself."""
+    given = gk.SliderCrank(30, 90, 12).linkage
+    slide = gk.Slider("slide", "slider", "ground", 0, 12j, turn, turn)
+    if swapped:
+        slide = gk.Slider("slide", "ground", "slider", 12j, 0, 0, -turn)
+    linkage = replace(given, sliders=(slide,))
+    motion = gk.move(linkage, np.linspace(0.2, 6.0, 17))
+    advantage = gk.linkage.mechanical_advantage(motion, "slider")
+    assert advantage == pytest.approx(1 / motion.slide("slide").first, rel=1e-9)
+    assert (advantage > 0).any() and (advantage < 0).any()
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e7])
+def test_a_curve_over_whole_turns_is_closed_at_any_size_and_over_less_it_is_not(size):
+    linkage = gk.FourBar(*(size * n for n in (100, 30, 90, 70)), coupler_point=size * (40 + 25j))
+    assert gk.CouplerCurve(linkage, "coupler_point").closed
+    assert gk.CouplerCurve(linkage, "coupler_point", span=(1.0, 1.0 + 4 * np.pi)).closed
+    for end in (1 + np.pi, 1 + 2 * np.pi - 1e-7):
+        assert not gk.CouplerCurve(linkage, "coupler_point", span=(1.0, end)).closed
