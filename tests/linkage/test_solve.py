@@ -346,3 +346,20 @@ def test_the_residual_of_a_slide_is_the_distance_across_its_line():
     ahead = motion.bodies[slider.along].direction * slider.direction
     off = replace(motion, solution=Shifted(motion.solution, disc, 2.0 * ahead))
     assert off.residual == pytest.approx(np.full(len(TURN), 2.0), abs=1e-12)
+
+
+def test_a_linkage_s_size_is_its_farthest_point_or_line_one_for_each_of_many():
+    bodies = {
+        "ground": {"O": 0},
+        "crank": {"O": 0, "A": np.array([30.0, 3.0])},
+        "rod": {"A": 1j, "P": 20j},
+        "sled": {"P": 4},
+    }
+
+    def size(point=0j, through=0j):
+        linkage = gk.Linkage(bodies, "crank", (gk.Slider("slide", "sled", "ground", point, through),))
+        assert linkage.many and linkage.shape == (2,)
+        return linkage.size.tolist()
+
+    assert size() == [30, 20] and size(25j, -3) == [30, 25] and size(-3, 25j) == [30, 25] and size(0, 40) == [40, 40]
+    assert float(gk.FourBar(1, 3, 3.5, 2).linkage.size) == 3.5
