@@ -32,6 +32,9 @@ FARTHEST = 1e6
 # Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
 # half of all digits tell all of them. Fewer, and a linkage that closes at hardly more than one place is missed.
 NARROWED = 10
+# Share of a part at which it is looked at whether it closes: half of it may be where two guides stand parallel for a
+# moment, and the part would be lost. Nearer to an end, and rounding of that end may decide.
+WITHIN = 0.381966
 
 
 @checked
@@ -138,9 +141,9 @@ def driver_limits(
     placements = planned(linkage.linkage, branch)
     ends = [start, end, *_exact(placements, span)]
     cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
-    middles = 0.5 * (cuts[:-1] + cuts[1:])
+    within = cuts[:-1] + WITHIN * np.diff(cuts)
     parts: list[list[float]] = []
-    for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(middles).tolist()):
+    for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(within).tolist()):
         if inside and parts and parts[-1][1] == low:
             parts[-1][1] = high
         elif inside:
@@ -210,13 +213,13 @@ def _nearest_to_closing(whole: DriveRange, looks: Real) -> Real:
     """Places between open looks at which a dyad comes nearest to closing, and there may close between two of them."""
 
     def least(q: Real) -> Real:
-        """The least gap, mm, of the first dyad that is open, or of all; -inf where none is told."""
+        """The least gap, mm, of those that are told; inf where none is."""
         with np.errstate(all="ignore"):
             p = whole.poses(q)
             dyads = [one for one in whole.placements if isinstance(one, Dyad)]
             gaps = [np.broadcast_to(gap, q.shape) for dyad in dyads for gap in dyad.gaps(p)]
         found: Real = np.fmin.reduce([*gaps, np.full(len(q), np.inf)])
-        return np.nan_to_num(found, nan=-np.inf)
+        return found
 
     gap = least(looks)
     at = 1 + np.flatnonzero((gap[1:-1] < 0) & (gap[1:-1] >= gap[:-2]) & (gap[1:-1] >= gap[2:]))

@@ -163,7 +163,7 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
     lines = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
     if lines:
         slider = lines[0]
-        line = motion.bodies[motion.linkage.ground].direction * (
+        line = motion.bodies[slider.along].direction * (
             slider.direction if slider.body == output else -slider.direction
         )
         along = dot(line, body.point(slider.point if slider.body == output else slider.through).first)

@@ -110,7 +110,7 @@ def never_closed(motion: Motion) -> DesignError:
     remedy = found.remedy
     if found.branch is not None:
         remedy = "take that branch"
-    elif parts := _reached(motion, found):
+    elif not np.isnan(found.lacking) and (parts := _reached(motion, found)):
         driver = motion.linkage.driver
         remedy = f"drive the {printable(driver)} between {' or '.join(parts)}, where it closes"
     return DesignError("drive", f"the linkage closes at no frame; {found.text}", remedy)

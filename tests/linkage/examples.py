@@ -95,6 +95,91 @@ def lift_table():
     )
 
 
+def crossed_slots():
+    """Two blocks on one pin, in a slot of the crank and one of the rocker: the slots turn at rates of their own."""
+    return gk.Linkage(
+        {
+            "ground": {"O": 0, "C": 100},
+            "crank": {"O": 0, "A": 30},
+            "coupler": {"A": 0, "B": 90},
+            "rocker": {"C": 0, "B": 70},
+            "first": {"P": 3 + 4j, "tip": 10},
+            "second": {"P": -5 + 2j},
+        },
+        "crank",
+        (
+            gk.Slider("one", "first", "crank", 1j, 5 - 2j, 20, 35),
+            gk.Slider("two", "second", "rocker", 2, 8 + 1j, -30, 15),
+        ),
+    )
+
+
+TABLE = (
+    gk.Slider("along", "carriage", "ground", 1j, 4, 5, 30),
+    gk.Slider("across", "table", "carriage", 2 - 1j, 7, 75, 10),
+)
+
+
+def on_cross_slides(ends):
+    """A crank and a table that never turns, on slides along and across; `ends` lead from the one to the other."""
+    start = {
+        "ground": {"O": 0, "C": 150 + 20j},
+        "crank": {"O": 0, "A": 30},
+        "table": {"K": 5 + 8j, "L": 45 - 10j},
+        "carriage": {},
+    }
+    more = {
+        "bars": ({"bar": {"A": 0, "K": 130}, "rocker": {"C": 3j, "L": 95}}, ()),
+        "bars, the rocker first": ({"rocker": {"C": 3j, "L": 95}, "bar": {"A": 0, "K": 130}}, ()),
+        "bar and slide": (
+            {"bar": {"A": 0, "K": 120}, "sled": {"L": 4 + 1j}},
+            (gk.Slider("rail", "sled", "ground", 1, -20j, 12, 20),),
+        ),
+        "slide and bar": (
+            {"sled": {"L": 4 + 1j}, "bar": {"A": 0, "K": 90}},
+            (gk.Slider("rail", "ground", "sled", 15j, 2, 12, 20),),
+        ),
+        "slides": (
+            {"block": {"K": 4 + 1j}, "sled": {"L": -3}},
+            (gk.Slider("slot", "block", "crank", 1, 6j, 12, 20), gk.Slider("rail", "sled", "ground", 0, 70j, 8, 25)),
+        ),
+    }
+    bodies, sliders = more[ends]
+    return gk.Linkage(start | bodies, "crank", (*sliders, *TABLE))
+
+
+def block_with_a_bar():
+    """The block on a crank's pin that a yoke keeps from turning; a bar on it drives a rocker."""
+    return gk.Linkage(
+        {
+            "ground": {"O": 0, "C": 150},
+            "crank": {"O": 0, "A": 30},
+            "block": {"A": 2 - 3j, "K": 20 + 10j},
+            "yoke": {},
+            "bar": {"K": 0, "B": 140},
+            "rocker": {"C": 0, "B": 90},
+        },
+        "crank",
+        (gk.Slider("way", "yoke", "ground", 1j, 2, 15, 40), gk.Slider("slot", "block", "yoke", 0, 3, 70, 25)),
+    )
+
+
+def coupled():
+    """The driven shaft of an Oldham coupling as the crank of a four-bar."""
+    return gk.Linkage(
+        {
+            "ground": {"D": 0, "E": 6, "C": 120},
+            "driving": {"D": 0},
+            "disc": {},
+            "driven": {"E": 2 + 1j, "K": 40},
+            "bar": {"K": 0, "B": 110},
+            "rocker": {"C": 0, "B": 75},
+        },
+        "driving",
+        (gk.Slider("first", "disc", "driving", 1, 2j), gk.Slider("second", "disc", "driven", 2j, 1, 90, -65)),
+    )
+
+
 def between():
     """A four-bar whose crank and rocker are pushed apart by a cylinder between them: no dyad to begin with."""
     bodies = {
@@ -158,6 +243,14 @@ ALL = Made(
         "scotch yoke": lambda: (gk.ScotchYoke(30, 100, 70), TURN, 1),
         "oldham": lambda: (gk.OldhamCoupling(6), TURN, 1),
         "walking leg": lambda: (walking_leg(), TURN, {"B": -1, "G": -1}),
+        "crossed slots": lambda: (crossed_slots(), np.linspace(1.5, 4.0, 30), 1),
+        "block with a bar": lambda: (block_with_a_bar(), TURN, 1),
+        "coupled": lambda: (coupled(), TURN, 1),
+        "table between bars": lambda: (on_cross_slides("bars"), TURN, -1),
+        "table between bars, the rocker first": lambda: (on_cross_slides("bars, the rocker first"), TURN, 1),
+        "table between bar and slide": lambda: (on_cross_slides("bar and slide"), TURN, 1),
+        "table between slide and bar": lambda: (on_cross_slides("slide and bar"), TURN, -1),
+        "table between slides": lambda: (on_cross_slides("slides"), np.linspace(1, 2, 30), 1),
         "loops": lambda: (*locked(), 1),
         "boom": lambda: (boom(), np.linspace(40, 150, 30), -1),
         "boom after its cylinder": lambda: (

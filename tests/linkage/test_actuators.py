@@ -179,6 +179,31 @@ def test_a_rod_whose_cylinder_stands_braced_pushes_in_a_straight_line():
     )
 
 
+@pytest.mark.parametrize("head", [False, True])
+def test_an_actuator_on_braced_bars_goes_on_from_an_estimate_of_what_it_moves_alone(head):
+    """Its base stands where two struts meet; two more struts, named last, are placed before it all the same."""
+
+    def built(braced):
+        bodies = {"ground": {"O": 0} | ({"C": 50 - 60j, "D": 90 - 60j, "E": -80, "F": -40} if braced else {"T": apex})}
+        struts = {"strut": {"C": 0, "T": 29}, "other strut": {"D": 0, "T": 31}} if braced else {}
+        arm = {"boom": {"O": 0, "B": 120 + 10j}} if not head else {"sled": {"B": 5 + 2j}}
+        cylinder = {"cylinder": {"T": 0}, "rod": {"B": -5 + 0j}}
+        last = {"brace": {"E": 0, "U": 30}, "other brace": {"F": 0, "U": 32}} if braced else {}
+        rail = gk.Slider("rail", "sled", "ground", 0, 40j, 10)
+        sliders = (gk.Slider("push", "rod", "cylinder", 3 + 2j, 10 + 7j, 20, 35), *([rail] if head else []))
+        estimate = {"B": plain.point("B").position[0] + 1 + 1j} if braced else {}
+        return gk.Linkage({**bodies, **struts, **arm, **cylinder, **last}, "push", sliders, estimate=estimate)
+
+    apex = 50 - 60j + 18.5 + 1j * np.sqrt(29**2 - 18.5**2)  # 40 mm apart, circles of 29 and 31
+    drive = np.linspace(120, 150, 12)
+    plain = gk.move(built(False), drive)
+    motion = gk.move(built(True), drive)
+    assert plain.closed.all() and motion.closed.all() and motion.residual.max() < 1e-11
+    assert np.abs(motion.point("T").position - apex).max() < 1e-12
+    assert np.abs(motion.point("B").position - plain.point("B").position).max() < 1e-11
+    assert np.abs(motion.rod.first - plain.rod.first).max() < 1e-12
+
+
 def test_a_gap_too_narrow_to_be_looked_at_is_found():
     near = gk.driver_limits(bar_on_actuator(100, 99.99, 0), span=(-300, 300))
     assert np.array(near).ravel() == pytest.approx([-199.99, -0.01, 0.01, 199.99], rel=1e-11)

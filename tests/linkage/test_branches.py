@@ -1,9 +1,13 @@
 """Branches: fixed, followed through change points at any step, and the circuit of every frame."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.solve.closing_roots import gap_of
 from tests.linkage.examples import FOUR_BAR
 
 STEPS = [6, 7, 13, 100, 361, 2000]
@@ -156,3 +160,45 @@ def test_at_a_change_point_the_two_circuits_are_one():
     kite = gk.FourBar(100, 30, 100, 30)
     for branch in (1, -1):
         assert (gk.linkage.circuits(kite, gk.move(kite, np.linspace(0.1, 3, 20), branch)) == 1).all()
+
+
+DECIMALS = {
+    "shortest crank": lambda s: gk.FourBar(4 * s, 1 * s, 3 * s, 6 * s),
+    "shortest crank, longest ground": lambda s: gk.FourBar(6 * s, 1 * s, 3 * s, 4 * s),
+    "shortest crank, longest coupler": lambda s: gk.FourBar(3 * s, 1 * s, 6 * s, 4 * s),
+    "shortest ground": lambda s: gk.FourBar(1 * s, 3 * s, 6 * s, 4 * s),
+    "shortest coupler": lambda s: gk.FourBar(6 * s, 3 * s, 1 * s, 4 * s),
+    "parallelogram": lambda s: gk.FourBar(5 * s, 2 * s, 5 * s, 2 * s),
+    "kite": lambda s: gk.FourBar(7 * s, 3 * s, 3 * s, 7 * s),
+    "slider-crank": lambda s: gk.SliderCrank(3 * s, 5 * s, 2 * s),
+    "slider-crank from above": lambda s: gk.SliderCrank(3 * s, 5 * s, -2 * s),
+}
+
+
+@pytest.mark.parametrize("size", [0.1, 0.7 / 3, 13.07, 3e6 / 7, 1e-6 / 7])
+@pytest.mark.parametrize("name", DECIMALS)
+def test_lengths_that_add_up_but_for_their_rounding_have_a_change_point(name, size):
+    drive = np.linspace(0.3, 0.3 + 4 * np.pi, 50)
+    whole, rounded = (gk.move(DECIMALS[name](s), drive, "follow") for s in (1.0, size))
+    assert np.array_equal(whole.closed, rounded.closed)
+    assert rounded.coupler.direction == pytest.approx(whole.coupler.direction, abs=1e-13, nan_ok=True)
+    # By the fixed branch it is another motion from there on.
+    fixed = gk.move(DECIMALS[name](1.0), drive).coupler.direction
+    assert np.nanmax(np.abs(fixed - whole.coupler.direction)) > 0.5
+    # And so it is where the coupler is really a little longer or shorter: then the branches pass each other.
+    given = DECIMALS[name](size)
+    near = [gk.move(replace(given, coupler=given.coupler * (1 + k * 1e-9)), drive, "follow") for k in (1, -1)]
+    assert min(np.nanmax(np.abs(motion.coupler.direction - fixed)) for motion in near) < 1e-3
+
+
+def test_gaps_are_sums_as_if_added_exactly():
+    """By the standard library's exact sum, of lengths that all but cancel."""
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        one, two, three = rng.uniform(-1, 1, 3) * 10.0 ** rng.integers(-6, 7, 3)
+        terms = one, two, -one * (1 + rng.integers(-3, 4) * 2.0**-52), three * 1e-16, -two
+        total, size = math.fsum(terms), sum(map(abs, terms))
+        # What is added back is rounded, too: by the square of the rounding.
+        assert gap_of(False, *terms) == pytest.approx(total, rel=1e-14, abs=1e-30 * size)
+        told = total if abs(total) > 8 * np.finfo(float).eps * size else 0.0
+        assert gap_of(True, *terms) == pytest.approx(told, rel=1e-14, abs=1e-30 * size)

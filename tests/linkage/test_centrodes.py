@@ -131,6 +131,19 @@ def test_a_translating_body_has_none():
     assert np.isnan(centrodes.fixed).all() and np.isnan(centrodes.velocity).all() and centrodes.runs(1e9) == []
 
 
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_centrode_s_curve_goes_through_the_centres_at_the_rate_that_differences_tell(moving):
+    linkage, body = LINKAGES["crank-rocker"]
+    curve = gk.linkage.CentrodeCurve(linkage, body, (0.4, 1.2), moving)
+    drive = np.array([1.1, 0.5, 0.8])
+    centrodes = Centrodes(gk.move(linkage, drive), body)
+    assert curve.point(drive) == pytest.approx(centrodes.moving if moving else centrodes.fixed)
+    step = 1e-5
+    by_differences = (curve.point(drive + step) - curve.point(drive - step)) / (2 * step)
+    assert curve.velocity(drive) == pytest.approx(by_differences, rel=1e-7)
+    assert not curve.closed and curve.breaks.tolist() == [0.4, 1.2]
+
+
 def test_what_has_no_meaning_is_refused():
     motion = gk.move(gk.FourBar(100, 30, 90, 70), TURN)
     with pytest.raises(gk.DesignError, match="reach"):

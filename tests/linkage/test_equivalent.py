@@ -138,6 +138,7 @@ CASES = {
     "four-bar": {"driver_radius": 40.0, "follower_radius": 15.0, "follower_pivot": 95 - 12j},
     "four-bar, hollow follower": {"driver_radius": 40.0, "follower_radius": -90.0, "follower_pivot": 95 - 12j},
     "slider-crank": {"driver_radius": 40.0, "follower_radius": 15.0, "follower_direction": -1 + 2j},
+    "slider-crank the other way": {"driver_radius": 40.0, "follower_radius": 15.0, "follower_direction": 1 - 2j},
     "slider on the follower": {"driver_radius": 40.0, "follower_radius": np.inf, "follower_pivot": 95 - 12j},
     "Scotch yoke": {"driver_radius": 40.0, "follower_radius": np.inf, "follower_direction": -1 + 2j},
     "slider on the driver": {"driver_radius": np.inf, "follower_radius": 15.0, "follower_pivot": 95 - 12j},

@@ -222,6 +222,29 @@ def test_many_linkages_are_followed_as_each_is_alone():
         assert np.array_equal(many.bodies["out1"].direction[:, k], one.bodies["out1"].direction, equal_nan=True)
 
 
+def test_a_large_one_among_small_ones_is_followed_over_its_whole_stroke():
+    """A piston turns a crank, and that another by a parallelogram: in line where the crank points along the slide."""
+
+    def moved(size, drive):
+        bodies = {
+            "ground": {"O": 0, "C": 100 * size},
+            "crank": {"O": 0, "A": 30 * size, "D": 20 * size},
+            "rod": {"A": 0, "S": 90 * size},
+            "piston": {"S": 0},
+            "coupler": {"D": 0, "E": 100 * size},
+            "rocker": {"C": 0, "E": 20 * size},
+        }
+        slide = gk.Slider("slide", "piston", "ground", through=960j)
+        return gk.move(gk.Linkage(bodies, "piston", (slide,)), drive, gk.Follow({"A": -1, "E": -1}))
+
+    sizes, drive = np.array([1.0, 80.0]), np.linspace(9500, 9550, 30)
+    many, alone = moved(sizes, drive), moved(80.0, drive)
+    assert not many.closed[:, 0].any() and alone.closed.all()
+    crank, rocker = alone.crank.direction, alone.rocker.direction
+    assert np.ptp(np.sign(crank.imag)) == 2 and np.abs(crank - rocker).max() < 1e-6
+    assert np.abs(many.rocker.direction[:, 1] - rocker).max() < 1e-12
+
+
 @pytest.mark.parametrize("name", ["output_pin", "coupler_point"])
 def test_the_branch_nearest_to_given_places_is_the_one_they_were_taken_from(name):
     six_bar = gk.StephensonSixBar(
@@ -235,6 +258,32 @@ def test_the_branch_nearest_to_given_places_is_the_one_they_were_taken_from(name
         assert np.array_equal(near.bodies["output"].direction, there.bodies["output"].direction, equal_nan=True)
         alone = gk.move(six_bar, TURN[:1], {"coupler_point": there.point("coupler_point").position[0]})
         assert alone.branches["rocker_pin"] == signs["rocker_pin"]
+
+
+NEAR = {
+    "rocker_pin": gk.FourBar(100, 30, 90, 70, 40 + 25j, origin=7 - 3j, ground_angle_deg=37),
+    "slider_pin": gk.SliderCrank(30, 90, 12, origin=7 - 3j, ground_angle_deg=37),
+    "tip": gk.Linkage(
+        {"ground": {"O": 0, "C": 80}, "crank": {"O": 0, "A": 30}, "block": {"A": 0}, "lever": {"C": 0, "tip": 130}},
+        "crank",
+        (gk.Slider("slide", "block", "lever", 0, 7j),),
+        7 - 3j,
+        37.0,
+    ),
+    "output_pin": gk.WattSixBar(FOUR_BAR, 50 - 30j, 90, 60, 180),
+}
+
+
+@pytest.mark.parametrize("name", NEAR)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_of_two_branches_the_nearer_one_is_taken_however_little_nearer(name, sign):
+    """By places just on this side of the middle between the points of both."""
+    joint = {"tip": "slide"}.get(name, name)
+    for angle in (0.3, 2.1, 4.4):
+        here, there = (gk.move(NEAR[name], [angle], {joint: s}).point(name).position[0] for s in (sign, -sign))
+        for aside in (0, 60j):
+            place = here + (0.49 + aside) * (there - here)
+            assert gk.move(NEAR[name], [angle], {name: place}).branches[joint] == sign
 
 
 def test_places_tell_at_the_first_frame_that_closes_and_start_loops():

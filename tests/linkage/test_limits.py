@@ -242,3 +242,52 @@ def test_a_coupler_curve_of_a_driving_slide_needs_its_places_and_is_told_them():
     curve = gk.CouplerCurve(linkage, "coupler_point", span=middle)
     assert np.array_equal(curve.breaks, middle)
     assert curve.point(middle[0]) == gk.move(linkage, [middle[0]]).point("coupler_point").position[0]
+
+
+def tangent_drive():
+    """A pin in a slot of the crank and in one along x, 5 mm off: it runs away where the crank points along x."""
+    return gk.Linkage(
+        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
+        "crank",
+        (gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
+    )
+
+
+@pytest.mark.parametrize("span", [None, (0.0, 2 * np.pi), (1.0, 2.0), (np.pi - 1, np.pi + 1)])
+def test_a_part_is_not_lost_where_guides_stand_parallel_in_its_middle(span):
+    assert gk.driver_limits(tangent_drive(), span=span) == (span or (0.0, 2 * np.pi),)
+
+
+def test_dashes_over_a_place_where_guides_stand_parallel_are_refused_with_it():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.dashes(tangent_drive(), [0j], [np.pi - 1, np.pi + 1], 0.1, body="block")
+    words = "drive: the linkage opens at 3.14159 for a moment; give steps that end there"
+    assert str(caught.value) == words
+    ends = [np.pi - 1, np.pi - 0.1, np.pi + 0.1, np.pi + 1]
+    (dashes,) = gk.linkage.dashes(tangent_drive(), [0j], ends, 0.1, body="block")
+    for dash, (low, high) in zip(dashes, (ends[:2], ends[2:]), strict=True):
+        assert dash.imag == pytest.approx(5) and dash[[0, -1]].real == pytest.approx(5 / np.tan([low, high]))
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("turn", [0, 40])
+def test_a_sliding_body_is_pushed_along_its_line_whichever_of_the_two_names_it(swapped, turn):
+    """One over how fast the joint slides as it is told itself."""
+    given = gk.SliderCrank(30, 90, 12).linkage
+    slide = gk.Slider("slide", "slider", "ground", 0, 12j, turn, turn)
+    if swapped:
+        slide = gk.Slider("slide", "ground", "slider", 12j, 0, 0, -turn)
+    linkage = replace(given, sliders=(slide,))
+    motion = gk.move(linkage, np.linspace(0.2, 6.0, 17))
+    advantage = gk.linkage.mechanical_advantage(motion, "slider")
+    assert advantage == pytest.approx(1 / motion.slide("slide").first, rel=1e-9)
+    assert (advantage > 0).any() and (advantage < 0).any()
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e7])
+def test_a_curve_over_whole_turns_is_closed_at_any_size_and_over_less_it_is_not(size):
+    linkage = gk.FourBar(*(size * n for n in (100, 30, 90, 70)), coupler_point=size * (40 + 25j))
+    assert gk.CouplerCurve(linkage, "coupler_point").closed
+    assert gk.CouplerCurve(linkage, "coupler_point", span=(1.0, 1.0 + 4 * np.pi)).closed
+    for end in (1 + np.pi, 1 + 2 * np.pi - 1e-7):
+        assert not gk.CouplerCurve(linkage, "coupler_point", span=(1.0, end)).closed

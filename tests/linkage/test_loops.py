@@ -8,6 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.solve.continuation import _between, approached, polished
+from geomkin.linkage.solve.loop_equations import LoopEquations
 from geomkin.linkage.solve.plan import Planner
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
@@ -357,6 +358,17 @@ def test_the_transmission_angle_does_not_depend_on_the_order_of_bodies(at):
         turned = gk.Linkage({name: linkage.bodies[name] for name in order}, "leg", estimate=pins)
         found += gk.move(turned, np.angle(there.leg.direction)).transmission_angle.tolist()
     assert found == pytest.approx(len(names) * found[:1], abs=1e-12)
+
+
+def test_a_pose_that_locks_to_the_last_digit_has_no_angle_and_an_unknown_one_none_that_is_told():
+    """A parallelogram in line, one pose of it unknown, and standing square."""
+    bodies = {"ground": {"O": 0, "C": 100}, "crank": {"O": 0, "A": 30}, "coupler": {"A": 0, "B": 100}}
+    linkage = gk.Linkage({**bodies, "rocker": {"C": 0, "B": 30}}, "crank")
+    placed = frozenset({"ground", "crank"})
+    equations = LoopEquations(linkage, ("coupler", "rocker"), placed, placed)
+    origins = np.array([[0, 0, 30, 100], [0, 0, 30, 100], [0, 0, 30j, 100], [0, 0, 30, 100]], dtype=complex)
+    turns = np.array([[1, 1, 1, 1], [1, 1, np.nan, 1], [1, 1j, 1, 1j], [1, 1, 1, 1]], dtype=complex)
+    assert equations.transmission_angle((origins, turns)) == pytest.approx([0, np.nan, np.pi / 2, 0], nan_ok=True)
 
 
 def test_between_two_points_of_a_path_a_pose_is_guessed_to_the_fourth_order():

@@ -106,6 +106,58 @@ def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
     assert found.frame == np.argmin(motion.closed) > 0
 
 
+TOO_SHORT = "its two links together are {} mm too short"
+NEVER = {
+    "crank": (lambda: gk.move(TRIPLE_ROCKER, np.linspace(2, 4, 9)),
+        "rocker_pin opens first, at crank 114.592 deg: " + TOO_SHORT.format(1.415),
+        "drive the crank between -78 and 78 deg, where it closes"),
+    "rocker": (lambda: gk.move(gk.FourBar(4, 3, 2, 2.5, driver="rocker", ground_angle_deg=40), [0.0]),
+        "crank_pin opens first, at rocker 0 deg: " + TOO_SHORT.format(1.5),
+        "drive the rocker between 83 and 277 deg, where it closes"),
+    "slider": (lambda: gk.move(gk.SliderCrank(30, 90, driver="slider"), [0.5]),
+        "crank_pin opens first, at slider 0.5 mm: one of its two links is 59.5 mm too long for the other",
+        "drive the slider between -120 and -60 mm or 60 and 120 mm, where it closes"),
+    "short rod": (lambda: gk.move(gk.SliderCrank(30, 20), [1.5]),
+        "slider_pin opens first, at crank 85.9437 deg: its link is 9.925 mm too short to reach the slide",
+        "drive the crank between 138.2 and 221.8 deg or -41.8 and 41.8 deg, where it closes"),
+    "offset": (lambda: gk.move(gk.InvertedSliderCrank(40, 30, 25), [0.0]),
+        "slide opens first, at crank 0 deg: its pins are 15 mm too near for its offset",
+        "drive the crank between 39 and 321 deg, where it closes"),
+    "actuator too short": (lambda: gk.move(boom(), [1.0]),
+        "B opens first, at lift 1 mm: the actuator is 12.42 mm too short for its pins",
+        "drive the lift between -226 and -27 mm or 14 and 214 mm, where it closes"),
+    "actuator too long": (lambda: gk.move(boom(), [500.0]),
+        "B opens first, at lift 500 mm: the actuator is 286 mm too long for its pins",
+        "drive the lift between -226 and -27 mm or 14 and 214 mm, where it closes"),
+    "crosshead": (lambda: gk.move(pushed(), [1.0]),
+        "A opens first, at push 1 mm: the actuator is 42.82 mm too short to reach the slide",
+        "drive the push between -144.5 and -86.4 mm or 44.4 and 102.5 mm, where it closes"),
+    "nowhere": (lambda: gk.move(gk.StephensonSixBar(FOUR_BAR, 20, 20, 60 + 120j), [1.0], -1),
+        "output_pin opens first, at crank 57.2958 deg: " + TOO_SHORT.format(79.23),
+        "make one of them at least 79.27 mm longer"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEVER)
+def test_a_motion_that_closes_nowhere_is_refused_word_by_word(name):
+    moved, opens, remedy = NEVER[name]
+    refusal = never_closed(moved())
+    assert str(refusal) == f"drive: the linkage closes at no frame; the dyad at {opens}; {remedy}"
+
+
+def test_guides_that_stand_parallel_at_the_only_frame_are_told_to_be_turned():
+    """That it closes beside there is of no use to one who wants it there."""
+    yoke = gk.Linkage(
+        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
+        "crank",
+        sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
+    )
+    assert str(never_closed(gk.move(yoke, [0.0]))) == (
+        "drive: the linkage closes at no frame; block cannot be placed, at crank 0 deg; turn its guides so that they do "
+        "not stand parallel, or give another estimate of its pins"
+    )
+
+
 def test_openings_of_many_linkages_are_refused():
     many = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 10.0])), TURN)
     with pytest.raises(gk.DesignError, match="one at a time"):

@@ -81,6 +81,46 @@ def test_polynomials_that_the_weights_go_through_are_exact_up_to_the_ends(order)
         assert found.values == pytest.approx(powers.deriv(derivative)(t), rel=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.5, 3.0])
+def test_the_error_told_is_what_is_missed_where_the_formula_that_judges_is_exact(step):
+    """By polynomials of one degree more than a formula takes: their next derivative is the same everywhere."""
+    t = np.arange(16) * step
+    for order in (2, 4, 6):
+        for derivative in (1, 2):
+            power = np.polynomial.Polynomial([1, -2, 3, 0.5] + (order + derivative - 4) * [0] + [1])
+            found = gk.linkage.central_difference(power(t), step, derivative, order)
+            missed = np.abs(found.values - power.deriv(derivative)(t))
+            assert found.error == pytest.approx(missed, rel=1e-3) and missed.max() > 1e-3
+    cubic = np.polynomial.Polynomial([1, -2, 3, 0.5])
+    found = gk.linkage.velocity_difference(cubic(t), step)
+    assert found.error == pytest.approx(np.abs(found.values - cubic.deriv()(found.times)), rel=1e-9)
+    bent = np.polynomial.Polynomial([1, -2, 3])
+    found = gk.linkage.mid_ordinate_integral(bent(t + step / 2), step, 7.0)
+    assert found.error == pytest.approx(np.abs(found.values - 7 - bent.integ()(found.times)), rel=1e-9, abs=1e-9)
+
+
+def test_at_the_ends_errors_are_told_by_the_samples_next_to_them():
+    t = np.arange(12.0)
+    found = gk.linkage.velocity_difference(t**4, 1.0).error
+    assert found[0] == found[1] < found[-2] == found[-1]
+    grown = np.diff(gk.linkage.mid_ordinate_integral(t**3, 1.0).error)
+    assert grown[0] == pytest.approx(grown[1]) and grown[-1] == pytest.approx(grown[-2]) and grown[-1] > 5 * grown[0]
+
+
+@pytest.mark.parametrize("complex_unit", [1, 1j])
+def test_what_samples_are_off_comes_into_rates_by_the_sum_of_the_weights(complex_unit):
+    """Samples that are all off to the worse side, of what stands still."""
+    off = 0.01 * (-1.0) ** np.arange(12) * complex_unit
+    still = gk.linkage.velocity_difference(off, 0.5, inexact=0.01)
+    assert np.abs(still.values) == pytest.approx(np.full(11, 0.04))
+    # The cubic through alternating samples bends as much as it can: eight of them over 24.
+    assert still.error == pytest.approx(np.full(11, 0.04 + 8 * 0.01 / (24 * 0.5)))
+    second = gk.linkage.central_difference(off, 0.5, 2, 2, True, inexact=0.01)
+    assert np.abs(second.values) == pytest.approx(np.full(12, 0.16))
+    # The finer one, of order 4, finds 16/3 times as much as a sample is off.
+    assert second.error == pytest.approx(np.full(12, 0.16 + (16 / 3 - 4) * 0.01 / 0.25))
+
+
 def test_what_samples_are_off_is_told_as_what_comes_of_it():
     """Noise of known size stays within the error, which is worse for the smaller step."""
     noise = np.random.default_rng(1)

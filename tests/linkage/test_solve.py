@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.solve import worked
-from tests.linkage.examples import ALL, FOUR_BAR, TURN, locked
+from tests.linkage.examples import ALL, FOUR_BAR, TURN, crossed_slots, locked
 
 
 @pytest.fixture(params=ALL)
@@ -138,6 +138,65 @@ def test_many_linkages_at_once_are_each_what_it_is_alone():
     assert gk.move(six_bars, TURN).slider.origin.position[:, 1] == pytest.approx(
         gk.move(gk.SliderCrank(30, 90, 5), TURN).slider.origin.position, rel=1e-15
     )
+
+
+MANY = {
+    "slider-crank": (lambda k: gk.SliderCrank(30 + k, 90 - k, 5 * k, 10 + k * 1j), TURN, 1),
+    "slider-crank by coupler": (lambda k: gk.SliderCrank(90 + k, 30 + k, 2 * k, driver="coupler"), TURN, -1),
+    "slider-crank by slider": (lambda k: gk.SliderCrank(30 + k, 90, k, driver="slider"), np.linspace(-150, 150, 40), 1),
+    "slotted lever": (lambda k: gk.InvertedSliderCrank(80 + k, 30, 5 - k, point=130 + k), TURN, 1),
+    "lever that drives": (lambda k: gk.InvertedSliderCrank(80, 30 + k, 5 - k, driver="rocker"), TURN, -1),
+    "sliding coupler": (lambda k: gk.InvertedSliderCrank(80 - k, 30, 5 - k, "coupler", point=130j - k), TURN, -1),
+    "trammel": (lambda k: gk.EllipticTrammel(60 + k, 100 - k, 80), TURN, 1),
+    "trammel by shuttle": (lambda k: gk.EllipticTrammel(60 + k, driver="shuttle"), np.linspace(-70, 70, 40), -1),
+    "scotch yoke": (lambda k: gk.ScotchYoke(30 + k, 100 - k, 70), TURN, 1),
+    "oldham": (lambda k: gk.OldhamCoupling(6 + k), TURN, 1),
+}
+
+
+@pytest.mark.parametrize("follow", [False, True])
+@pytest.mark.parametrize("name", MANY)
+def test_many_of_every_make_at_once_are_each_what_it_is_alone(name, follow):
+    build, drive, branch = MANY[name]
+    asked = gk.Follow(branch) if follow else branch
+    steps = np.array([0.0, 1.5, 7.0])
+    many = gk.move(build(steps), drive, asked, speed=2.0, acceleration=-3.0)
+    assert many.closed.shape == (len(drive), 3) and repr(build(steps)).startswith(type(build(0.0)).__name__)
+    for k, step in enumerate(steps):
+        alone = gk.move(build(step), drive, asked, speed=2.0, acceleration=-3.0)
+        assert np.array_equal(many.closed[:, k], alone.closed) and alone.closed.any()
+        for body in alone.bodies:
+            one, other = many.bodies[body], alone.bodies[body]
+            assert one.direction[:, k] == pytest.approx(other.direction, abs=1e-13, nan_ok=True)
+            assert one.alpha[:, k] == pytest.approx(other.alpha, rel=1e-9, abs=1e-9, nan_ok=True)
+            for what in ("position", "velocity", "acceleration"):
+                found, known = getattr(one.origin, what)[:, k], getattr(other.origin, what)
+                assert found == pytest.approx(known, rel=1e-9, abs=1e-9, nan_ok=True)
+        assert many.transmission_angle[:, k] == pytest.approx(alone.transmission_angle, abs=1e-9, nan_ok=True)
+        assert np.nan_to_num(many.residual[:, k]).max() < 1e-11
+
+
+def test_a_pin_in_two_turning_slots_stands_where_they_cross():
+    """Each slot by a point and its direction, turned with its body; a block's pin stands beside its slot's line."""
+    motion = gk.move(crossed_slots(), TURN)
+    crank, rocker = motion.crank.direction, motion.rocker.direction
+    lines = [
+        (crank, motion.crank, 5 - 2j, 20, 35, 3 + 4j - 1j),
+        (rocker, motion.rocker, 8 + 1j, -30, 15, -5 + 2j - 2),
+    ]
+    starts, ways = [], []
+    for turn, body, through, way, askew, pin in lines:
+        along = turn * np.exp(1j * np.radians(way))
+        ways.append(along)
+        starts.append(body.point(through).position + along * np.exp(1j * np.radians(askew)) * pin)
+    matrices = np.array([[ways[0].real, -ways[1].real], [ways[0].imag, -ways[1].imag]]).transpose(2, 0, 1)
+    apart = starts[1] - starts[0]
+    slid = np.linalg.solve(matrices, np.stack([apart.real, apart.imag], axis=-1)[..., None])[..., 0, 0]
+    assert motion.point("P").position == pytest.approx(starts[0] + slid * ways[0], rel=1e-9)
+    assert motion.slide("one").displacement == pytest.approx(slid, rel=1e-9)
+    # Nothing but the guides' angle tells how well it stands.
+    between = np.abs(np.imag(np.conj(ways[0]) * ways[1]))
+    assert (np.sin(motion.transmission_angle) <= between + 1e-12).all()
 
 
 def test_long_rows_are_the_same_as_short_ones(monkeypatch):
@@ -287,3 +346,20 @@ def test_the_residual_of_a_slide_is_the_distance_across_its_line():
     ahead = motion.bodies[slider.along].direction * slider.direction
     off = replace(motion, solution=Shifted(motion.solution, disc, 2.0 * ahead))
     assert off.residual == pytest.approx(np.full(len(TURN), 2.0), abs=1e-12)
+
+
+def test_a_linkage_s_size_is_its_farthest_point_or_line_one_for_each_of_many():
+    bodies = {
+        "ground": {"O": 0},
+        "crank": {"O": 0, "A": np.array([30.0, 3.0])},
+        "rod": {"A": 1j, "P": 20j},
+        "sled": {"P": 4},
+    }
+
+    def size(point=0j, through=0j):
+        linkage = gk.Linkage(bodies, "crank", (gk.Slider("slide", "sled", "ground", point, through),))
+        assert linkage.many and linkage.shape == (2,)
+        return linkage.size.tolist()
+
+    assert size() == [30, 20] and size(25j, -3) == [30, 25] and size(-3, 25j) == [30, 25] and size(0, 40) == [40, 40]
+    assert float(gk.FourBar(1, 3, 3.5, 2).linkage.size) == 3.5

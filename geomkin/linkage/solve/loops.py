@@ -40,13 +40,12 @@ class Loops(Placement):
         if self.linkage.many:
             raise DesignError("bodies", "found arrays in a linkage that is no chain of dyads", "give one at a time")
         rows, columns = self.equations.rows, len(self.equations.columns)
-        if rows != columns:
-            many = rows > columns
+        # Never more: the count is right as a whole, and the bodies that are placed have all the joints that this takes.
+        if rows < columns:
             raise DesignError(
                 "bodies",
-                f"{', '.join(self.waiting)} have {rows} conditions for {columns} freedoms, so "
-                f"they are {'locked' if many else 'loose'}",
-                "take a bar or a pin away there and add one elsewhere" if many else "join them to more bodies",
+                f"{', '.join(self.waiting)} have {rows} conditions for {columns} freedoms, so they are loose",
+                "join them to more bodies, and take away as much elsewhere",
             )
         lacking = [pin for pin in self._waiting_pins if pin not in self.linkage.estimate]
         if lacking:
