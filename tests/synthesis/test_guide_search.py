@@ -185,3 +185,28 @@ def test_a_search_gives_sound_pairs_the_best_first_and_a_few_that_are_not(kind, 
     assert len(bad) == guide_search.DEFECTIVE and not wrong.defects.none.any() and search.fits(wrong).all()
     apart = np.abs(bad[:, None] - bad).max(axis=2) + 1e9 * np.eye(len(bad))
     assert apart.min() > guide_search.DISTINCT * abs(HIGH - LOW)
+
+
+def test_a_climb_begins_with_the_best_of_all_pairs_that_were_tried(monkeypatch):
+    """Without generations nothing is left but to rank them: the best that differ, of all that were made."""
+    monkeypatch.setattr(guide_search, "GENERATIONS", 0)
+    tried, pairs = [], Search._pairs
+
+    def watched(self, rng):
+        tried.append(pairs(self, rng))
+        return tried[-1]
+
+    monkeypatch.setattr(Search, "_pairs", watched)
+    # So few are sound that one round is not enough.
+    search = search_of("four-bar", largest_ratio=1.3)
+    good, bad = search.run(np.random.default_rng(8), Watch(60, "looking"))
+    every = np.concatenate(tried)
+    guides = search.made(every)
+    with np.errstate(all="ignore"):
+        score, fits = search.score(guides), search.fits(guides)
+    best = [k for k in np.argsort(-score, kind="stable") if np.isfinite(score[k])]
+    assert 1 < len(tried) < guide_search.ROUNDS and len(best) >= 4 * guide_search.STARTS
+    kept = distinct(every[best], guide_search.STARTS, guide_search.DISTINCT * search.size)
+    assert len(kept) > 5 and (good == every[best][kept]).all()
+    wrong = every[fits & ~guides.defects.none]
+    assert len(bad) and all((wrong == pair).all(axis=1).any() for pair in bad)
