@@ -97,10 +97,10 @@ def test_only_pins_on_the_curve_that_is_drawn_are_shown():
 
 def test_the_same_poses_elsewhere_have_the_same_pins_shown():
     """All poses moved and turned by one motion: pivots follow, pins stay on the body."""
-    place, turn = 900 - 700j, np.exp(0.8j)
+    place, turn = 900 - 700j, np.exp(2.5j)
     away = [turn * complex(x, y) + place for x, y, _ in POSES]
-    moved = [[z.real, z.imag, angle + np.degrees(0.8)] for z, (_, _, angle) in zip(away, POSES)]
-    one, other = (recipe(poses, rows=60) for poses in (POSES, moved))
+    moved = [[z.real, z.imag, angle + np.degrees(2.5)] for z, (_, _, angle) in zip(away, POSES)]
+    one, other = (recipe(poses, rows=60, wanted={"reach": 50.0}) for poses in (POSES, moved))
     assert other.dyads[1] == pytest.approx(turn * one.dyads[1] + place, abs=1e-3)
     assert other.dyads[2] == pytest.approx(one.dyads[2], abs=1e-3 * np.abs(one.dyads[2]).max())
     shown, again = (
