@@ -1,4 +1,4 @@
-"""The best of a family at the largest ratio: it is said where a longer link would be better still, and only there."""
+"""The best of a family at its limits: what is said where a longer link would be better, or where links get too long."""
 
 import pytest
 
@@ -51,3 +51,25 @@ def test_small_swings_may_have_twice_the_ratio_that_they_need():
     least = float(caught.value.remedy.rsplit(" ", 1)[1])
     assert gk.crank_rocker(1.0, 180, largest_ratio=least).ratio <= least * (1 + 1e-9)
     assert found.at_largest_ratio and found.ratio == pytest.approx(2 * least, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["crank", "coupler", "rocker"])
+def test_the_length_that_a_refusal_names_is_the_last_that_keeps_all_links_within_bounds(name):
+    with pytest.raises(gk.DesignError, match=f"{name}: found 9.9e.08 mm, which makes a link of") as caught:
+        gk.crank_rocker(50, 200, **{name: 9.9e8})
+    most = float(caught.value.remedy.split()[1])
+    assert max(gk.crank_rocker(50, 200, **{name: most}).lengths.values()) == pytest.approx(1e9, rel=1e-6)
+    with pytest.raises(gk.DesignError, match="which makes a link of"):
+        gk.crank_rocker(50, 200, **{name: 1.000001 * most})
+
+
+@pytest.mark.parametrize("name", ["ground", "coupler", "rocker"])
+def test_a_link_that_would_be_too_short_is_refused_with_the_length_that_works(name):
+    with pytest.raises(
+        gk.DesignError, match=f"{name}: found 1.1e-12 mm, which makes a link of .*; give at least"
+    ) as caught:
+        gk.crank_rocker(50, 200, **{name: 1.1e-12})
+    least = float(caught.value.remedy.split()[-2])
+    assert min(gk.crank_rocker(50, 200, **{name: least}).lengths.values()) == pytest.approx(1e-12, rel=1e-6)
+    with pytest.raises(gk.DesignError, match="which makes a link of"):
+        gk.crank_rocker(50, 200, **{name: 0.999999 * least})
