@@ -95,6 +95,17 @@ def test_only_pins_on_the_curve_that_is_drawn_are_shown():
     assert near[shown].all() and np.count_nonzero(near != shown) <= 2
 
 
+def test_the_curves_are_drawn_three_times_as_far_as_the_farthest_pose():
+    z = np.array([x + 1j * y for x, y, _ in POSES])
+    made = recipe()
+    assert made.reach == pytest.approx(3 * max(abs(z - sum(z) / 4))) and recipe(wanted={"reach": 70.0}).reach == 70
+    assert made.wanted.middle == pytest.approx(sum(z) / 4)
+    # Poles beyond it are left out of the drawing.
+    near = [pole for pole in gk.synthesis.poles(made.wanted.pairs).values() if abs(pole.position - sum(z) / 4) <= 30]
+    small = recipe(wanted={"reach": 30.0}).parts[0].marks
+    assert sum(isinstance(mark, gk.plane.Circle) for mark in small) == len(near) < 6
+
+
 def test_the_same_poses_elsewhere_have_the_same_pins_shown():
     """All poses moved and turned by one motion: pivots follow, pins stay on the body."""
     place, turn = 900 - 700j, np.exp(2.5j)

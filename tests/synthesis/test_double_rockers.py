@@ -279,6 +279,8 @@ def test_the_numbers_that_refusals_name_work():
         double_rocker(60, 60, 80, 40, largest_ratio=1.01)
     least = float(caught.value.remedy.rsplit(" ", 1)[1])
     assert double_rocker(60, 60, 80, 40, largest_ratio=least).ratio <= least * (1 + 1e-9)
+    with pytest.raises(gk.DesignError, match="largest_ratio"):
+        double_rocker(60, 60, 80, 40, largest_ratio=least / 1.004)
 
 
 @pytest.mark.parametrize(
