@@ -262,3 +262,33 @@ def test_a_region_leaves_out_what_is_not_in_it_and_nothing_else(drive):
             )
             seen.add((guide in wanted, len(wanted)))
     assert len(seen) > 3
+
+
+def test_least_squares_keep_to_even_links_unless_told_otherwise():
+    rng, drive = np.random.default_rng(5), np.linspace(0.4, 3.0, 6)
+    shaken = [(z + complex(*rng.normal(0, 0.3, 2)), t) for z, t in poses_of(KNOWN, drive)]
+    every = body_guides(shaken, largest_ratio=1e6)
+    ratios = [guide.ratio for guide in every]
+    assert min(ratios) < 4 and max(ratios) > 50
+    for given, limit in (({}, 10), ({"largest_ratio": 4.0}, 4), ({"largest_ratio": 30.0}, 30)):
+        found = body_guides(shaken, **given)
+        assert [guide.ratio for guide in found] == pytest.approx([ratio for ratio in ratios if ratio <= limit])
+    # Those without defects first, then what comes nearest to the poses.
+    order = [(bool(guide.defects), guide.pose_error) for guide in every if np.isfinite(guide.pose_error)]
+    assert order == sorted(order) and order[0][0] is False and order[-1][0] is True
+    # What meets the poses exactly is kept, however uneven it is.
+    uneven = gk.FourBar(100, 6, 90, 70, coupler_point=40 + 30j)
+    exact = body_guides(poses_of(uneven, drive))
+    assert any(guide.ratio == pytest.approx(100 / 6) and guide.pose_error < 1e-6 for guide in exact)
+
+
+def test_guides_of_three_poses_are_ranked_by_their_angle_then_by_even_links():
+    for poses in (THREE, random_poses(np.random.default_rng(12), 3, 1.0)):
+        found = body_guides(poses)
+        order = [(bool(g.defects), -round(np.nan_to_num(g.transmission_angle_deg, nan=-1), 2), g.ratio) for g in found]
+        assert order == sorted(order) and order[0][0] is False and order[-1][0] is True
+        assert any(np.isnan(guide.transmission_angle_deg) for guide in found)
+        least = found[2].transmission_angle_deg
+        kept = body_guides(poses, least_transmission_angle_deg=least - 1e-3)
+        assert kept[0].transmission_angle_deg > least - 0.01
+        assert all(guide.defects or guide.transmission_angle_deg >= least - 2e-3 for guide in kept)
