@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from geomkin.synthesis.guidance import dyad_fits
+from geomkin.synthesis.guidance.constraint import Pairs
 from geomkin.synthesis.guidance.dyad_fits import distances, fitted_circles, fitted_dyads, least_squares
 
 
@@ -141,3 +143,19 @@ def test_fits_of_any_number_of_poses_are_different_and_the_best_first(count):
             for step in 0.03 * np.exp(2j * np.pi * np.arange(6) / 6):
                 assert squares(fixed + step, moving) > least and squares(fixed, moving + step) > least
     assert seen
+
+
+def test_fits_are_one_where_both_of_their_points_are():
+    fixed = np.array([1 + 1j, 1 + 1j, 1 + 1.00001j, 2j, 1 + 1j, np.inf, 1j, 1j])
+    moving = np.array([5j, 6j, 5.00001j, 5j, 5j, 0, 5j, 5j])
+    far = np.array([0, 0, 0, 0, 1, 0, 0, 0], dtype=bool)
+    body_far = np.array([0, 0, 0, 0, 0, 0, 0, 1], dtype=bool)
+    # The third is the first; the fifth is a slide in the first one's place, the sixth nowhere.
+    assert dyad_fits._different(Pairs(fixed, moving, far, body_far)).tolist() == [0, 1, 3, 4, 6, 7]
+
+
+@pytest.mark.parametrize("count", [12, 14, 17, 60, 200])
+def test_sets_of_five_out_of_many_are_spread_over_all(count):
+    sets = np.array(dyad_fits._spread(count))
+    assert len(sets) == min(count // 5, dyad_fits.MOST_FIVES) == len(np.unique(sets[:, 0]))
+    assert (np.diff(sets, axis=1) == count // 5).all() and sets.min() == 0 and sets.max() < count

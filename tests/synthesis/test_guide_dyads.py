@@ -276,6 +276,14 @@ def test_least_squares_keep_to_even_links_unless_told_otherwise():
     # Those without defects first, then what comes nearest to the poses.
     order = [(bool(guide.defects), guide.pose_error) for guide in every if np.isfinite(guide.pose_error)]
     assert order == sorted(order) and order[0][0] is False and order[-1][0] is True
+    # How far the body is off, in place and in turn, is what moving the linkage shows.
+    for guide in [guide for guide in every if not guide.defects][:3]:
+        motion = gk.move(guide.linkage, guide.drive, guide.branch)
+        turned = motion.coupler.direction * np.exp(1j * np.radians(guide.body_angle_deg))
+        off = np.degrees(np.abs(np.angle(turned * np.exp(-1j * np.array([t for _, t in shaken])))))
+        assert guide.angle_error_deg == pytest.approx(off.max(), rel=1e-6) and off.min() < 0.9 * off.max()
+        away = np.abs(motion.point("coupler_point").position - [z for z, _ in shaken])
+        assert guide.pose_error == pytest.approx(away.max(), rel=1e-6)
     # What meets the poses exactly is kept, however uneven it is.
     uneven = gk.FourBar(100, 6, 90, 70, coupler_point=40 + 30j)
     exact = body_guides(poses_of(uneven, drive))
