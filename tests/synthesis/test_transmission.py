@@ -5,7 +5,7 @@ import pytest
 
 from geomkin.synthesis.guidance import transmission
 
-STEPS = 4001
+STEPS = 1501
 
 
 def acute(one, other):
@@ -35,8 +35,8 @@ def compared(told, least):
 
 def test_of_four_bars():
     rng = np.random.default_rng(1)
-    ground, crank, coupler, rocker = rng.uniform(20, 100, (4, 1500))
-    start, end, turn = ways(rng, 1500, 5.0)
+    ground, crank, coupler, rocker = rng.uniform(20, 100, (4, 800))
+    start, end, turn = ways(rng, 800, 5.0)
     pin = crank * np.exp(1j * turn)
     # From the crank pin to the rocker's pivot; the rocker pin stands on it as on the base of a triangle.
     base = ground - pin
@@ -62,9 +62,9 @@ def test_of_slider_cranks():
 
 def test_of_driving_slides():
     rng = np.random.default_rng(3)
-    crank, coupler, offset = rng.uniform(20, 100, (3, 1500))
-    offset *= rng.choice([-1, 1], 1500)
-    start, end, place = ways(rng, 1500, 150.0)
+    crank, coupler, offset = rng.uniform(20, 100, (3, 800))
+    offset *= rng.choice([-1, 1], 800)
+    start, end, place = ways(rng, 800, 150.0)
     slider = place + 1j * offset
     along = (np.abs(slider) ** 2 + crank**2 - coupler**2) / (2 * np.abs(slider))
     high = crank**2 - along**2
