@@ -111,16 +111,15 @@ class WantedSwings:
         return self.crank is None and self.rocker is None
 
     def search(self, free_angle_deg: float | None = None) -> DoubleRocker:
-        """The best or the one with the length that is given, or the one at a free angle."""
-        asked = free_angle_deg is None
+        """The best or the one with the length that is given, or, where none is, the one at a free angle."""
         return double_rocker(
             self.crank_start_deg,
             self.crank_swing_deg,
             self.rocker_start_deg,
             self.rocker_swing_deg,
             self.ground,
-            crank=self.crank if asked else None,
-            rocker=self.rocker if asked else None,
+            crank=self.crank,
+            rocker=self.rocker,
             free_angle_deg=free_angle_deg,
             largest_ratio=self.largest_ratio,
         )
@@ -190,14 +189,13 @@ class WantedStroke(AbstractTimed):
         return self.offset is None and self.crank is None and self.coupler is None
 
     def search(self, free_angle_deg: float | None = None) -> StrokeCrank:
-        """The best or the one with the size that is given, or the one at a free angle."""
-        asked = free_angle_deg is None
+        """The best or the one with the size that is given, or, where none is, the one at a free angle."""
         return slider_crank_stroke(
             self.stroke,
             self.turn_deg,
-            offset=self.offset if asked else None,
-            crank=self.crank if asked else None,
-            coupler=self.coupler if asked else None,
+            offset=self.offset,
+            crank=self.crank,
+            coupler=self.coupler,
             free_angle_deg=free_angle_deg,
             largest_ratio=self.largest_ratio,
         )

@@ -143,6 +143,24 @@ def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases
             assert float(length) == pytest.approx(2 * pin.length + float(room)) and f"cut to {length} mm" in one.name
 
 
+def test_room_between_copies_is_what_heads_and_nuts_take_in_whole_sheets():
+    """Sheets of 2.5 mm. On top the longest screw from below ends in 6 mm of nut and thread; below, in 3.5 mm of it."""
+    copies = "[[copies]]\nmirrored = true\n[[copies]]\nphase_deg = 180\n"
+    recipe = gk.load(LEG + copies)
+    told = [step for step in recipe.steps if step.startswith("copies ")]
+    assert told[0].startswith("copies 1 and 2 face to face, 15 mm between them: one rod C, 35 mm long for both")
+    assert told[1].startswith("copies 2 and 3 back to back, 10 mm between their grounds: one rod A, 25 mm long")
+    assert told[1].endswith("glued into both cranks 180 deg apart")
+    ends = {recipe.stack.letters[pin.name]: recipe.stack.fastener.ends(pin.length)[1] for pin in recipe.stack.pins}
+    assert 5 < ends["F"] <= 7.5 and 2.5 < ends["B"] <= 5
+    steps = recipe.steps[len(gk.load(LEG).steps) :]
+    assert steps[0] == "3 of these on one shaft, copy 2: crank 0 deg ahead, turned over; copy 3: crank 180 deg ahead"
+    assert steps[-1].startswith("hold all 3 grounds in a frame")
+    # The rods are bought once each; the screws that they replace are not.
+    rods = {one.name: (one.count, one.joints) for one in recipe.bought if one.name.startswith("rod")}
+    assert rods == {"rod 2 mm, cut to 35 mm": (1, ("C",)), "rod 2 mm, cut to 25 mm": (1, ("A",))}
+
+
 def test_copies_lie_over_each_other_along_the_shaft(walker):
     layers = [set(), set(), set()]
     for body in walker.scene.bodies:

@@ -7,6 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from geomkin.linkage.coupler_curve import CouplerCurve
 from tests.texts import parse, template_of
 
 FIVE = """
@@ -134,3 +135,63 @@ def test_another_one_is_chosen_and_one_too_many_refused():
 def test_its_template_is_one_that_can_be_read():
     recipe = parse(template_of("path-generator"))
     assert len(recipe.wanted.places) == 10
+
+
+@pytest.fixture(scope="module")
+def five():
+    return gk.load(FIVE)
+
+
+def test_the_points_are_drawn_as_crosses_on_the_path_of_what_was_found(five):
+    places = five.wanted.places
+    ends = [(line.start, line.end) for line in five.crosses]
+    wanted = [(z - arm, z + arm) for z in places for arm in (1, 1j)]
+    assert np.array(ends) == pytest.approx(np.array(wanted))
+    shown = [one for one in five.scene.curves if one.role == "wanted"]
+    assert [one.label for one in shown] == ["wanted points"] + [""] * (len(shown) - 1) and len(shown) == 2 * len(places)
+    drawing = five.parts[-1]
+    assert drawing.name == "path" and five.parts[:-1] == five.design.parts
+    (path,) = [mark for mark in drawing.marks if isinstance(mark, CouplerCurve)]
+    assert gk.nearest(path, places)[1].max() < 0.01
+    # From the first point to the last, and all the way round where it is closed.
+    low, high = sorted(five.found.drive_deg[[0, -1]])
+    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([low, high]) and five.way == pytest.approx((low, high))
+
+
+def test_a_point_is_near_its_path_by_a_share_of_the_width_of_all(five):
+    wide = max(abs(a - b) for a in five.wanted.places for b in five.wanted.places)
+    assert five.met[0].limit == pytest.approx(0.05 * wide) and five.met[0].value == five.found.largest_distance
+
+
+def test_a_closed_path_is_drawn_by_a_full_turn():
+    known = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.radians(np.arange(0, 360, 30)))
+    points = [[z.real, z.imag] for z in known.point("coupler_point").position.tolist()]
+    goal = gk.load({"kind": "path-generator", "wanted": {"points": points, "closed": True}})
+    assert goal.way == (0.0, 360.0) and goal.wanted.turns_deg is None
+    assert np.ptp(goal.table.columns[0].values) == pytest.approx(360)
+    (path,) = [mark for mark in goal.parts[-1].marks if isinstance(mark, CouplerCurve)]
+    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
+    assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
+    assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
+
+
+def test_angles_are_given_one_by_one_or_in_equal_steps():
+    wanted = gk.load(FIVE).wanted
+    assert wanted.turns_deg == pytest.approx([0, 15, 30, 45, 60])
+    one_by_one = gk.load(FIVE.replace("step_deg = 15", "drive_deg = [10, 25, 40, 55, 70]")).wanted
+    assert one_by_one.turns_deg == pytest.approx([10, 25, 40, 55, 70])
+    assert gk.load(FIVE.replace("step_deg = 15", "")).wanted.turns_deg is None
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ("crank = [5, 2]", "bounds: crank from 5 to 2 is no range; give the lower one first"),
+        ("crank = [-5, -2]", "bounds: crank is at most -2 mm; give a length above 0"),
+        ("[search]\nseconds = 1e-9", "search.seconds: found 1e-09 s, too short"),
+    ],
+)
+def test_what_the_search_refuses_is_told_under_the_table_that_holds_it(more, key):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.load(FIVE + more).design
+    assert key in str(caught.value)

@@ -279,6 +279,8 @@ def test_the_numbers_that_refusals_name_work():
         double_rocker(60, 60, 80, 40, largest_ratio=1.01)
     least = float(caught.value.remedy.rsplit(" ", 1)[1])
     assert double_rocker(60, 60, 80, 40, largest_ratio=least).ratio <= least * (1 + 1e-9)
+    with pytest.raises(gk.DesignError, match="largest_ratio"):
+        double_rocker(60, 60, 80, 40, largest_ratio=least / 1.004)
 
 
 @pytest.mark.parametrize(
@@ -323,3 +325,17 @@ def test_a_swing_that_a_defect_keeps_from_being_told_is_no_check():
     failed = [check for check in checks if not check.passed]
     assert failed[0].name == "defects" and "branch" in failed[0].advice
     assert any("reached" in check.name for check in failed)
+
+
+@pytest.mark.parametrize(
+    ("wish", "ratio"),
+    [((10, 140, 120, 35), 3.0), ((-80, -70, 60, 50), 3.0), ((45, 90, 30, 60), 6.0)],
+)
+def test_what_is_told_of_the_way_is_told_to_the_last_digits(wish, ratio):
+    """Where crank and ground, and crank and coupler, are in line is met, and not only nearly: beside very fine steps."""
+    found = double_rocker(*wish, largest_ratio=ratio)
+    drive = np.radians(np.linspace(wish[0], wish[0] + wish[1], 200_001))
+    motion = gk.move(found.linkage, drive, found.branch)
+    angle = np.degrees(np.unwrap(np.angle(motion.rocker.direction)))
+    assert found.overshoot_deg == pytest.approx(np.ptp(angle) - abs(angle[-1] - angle[0]), abs=1e-8)
+    assert found.transmission_angle_deg == pytest.approx(np.degrees(motion.transmission_angle.min()), abs=1e-6)

@@ -138,6 +138,17 @@ def test_a_circle_of_sliders_is_drawn_whole_or_as_a_line():
         circle_of_sliders([(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.2 + 2 * np.pi)])
 
 
+def test_points_of_a_circle_of_sliders_go_round_it_and_those_of_a_line_along_it():
+    circle, shares = circle_of_sliders(THREE), np.array([[0, 0.25], [0.5, 0.75]])
+    round_it = circle.point(shares) - circle.centre
+    assert round_it / circle.radius == pytest.approx(np.array([[-1j, 1], [1j, -1]]))
+    line = circle_of_sliders([*THREE[:2], (60 + 60j, 0.5)])
+    along = (line.point([0.25, 0.5, 0.75]) - line.foot) / line.direction
+    assert line.radius == np.inf and along == pytest.approx([-1, 0, 1])
+    # Its ends are at infinity, which no place is.
+    assert np.isnan(line.point([0, 1])).all() and np.isnan(line.centre)
+
+
 def test_time_that_is_too_short_is_told_as_such():
     poses = poses_of(KNOWN, DRIVE[:4])
     with pytest.raises(gk.DesignError, match="seconds: found 0 s, too short for any answer; give 10 or more"):

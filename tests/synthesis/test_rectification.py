@@ -129,7 +129,21 @@ def test_what_cannot_be_told_is_refused():
         rectification(poses).no_driver(0j, 1 + 1j)
     with pytest.raises(gk.DesignError, match="high: found"):
         rectification(poses).no_driven(1j, 5 + 1j)
+    with pytest.raises(gk.DesignError, match="high: found .*give the opposite corner"):
+        rectification(poses).no_driven(1 + 1j, 1 + 4j)
     with pytest.raises(gk.DesignError, match="poses: found 4; give 3"):
         rectification([*poses, (1j, 2.0)])
     with pytest.raises(gk.DesignError, match="poses 1 and 3 are the same"):
         rectification([*poses[:2], poses[0]])
+
+
+def test_regions_are_as_fine_at_any_size():
+    poses, box = [(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)], (-100 - 80j, 120 + 90j)
+    regions = rectification(poses, 30 + 10j)
+    for size in (1e-3, 1e3):
+        sized = rectification([(size * z, t) for z, t in poses], size * (30 + 10j))
+        ends = [size * z for z in box]
+        one, other = regions.no_driven(*box), sized.no_driven(*ends)
+        assert [len(c.vertices) for c in one] == [len(c.vertices) for c in other]
+        for c, d in zip(one, other):
+            assert np.abs(c.vertices[:, None] - d.vertices / size).min(axis=1).max() < 1e-6

@@ -123,8 +123,9 @@ class Cubic:
             return 0.5 * np.pi
         line, square, cube = self.whole
         psi = float(np.arctan2(-line[1], line[0]))
-        off = [abs(_form(part, np.array(psi))[0]) / max(np.abs(part).max(), PART) for part in (square, cube)]
-        return psi if max(off) <= PART else None
+        off = max(abs(_form(part, np.array(psi))[0]) for part in (square, cube))
+        # Of both together: of a curve that mirrors itself in the other direction, too, Q is nothing but rounding.
+        return psi if off <= PART * np.abs([*square, *cube]).max() else None
 
     @cached_property
     def parts(self) -> tuple[Real, Real, Real]:

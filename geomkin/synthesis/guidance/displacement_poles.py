@@ -121,8 +121,8 @@ class SliderCircle:
         turn = np.asarray(share, dtype=float)
         if self.curvature:
             return self.centre - 1j * self.radius * np.exp(2j * np.pi * turn)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return self.foot + self.direction * np.tan(np.pi * (turn - 0.5))
+        along: Real = np.where(turn % 1 == 0, np.nan, np.tan(np.pi * (turn - 0.5)))
+        return self.foot + self.direction * along
 
 
 @checked
