@@ -333,6 +333,22 @@ def test_straight_least_squares_are_had_in_few_steps(local, reach):
     assert task(np.arange(4), x, t).sums == pytest.approx(sums) and not start[0].any() and not start[1].any()
 
 
+@pytest.mark.parametrize("k", [0, 3])
+def test_what_a_bound_holds_moves_the_others_in_the_same_step(k):
+    task = Straight(np.random.default_rng(3), False)
+    # Rows of which that unknown has a share of every other, so that where it is held they all go elsewhere.
+    task.by_shared[..., k] += 0.7 * task.by_shared.sum(axis=-1)
+    reach = np.where(np.arange(5) == k, 0.005, 100.0)
+    x, _, sums = least_squares(task, np.zeros((4, 5)), np.zeros((4, 7)), -reach, reach, 1)
+    assert np.abs(x[:, k]) == pytest.approx(0.005)
+    for one in range(4):
+        rows = np.vstack([task.by_shared[one].reshape(-1, 5), task.by_rest[one]])
+        right = -np.append(task.at[one], task.rest[one]) - rows[:, k] * x[one, k]
+        others = np.delete(np.arange(5), k)
+        rest, (least,), *_ = np.linalg.lstsq(rows[:, others], right)
+        assert x[one, others] == pytest.approx(rest, abs=2e-3) and sums[one] == pytest.approx(least, rel=1e-5)
+
+
 def test_cranks_may_be_told_in_steps_of_less_than_a_degree_and_in_either_sense():
     for sense in (1, -1):
         told = 200 + sense * np.array([0, 0.5, 0.8, 1.7])
