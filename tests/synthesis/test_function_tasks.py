@@ -10,6 +10,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis.function.four_bar_generator import FourBarGenerator
 from geomkin.synthesis.function.generators import evenly
+from geomkin.synthesis.function.minimax import _least_return, certified
 from geomkin.synthesis.function.slider_generator import SliderGenerator
 
 S = np.linspace(0, 1, 41)
@@ -128,3 +129,73 @@ def test_places_are_spread_evenly(size):
         low, high = np.sort(rng.uniform(size=(2, size)), axis=0)
         inside = ((places >= low) & (places < high)).all(axis=1).mean()
         assert inside == pytest.approx(np.prod(high - low), abs=0.01)
+
+
+@tasks
+def test_what_is_rounded_is_told_in_few_digits_and_what_is_given_stays(task):
+    p = some(task)
+    near = task.rounded(p)
+    assert np.abs(task.error(near, S[None]) - task.error(p, S[None])).max() < 1e-8 and (near[:, 5] == p[:, 5]).all()
+    assert np.abs(near - p).max() < 1e-7 and (task.rounded(near) == pytest.approx(near, abs=1e-15))
+    linkage = task.linkage(p[0])
+    assert all(
+        len(f"{float(f'{size:.15g}')!r}".strip("0").replace(".", "")) <= 14 for size in (linkage.crank, linkage.coupler)
+    )
+    degrees = np.degrees(near[:, 3])
+    assert np.abs(degrees - np.round(degrees, 10)).max() < 1e-12
+    for k in (0, 1):
+        given = dataclasses.replace(task, starts=tuple(1 / 3 if j == k else np.nan for j in (0, 1)))
+        p[:, 3 + k] = 1 / 3
+        held = given.rounded(p)
+        assert (held[:, 3 + k] == 1 / 3).all() and (held[:, :3] == near[:, :3]).all()
+
+
+class Lines:
+    """A task whose errors and limits are straight lines of two unknowns."""
+
+    free = np.array([True, True])
+
+    def __init__(self, slopes, bounds):
+        self.rows, self.bounds = slopes, bounds
+
+    def slopes(self, p, s):
+        return self.rows[None]
+
+    def limits(self, p):
+        return np.array([[0.0 if near else -1.0 for _, near in self.bounds]]), np.array(
+            [[row for row, _ in self.bounds]]
+        )
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_multipliers_are_those_of_any_peaks_and_limits_that_balance(seed):
+    """Of random peaks of one height: none is below nothing, they sum to 1, and what is left is the nearest to nothing."""
+    rng = np.random.default_rng(seed)
+    errors = np.array([1.0, -1.0, 1.0, -1.0, 0.9])
+    slopes = rng.normal(size=(5, 2))
+    bounds = [(rng.normal(size=2), True), (rng.normal(size=2), False)]
+    found = certified(Lines(slopes, bounds), np.zeros(2), np.linspace(0, 1, 5), errors)
+    assert (found.peaks >= 0).all() and (found.limits >= 0).all() and found.peaks[4] == found.limits[1] == 0
+    columns = np.vstack([np.sign(errors)[:, None] * slopes, [row for row, _ in bounds]])
+    rest = found.peaks @ columns[:5] + found.limits @ columns[5:]
+    size = np.linalg.norm(np.append(rest, found.peaks.sum() - 1))
+    # Every way to share one among the four highest, and some of the limit: on a grid, nothing comes much nearer.
+    shares = np.array([row for row in np.ndindex(13, 13, 13) if sum(row) <= 12]) / 12
+    shares = np.column_stack([shares, 1 - shares.sum(axis=1)])
+    least = min(np.abs((shares @ columns[:4] + limit * columns[5]) @ [1, 1j]).min() for limit in np.linspace(0, 4, 41))
+    assert size <= least + 1e-9
+    weight = np.linalg.norm(columns, axis=1) @ np.concatenate([found.peaks, found.limits])
+    assert found.left == pytest.approx(size / max(weight, 1), abs=1e-12)
+
+
+def test_what_brings_rows_back_is_the_shortest_step():
+    rng = np.random.default_rng(4)
+    paid = np.array([[True, True, False, True, False], [True] * 5])
+    held = rng.normal(size=(2, 5, 5)) * paid[..., None]
+    back = _least_return(held, paid, 3)
+    off = rng.normal(size=(2, 5)) * paid
+    for rows, mask, wrong, step in zip(held, paid, off, np.einsum("kij,kj->ki", back, off)):
+        # The last two unknowns, of which a hundredth counts, are as good as free.
+        scale = np.array([1, 1, 1, 100, 100])
+        least = scale * (np.linalg.pinv(rows[mask] * scale) @ wrong[mask])
+        assert step == pytest.approx(least[:3], rel=5e-3, abs=1e-4)
