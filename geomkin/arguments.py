@@ -111,7 +111,7 @@ def sort_of(hint: Any) -> Sort | None:
         return ARRAYS.get(get_origin(number) or number, PLAIN[np.ndarray])
     if hint in PLAIN:
         return PLAIN[hint]
-    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+    if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
         article = "an" if hint.__name__[0] in "AEIOU" else "a"
         return Sort(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
     return None
@@ -165,9 +165,14 @@ def _table(key: Sort | None, each: Sort | None) -> Sort | None:
     return Sort(fits, f"a table, each {each.allowed}")
 
 
+def _alone(value: Any) -> Any:
+    """One number of NumPy's as Python's, which no limit is too large for."""
+    return value.item() if isinstance(value, (np.ndarray, np.generic)) and not value.ndim else value
+
+
 def is_real(value: Any) -> bool:
     """Whether this is one finite real number of bearable size."""
-    value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
+    value = _alone(value)
     return isinstance(value, REAL) and not isinstance(value, bool) and bool(-LARGEST < value < LARGEST)
 
 
@@ -178,7 +183,7 @@ def is_whole(value: Any) -> bool:
 
 def is_complex(value: Any) -> bool:
     """Whether this is one finite number, real or complex, of bearable size."""
-    value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
+    value = _alone(value)
     if isinstance(value, COMPLEX):
         return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return is_real(value)
@@ -206,6 +211,8 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
     """Whether all is finite and of bearable size; `gaps`: or nan."""
     if array is None:
         return False
+    # In single precision neither the squares nor the limit are finite.
+    array = array.astype(np.result_type(array.dtype, float), copy=False) if array.dtype.kind in "fc" else array
     if gaps:
         return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
     if array.dtype.kind in "iu":

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin import notebook
+from geomkin.plane.curve import reach
 from tests.export.test_page import unpacked
 
 RECIPES = Path(__file__).parent.parent / "recipes"
@@ -241,3 +243,80 @@ gear._repr_svg_()
 print(before, {"geomkin.notebook", "shapely", "pydantic", "click"} & set(sys.modules))"""
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert told.split() == ["set()", "set()"]
+
+
+@pytest.mark.parametrize(
+    ("limits", "slides", "way"),
+    [
+        ([(1.0, 2.0)], False, (1, 2)),
+        ([(1.0, 2.0), (3.0, 5.5)], False, (3, 5.5)),
+        ([(1.0, 4.0), (5.0, 5.5)], False, (1, 4)),
+        # The start of the turn cuts a way in two, which is one: it is longer than the rest, or not.
+        ([(0.0, 1.0), (5.0, 2 * np.pi)], False, (5 - 2 * np.pi, 1)),
+        ([(0.0, 0.5), (1.0, 2.0), (6.0, 2 * np.pi)], False, (1, 2)),
+        ([(0.0, 0.5), (1.0, 1.2), (6.0, 2 * np.pi)], False, (6 - 2 * np.pi, 0.5)),
+        ([(0.0, 0.5), (1.0, 1.2), (2.0, 2.9), (6.0, 2 * np.pi)], False, (2, 2.9)),
+        ([(0.0, 1.0), (5.0, 6.2)], False, (5, 6.2)),
+        ([(0.1, 1.0), (5.0, 2 * np.pi)], False, (5, 2 * np.pi)),
+        ([(0.0, 1.0), (5.0, 2 * np.pi)], True, (5, 2 * np.pi)),
+        ([(0.0, 3.0)], False, (0, 3)),
+    ],
+)
+def test_the_widest_way_is_gone_to_a_hair_from_its_ends(limits, slides, way):
+    low, high = notebook._reached(limits, slides)
+    hair = notebook.SHORT * (way[1] - way[0])
+    assert (low, high) == pytest.approx((way[0] + hair, way[1] - hair), abs=1e-12)
+
+
+def test_a_way_that_is_nowhere_is_refused():
+    with pytest.raises(gk.DesignError, match="thing: it can be put together nowhere; change the sizes"):
+        notebook._reached([], False)
+
+
+@pytest.mark.parametrize(
+    ("thing", "name", "about", "seconds"),
+    [
+        (gk.FourBar(100, 30, 90, 70), "FourBar", "Driven at 60 rpm.", 1),
+        (gk.FourBar(100, 80, 60, 50), "FourBar", "Driven at 60 rpm.", None),
+        (gk.SliderCrank(30, 90, 5, driver="slider"), "SliderCrank", None, 1),
+        (ROD, "Linkage", None, 1),
+        (gk.move(gk.FourBar(100, 30, 90, 70), [0.5, 1.0]), "Motion", "", None),
+    ],
+    ids=["turning", "rocking", "slider", "free", "motion"],
+)
+def test_a_job_tells_how_fast_it_goes(thing, name, about, seconds):
+    job = notebook._job(thing)
+    drive = job.table.columns[0].values
+    assert job.name == name and job.about == (f"Driven at {np.ptp(drive):.3g} mm/s." if about is None else about)
+    assert np.ptp(job.scene.time) == pytest.approx(
+        seconds or np.radians(np.ptp(drive)) / (2 * np.pi if about else 1.0), rel=1e-6
+    )
+    assert job.source.checks and not job.source.parts
+
+
+@pytest.mark.parametrize("scale", [0.01, 1.0, 20.0])
+def test_plates_of_what_is_shown_are_of_its_own_size(scale):
+    ring = gk.RingGear(60, scale)
+    (plate,) = (part for part in notebook._job(ring).source.parts if part.name == "ring")
+    across = 2 * (ring.root_radius + max(4 * scale, 0.1))
+    assert reach(plate.outline) == pytest.approx(across, rel=1e-3)
+    pair = gk.GearPair(gk.SpurGear(20, scale), gk.RingGear(60, scale, addendum=0.8))
+    parts = notebook._job(pair).source.parts
+    assert max(reach(part.outline) for part in parts) == pytest.approx(across, rel=0.02)
+    rise, back = gk.Rise("cycloidal", rise=8 * scale, end_deg=180), gk.Return("cycloidal", end_deg=360)
+    cam = gk.Cam(gk.TranslatingRoller(10 * scale), gk.Program((rise, back)), 40 * scale)
+    job = notebook._job(cam)
+    assert job.name == "Cam" and job.source.parts
+    assert [part.thickness for part in job.source.parts] == pytest.approx([5 * scale] * len(job.source.parts))
+    for gear, radius in ((gk.SpurGear(24, scale), 13 * scale), (ring, ring.root_radius)):
+        job = notebook._job(gear)
+        assert job.name == type(gear).__name__ and job.tolerance == pytest.approx(np.clip(1e-4 * radius, 1e-6, 10))
+
+
+def test_parts_are_called_by_their_number_or_their_name():
+    square = gk.Part("plate", gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j])), (), 3.0, count=2)
+    small = gk.Part("washer", gk.plane.Circle(0j, 2.0), (gk.plane.Circle(0j, 1.0),), 1.0)
+    for parts, name in (([square, small], "2 parts"), (square, "plate"), ((small,), "washer")):
+        job = notebook._job(parts)
+        assert job.name == name and not job.scene.cyclic
+        assert len(job.scene.bodies) == sum(part.count for part in ((parts,) if isinstance(parts, gk.Part) else parts))

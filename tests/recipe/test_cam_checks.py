@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.judge.cam import _above
 
 FOLLOWERS = {
     "offset roller": ('{kind = "translating-roller", roller_radius = 8, offset = -9}', "", 40),
@@ -48,3 +49,52 @@ def test_pressure_angles_are_the_peaks_of_rise_and_return(tmp_path, follower, la
         check = found[f"pressure angle on the {way}"]
         assert check.value == pytest.approx(np.degrees(abs(limits.pressure_angle[segment])), rel=1e-7)
         assert check.limit == (45 if "arm" in follower else 30)
+
+
+def judged(follower, *segments, base=40):
+    return {c.name: c for c in gk.judge.cam_checks(gk.Cam(follower, gk.Program(segments), base))}
+
+
+def test_a_level_face_leans_by_nothing_and_of_a_cam_at_rest_nothing_is_said():
+    way = gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=5, end_deg=180), gk.Return("cycloidal", end_deg=360)
+    level = judged(gk.TranslatingFlat(), *way)
+    assert [level[f"pressure angle on the {name}"].value for name in ("rise", "return")] == [0, 0]
+    for follower in (gk.TranslatingFlat(tilt_deg=5), gk.TranslatingRoller(8, offset=9)):
+        still = judged(follower, gk.Dwell(end_deg=360))
+        assert still and not any("pressure" in name or "jump" in name for name in still)
+        assert all(check.passed for check in still.values())
+
+
+def test_of_several_jumps_in_velocity_the_largest_is_told_with_its_place():
+    steps = [(60, 10), (60, 20), (30, 6)]
+    ends = np.cumsum([60, *(turn for turn, _ in steps)])
+    rises = [gk.Rise("uniform", rise=rise, end_deg=end) for (_, rise), end in zip(steps, ends[1:])]
+    found = judged(
+        gk.TranslatingRoller(8),
+        gk.Dwell(end_deg=60),
+        *rises,
+        gk.Dwell(end_deg=240),
+        gk.Return("cycloidal", end_deg=360),
+    )
+    slopes = [0, *(rise / np.radians(turn) for turn, rise in steps), 0]
+    jump = found["jump in velocity"]
+    assert jump.value == pytest.approx(max(np.abs(np.diff(slopes)))) and not jump.passed and jump.limit == 0
+    assert f"worst at {ends[np.abs(np.diff(slopes)).argmax()]:.4g} deg" in jump.advice
+    smooth = judged(
+        gk.TranslatingRoller(8), gk.Rise("cycloidal", rise=5, end_deg=180), gk.Return("cycloidal", end_deg=360)
+    )
+    assert "jump in velocity" not in smooth
+
+
+@pytest.mark.parametrize("value", [0.00311, 0.0077, 0.052, 0.5, 1.01, 7.3, 12.4, 94.1, 1.0])
+def test_what_is_advised_is_a_little_more_in_two_digits(value):
+    told = _above(value)
+    assert value <= float(told) <= value + 10.0 ** (int(f"{value:e}".split("e")[1]) - 1) + 1e-12
+    assert len(told.replace(".", "").strip("0")) <= 2
+
+
+def test_undercut_that_is_known_already_is_not_looked_for_again():
+    way = gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=30, end_deg=130), gk.Return("cycloidal", end_deg=360)
+    large, small = (gk.Cam(gk.TranslatingFlat(), gk.Program(way), base) for base in (400, 20))
+    names = [{c.name for c in gk.judge.cam_checks(large, cut)} for cut in (None, gk.undercut(small))]
+    assert ["lift lost to undercut" in found for found in names] == [False, True]

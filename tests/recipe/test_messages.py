@@ -1,10 +1,15 @@
 """Slips that people make, told in a person's words with the key they stand under."""
 
+import dataclasses
+import tomllib
+
 import pytest
 
 import geomkin as gk
 from geomkin.kinds import KINDS
-from tests.texts import parse
+from geomkin.recipe import load
+from geomkin.recipe.explain import hints_of, tables_in
+from tests.texts import parse, template_of
 
 BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
 CAM = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\n'
@@ -140,3 +145,52 @@ def test_words_for_true_and_false_are_told_how_toml_writes_them(written, right):
     with pytest.raises(gk.RecipeError) as caught:
         parse(f'kind = "cognates"\n[figure]\nshown = {written}\n')
     assert str(caught.value).endswith(f"found {written}; write {right}")
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_what_stands_for_a_table_is_told_what_a_table_holds(name):
+    """Every key once: those that are needed, and the others only beside them."""
+    kind, data = KINDS[name], tomllib.loads(template_of(name))
+    for key in (key for key, value in data.items() if isinstance(value, dict)):
+        (hint,) = tables_in(hints_of(kind)[key])[:1]
+        fields = dataclasses.fields(hint)
+        needed = [f.name for f in fields if f.default is f.default_factory is dataclasses.MISSING]
+        with pytest.raises(gk.RecipeError) as caught:
+            load.told(KINDS, {**data, key: 3})
+        ((place, found, words),) = [(p.key, p.problem, p.remedy) for p in caught.value.problems if p.key == key]
+        assert (place, found) == (key, "found 3")
+        held, heading = words.removeprefix("give a table with ").split(", headed ")
+        first, _, others = held.removesuffix(")").partition(" (and, as wanted, ")
+        assert heading == f"[{key}]" and sorted(first.split(", ") + others.split(", ") * bool(others)) == sorted(
+            f.name for f in fields
+        )
+        assert first.split(", ") == (needed or [f.name for f in fields])
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        (BAR + "coupler_point = [2e9, 0]", "linkage.coupler_point[0]", "found 2000000000.0; give numbers between -1e+09 and 1e+09 (point traced by the coupler"),
+        (BAR + "coupler_point = [0, -2e9]", "linkage.coupler_point[1]", "found -2000000000.0; give numbers between -1e+09 and 1e+09 (point traced by the coupler"),
+        (BAR + "coupler_point = 3", "linkage.coupler_point", "found 3; give point traced by the coupler"),
+        (BAR + "[files]\nsheet = [5, 100]", "files.sheet", "give a row of 2, each a number from 10 to 100000, in mm"),
+        (BAR + '[files]\nwrite = ["dfx"]', "files.write[0]", "found 'dfx'; did you mean dxf? give 'dxf', 'stl', "),
+        (BAR.replace("100", '"100 furlongs"'), "linkage.ground", "not in furlongs); give a number above 0 and at most 1e+09, in mm (distance between the two ground pivots)"),
+        (BAR.replace("100", '"abc"'), "linkage.ground", "found 'abc'; give a number above 0 and at most"),
+        (BAR.replace("100", '"' + "1" * 99 + '"'), "linkage.ground", "; write 1111"),
+        (BAR.replace("100", '"' + "1" * 101 + '"'), "linkage.ground", "; give a number above 0"),
+        (BAR.replace("100", "true"), "linkage.ground", "found True; give a number above 0 and at most"),
+        ("files = 3\n" + BAR, "files", "give a table with write, tolerance, curves"),
+        (BAR + "files = 3", "linkage.files", "unknown key; it belongs above the first [table], beside kind; known here: ground, "),
+        (CAM + "follower = {}\nprogram = [3, {}]", "cam.follower.kind", "is missing; give 'translating-roller' or 'translating-flat' or "),
+        (CAM + "follower = {}\nprogram = [3, {}]", "cam.program[0]", "found 3; give tables, each with kind = 'dwell' or "),
+        (CAM + "follower = {}\nprogram = [3, {}]", "cam.program[1].kind", "is missing; give 'dwell' or "),
+        (CAM + 'program = [{kind = "rize"}]', "cam.program[0].kind", "found 'rize'; did you mean rise? give 'dwell' or "),
+        (CAM + 'program = [{kind = "rise", rise = 3, end_deg = 3}]', "cam.program[0].law", "is missing; give law of motion: uniform, "),
+        ('kind = "linkage"\n[linkage.bodies]\nground = { O = [0, 0] }\ncrank = { O = "x" }', "linkage.bodies.crank.O", "found 'x'; give bodies, the fixed one first"),
+        ('kind = "linkage"\n[linkage.bodies]\nground = { "" = [0] }', 'linkage.bodies.ground."""[1]'.replace('"""', '""'), "is missing; give bodies, the fixed one first"),
+    ],
+)  # fmt: skip
+def test_wrong_values_are_told_with_what_may_stand_there(text, key, words):
+    found = told(text)
+    assert words in found[key], found

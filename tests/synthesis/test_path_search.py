@@ -11,7 +11,7 @@ import geomkin as gk
 from geomkin.linkage.cognate_linkages import cognates
 from geomkin.progress import Watch
 from geomkin.synthesis.path import search
-from geomkin.synthesis.path.fits import PathTask
+from geomkin.synthesis.path.fits import Fit, PathTask
 from geomkin.synthesis.path.least_squares import Linearised, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
 from geomkin.synthesis.path.path import _turns
@@ -280,6 +280,60 @@ def test_points_of_a_closed_curve_in_any_order_are_toured():
     assert np.abs(np.diff(line)).max() < 0.03
 
 
+def test_a_line_through_points_has_no_corners_and_goes_the_way_of_its_neighbours():
+    rng = np.random.default_rng(14)
+    points = np.exp(2j * np.pi * np.arange(9) / 9) * rng.uniform(0.7, 1.3, 9)
+    line = loop(points)[:-1]
+    at = np.searchsorted(np.arange(72), 8 * np.arange(9))
+    order = np.array([np.flatnonzero(points == place)[0] for place in line[at]])
+    assert sorted(order.tolist()) == list(range(9))
+    # Of a cubic four samples tell the slope exactly, on either side.
+    ahead, behind = (
+        side * np.array([-11, 18, -9, 2]) / 6 @ np.stack([np.roll(line, -side * k)[at] for k in range(4)])
+        for side in (1, -1)
+    )
+    assert np.abs(ahead - behind).max() < 1e-12
+    neighbours = np.roll(line[at], -1) - np.roll(line[at], 1)
+    assert 16 * ahead == pytest.approx(neighbours)
+
+
+@pytest.mark.parametrize("asked", ["free", "timed", "closed"])
+@pytest.mark.parametrize("known", [KNOWN, SLIDER])
+def test_what_passes_limits_counts_and_falls_as_its_derivatives_say(known, asked):
+    """All limits are passed, multipliers stand in them; central differences of every size and crank."""
+    rng, slides = np.random.default_rng(12), known is SLIDER
+    wanted, drive = traced(known, np.linspace(0.1, 4, 6)), np.linspace(0.1, 4, 6)
+    x = in_units(known, wanted, 0.1) * (1 + 0.02 * rng.normal(size=(3, 10)))
+    wanted = (wanted - wanted.mean()) / np.sqrt(np.mean(np.abs(wanted - wanted.mean()) ** 2))
+    task = PathTask(
+        wanted, drive - 0.1 if asked == "timed" else None, asked == "closed", slides, np.radians(85), 1.01,
+        np.full(10, -9.0), np.full(10, 9.0),
+    )  # fmt: skip
+    fit, which = Fit(task, np.array([1.0, 1.0, 1.0])), np.array([2, 0, 1])
+    x, t = x if asked == "timed" else x[:, :9], drive + 0.05 * rng.normal(size=(3, 6))
+    whole = np.hstack([x[:, :9], np.full((3, 1), 0.1) if x.shape[1] == 9 else x[:, 9:]])
+    plain = fit.limits(which, whole, task.cranks(whole, t))
+    fit.at_points, fit.at_ends, fit.at_links = (
+        np.abs(rng.normal(size=v.shape)) for v in (fit.at_points, fit.at_ends, fit.at_links)
+    )
+    held = fit.limits(which, whole, task.cranks(whole, t))
+    for k, by in ((0, fit.at_points), (3, fit.at_ends), (5, fit.at_links)):
+        inside = plain[k] != -1
+        assert inside.any() and (held[k] - plain[k])[inside] == pytest.approx(by[which][inside])
+        assert (held[k] == plain[k])[~inside].all()
+    now = fit(which, x, t)
+    assert ((now.rest > 0).sum(axis=1) >= 2).all() and (now.blocks[..., 2] > 0).any()
+    step = 1e-6
+    for k in range(x.shape[1]):
+        ahead, behind = (fit(which, x + side * step * np.eye(x.shape[1])[k], t) for side in (1, -1))
+        assert now.by_shared[..., k] == pytest.approx((ahead.blocks - behind.blocks) / (2 * step), abs=1e-5, rel=1e-6)
+        assert now.rest_by_shared[..., k] == pytest.approx((ahead.rest - behind.rest) / (2 * step), abs=1e-5, rel=1e-6)
+    assert (now.by_local is None) is (asked == "timed")
+    if now.by_local is not None:
+        ahead, behind = (fit(which, x, t + side * step) for side in (1, -1))
+        assert now.by_local == pytest.approx((ahead.blocks - behind.blocks) / (2 * step), abs=1e-5, rel=1e-6)
+
+
 class Straight:
     """Residuals that are linear in shared and local unknowns: what a step or two of least squares settles."""
 
@@ -331,6 +385,22 @@ def test_straight_least_squares_are_had_in_few_steps(local, reach):
     assert (np.abs(x) <= reach).all() and (reach == 100) != (np.abs(x) == reach).any()
     assert sums == pytest.approx([task.least(one, -reach, reach) for one in range(4)], rel=1e-9)
     assert task(np.arange(4), x, t).sums == pytest.approx(sums) and not start[0].any() and not start[1].any()
+
+
+@pytest.mark.parametrize("k", [0, 3])
+def test_what_a_bound_holds_moves_the_others_in_the_same_step(k):
+    task = Straight(np.random.default_rng(3), False)
+    # Rows of which that unknown has a share of every other, so that where it is held they all go elsewhere.
+    task.by_shared[..., k] += 0.7 * task.by_shared.sum(axis=-1)
+    reach = np.where(np.arange(5) == k, 0.005, 100.0)
+    x, _, sums = least_squares(task, np.zeros((4, 5)), np.zeros((4, 7)), -reach, reach, 1)
+    assert np.abs(x[:, k]) == pytest.approx(0.005)
+    for one in range(4):
+        rows = np.vstack([task.by_shared[one].reshape(-1, 5), task.by_rest[one]])
+        right = -np.append(task.at[one], task.rest[one]) - rows[:, k] * x[one, k]
+        others = np.delete(np.arange(5), k)
+        rest, (least,), *_ = np.linalg.lstsq(rows[:, others], right)
+        assert x[one, others] == pytest.approx(rest, abs=2e-3) and sums[one] == pytest.approx(least, rel=1e-5)
 
 
 def test_cranks_may_be_told_in_steps_of_less_than_a_degree_and_in_either_sense():

@@ -80,14 +80,13 @@ def _run(path: str) -> tuple[Complex, bool]:
     here = start = complex(*reader.numbers("m"))
     command, handle, before = ("L" if first == "M" else "l"), here, ""
     pieces.append(np.array([here]))
-    fresh = True
     while True:
         told = reader.take(COMMAND)
         if told is None and not reader.text[reader.at :].strip(" ,\t\r\n"):
             break
-        command, fresh = (told, True) if told else (command, False)
+        command = told or command
         kind = command.lower()
-        if kind not in TAKES or (kind == "z" and not fresh):
+        if kind not in TAKES:
             found = printable(repr(reader.text[reader.at - 1 : reader.at + 10]))
             raise DesignError("path", f"at character {reader.at} holds {found}", "give the commands of SVG paths")
         if kind == "z":

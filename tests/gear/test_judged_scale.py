@@ -1,0 +1,66 @@
+"""Checks of gears are told in modules: a set that is larger all over is judged alike."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+
+def gear(module):
+    small = gk.SpurGear(8, module)
+    return gk.judge.gear_checks(small, name="pinion"), gk.judge.gear_checks(small, rim=0.7 * module)
+
+
+def ring(module):
+    held = gk.RingGear(60, module, 0.1)
+    return gk.judge.gear_checks(held), gk.judge.gear_checks(held, rim=1.5 * module, name="ring")
+
+
+def pair(module):
+    first, second = gk.SpurGear(11, module, 0.1), gk.SpurGear(30, module)
+    return (gk.judge.mesh_checks(gk.GearPair(first, second, 20.7 * module), "a"),)
+
+
+def rack(module):
+    return (gk.judge.mesh_checks(gk.gear.RackPair(gk.SpurGear(9, module), gk.gear.GearRack(10, module))),)
+
+
+def planets(module):
+    sun, planet, outer = gk.SpurGear(12, module), gk.SpurGear(24, module), gk.RingGear(60, module)
+    return tuple(gk.judge.planetary_checks(gk.gear.PlanetarySet(sun, planet, outer, count)) for count in (2, 3, 1))
+
+
+def mate(module):
+    tooth = gk.SpurGear(24, module).outline.piece
+    held = gk.conjugate(tooth, 24, 12 * module, 7, 1.0 * module)
+    return gk.judge.conjugate_checks(held, module), (gk.judge.touch_check(held, module),)
+
+
+@pytest.mark.parametrize("made", [gear, ring, pair, rack, planets, mate])
+def test_larger_all_over_is_judged_alike(made):
+    small, large = (made(module) for module in (1.0, 5.0))
+    for one, other in zip(small, large, strict=True):
+        assert one and [c.name for c in one] == [c.name for c in other]
+        assert [c.value for c in one] == pytest.approx([c.value for c in other], rel=1e-6, abs=1e-7)
+        assert [c.advice for c in one] == [c.advice for c in other]
+    # It is no table of zeros that is compared.
+    assert any(c.value and c.unit == "modules" for found in small for c in found) or made in (pair, rack)
+
+
+def test_a_rim_is_told_where_it_is_and_a_ring_by_itself_has_none():
+    solid, thin = gear(2.0)
+    assert {c.name: c.value for c in thin}["rim under the teeth"] == pytest.approx(0.7)
+    assert "pinion rim under the teeth" in {c.name for c in solid} or gk.SpurGear(8, 2.0).solid_rim is None
+    alone, held = ring(2.0)
+    assert not any("rim" in c.name for c in alone)
+    assert {c.name: c.value for c in held}["ring rim outside the teeth"] == pytest.approx(1.5)
+
+
+def test_a_lone_planet_has_all_the_room_there_is_and_more_have_less():
+    rooms = [found[-1] for found in planets(2.0)]
+    assert [c.name for c in rooms] == ["room between planets"] * 3
+    assert rooms[0].value > rooms[1].value and rooms[2].value > 1e5 and rooms[2].passed
+    # Tip circles of neighbours on the carrier's circle: the chord less two tip radii.
+    for check, count in zip(rooms[:2], (2, 3)):
+        chord = 2 * 18 * np.sin(np.pi / count)
+        assert check.value == pytest.approx(chord - 2 * gk.SpurGear(24, 1).tip_radius)
