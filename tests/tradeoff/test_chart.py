@@ -21,7 +21,7 @@ from geomkin.commands import cli
 from geomkin.progress import shown
 from geomkin.tradeoff import measurement, results
 from geomkin.tradeoff.families import FAMILIES
-from tests.tradeoff.toy import CHART, FAMILY, POINTS
+from tests.tradeoff.toy import CHART, FAMILY, POINTS, point
 
 KEPT = Path(__file__).parent.parent.parent / "tests" / "speed" / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -134,6 +134,27 @@ def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_it
     assert [[float(x), float(y)] for x, y in steps] == on
 
 
+@pytest.mark.parametrize("many", [1, 13, 14, 15, 16, 30])
+def test_the_legend_of_many_methods_stays_within_the_picture(many):
+    """Row below row, none on another, the last of its words above the lower edge, beside the axes."""
+    methods = tuple(replace(FAMILY.methods[1], name=f"way {k}") for k in range(many))
+    points = tuple(point(m.name, setting, 0.5, 1e-6) for m in methods for setting in m.settings)
+    one = gk.tradeoff.FamilyChart(replace(FAMILY, methods=methods), points)
+    root = ElementTree.fromstring(gk.tradeoff.chart_files(replace(CHART, families=(one,)))["toy-sum.svg"])
+    width, height = map(float, root.get("viewBox").split()[2:])
+    (frame,) = [p.get("d") for p in root.iter(f"{SVG}path") if re.fullmatch(r"M\d+ \d+V\d+H\d+", p.get("d"))]
+    left, top, bottom, right = map(int, re.findall(r"\d+", frame))
+    told = [t for t in root.iter(f"{SVG}text") if t.get("dy") == "4" and float(t.get("x")) > right]
+    rows = [float(t.get("y")) for t in told]
+    assert len(rows) == many + 3 and min(np.diff(rows)) >= 19 and top < rows[0] and rows[-1] < height - 20
+    assert 20 < height - bottom < 80 and right < width - 200
+    # Words of the axis stand below its numbers, and within.
+    below = sorted(
+        {float(t.get("y")) for t in root.iter(f"{SVG}text") if t.get("text-anchor") == "middle" and t.get("y")}
+    )
+    assert len(below) == 2 and bottom + 12 < below[0] < below[1] - 12 < height - 16
+
+
 class Outline(HTMLParser):
     """Tags and words of a page."""
 
@@ -171,8 +192,6 @@ def table_of(content):
 
 
 def test_the_table_of_the_page_tells_every_number():
-    from tests.tradeoff.toy import point
-
     some = [point("some", 1.0, 0.5, seconds) for seconds in (2.5, 1.0, 2.5e-2, 1e-3, 2.5e-5, 1e-6, 2.5e-8)]
     family = replace(FAMILY, weighed="bytes", weigh=lambda problem, found: 1.0)
     heavy = [replace(p, weight=w) for p, w in zip((*POINTS, *some), (7.0, *[2.5] * 4, *[np.nan] * 9))]
@@ -199,7 +218,7 @@ def test_the_table_of_the_page_tells_every_number():
 
 
 def test_a_default_off_the_front_is_told_with_what_beats_it():
-    from tests.tradeoff.toy import METHODS, point
+    from tests.tradeoff.toy import METHODS
 
     slow = gk.tradeoff.Method("slow", "Adds twice.", METHODS[0].make, because="it is checked.", despite="It is safe.")
     family = gk.tradeoff.MethodFamily(**{**vars(FAMILY), "methods": (METHODS[1], slow)})
@@ -207,6 +226,20 @@ def test_a_default_off_the_front_is_told_with_what_beats_it():
     chart = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(family, points),), False, {}, "")
     page = gk.tradeoff.chart_files(chart)["chart.html"].decode()
     assert "It is not on the front: some takes 25% of its time. It is safe." in page
+
+
+def test_what_differs_beyond_six_digits_beats_all_the_same():
+    """The front goes by six digits, and so does what a default off it is beaten by."""
+    one = replace(FAMILY, methods=(FAMILY.methods[1], replace(FAMILY.methods[0], despite="It is safe.")))
+    for beats, default in (
+        (point("some", 1.0, 1e-5 * (1 + 1e-9), 2e-6), point("all <terms>", np.nan, 1e-5, 4e-6)),
+        (point("some", 1.0, 1e-5, 4e-6 * (1 + 1e-9)), point("all <terms>", np.nan, 2e-5, 4e-6)),
+    ):
+        family = gk.tradeoff.FamilyChart(one, (beats, default))
+        assert family.on_front.tolist() == [True, False]
+        page = gk.tradeoff.chart_files(gk.tradeoff.Chart((family,), False, {}, ""))["chart.html"].decode()
+        share = "50%" if beats.seconds < 3e-6 else "100%"
+        assert f"It is not on the front: some takes {share} of its time. It is safe." in page
 
 
 def test_what_is_measured_is_what_the_method_does(monkeypatch):
