@@ -1,6 +1,7 @@
 """The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes page and pictures of them anew."""
 
 import csv
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,7 @@ def _point(row):
     )
 
 
+@cache
 def study():
     """As its table tells it: to a tenth of a digit."""
     cells = {(cell.family, cell.place, cell.result, cell.distance): cell for cell in CELLS}

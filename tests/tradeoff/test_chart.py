@@ -143,7 +143,7 @@ def test_the_legend_of_many_methods_stays_within_the_picture(many):
     root = ElementTree.fromstring(gk.tradeoff.chart_files(replace(CHART, families=(one,)))["toy-sum.svg"])
     width, height = map(float, root.get("viewBox").split()[2:])
     (frame,) = [p.get("d") for p in root.iter(f"{SVG}path") if re.fullmatch(r"M\d+ \d+V\d+H\d+", p.get("d"))]
-    left, top, bottom, right = map(int, re.findall(r"\d+", frame))
+    _, top, bottom, right = map(int, re.findall(r"\d+", frame))
     told = [t for t in root.iter(f"{SVG}text") if t.get("dy") == "4" and float(t.get("x")) > right]
     rows = [float(t.get("y")) for t in told]
     assert len(rows) == many + 3 and min(np.diff(rows)) >= 19 and top < rows[0] and rows[-1] < height - 20
