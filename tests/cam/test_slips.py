@@ -128,3 +128,10 @@ def test_what_does_not_add_up_is_told_with_its_place_and_unit(segments, field, w
     with pytest.raises(gk.DesignError, match=words) as refused:
         Program(segments)
     assert refused.value.field == "program" + field
+
+
+def test_a_polynomial_that_ends_the_turn_goes_through_its_places():
+    last = gk.cam.LiftPolynomial(end_lift=9e-8, end_deg=360, through=((240.0, 5.0), (300.0, 2.5)))
+    program = Program([UP, last])
+    assert program.motion(np.radians([180, 240, 300])).lift == pytest.approx([8, 5, 2.5], abs=1e-12)
+    assert (program.jumps.lift == 0).all()
