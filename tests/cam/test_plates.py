@@ -105,3 +105,4 @@ def test_corners_are_rounded_where_they_look_out_and_no_farther_than_their_edges
     thin = rounded(gk.plane.Polyline(np.array([0, 20, 20 + 1j, 1j])), 3.0)
     assert np.abs(thin.vertices.real - 10).max() == pytest.approx(10) and len(thin.vertices) == 8
     assert sorted(set(np.round(thin.vertices.imag, 9))) == pytest.approx([0, 0.4, 0.6, 1])
+    assert sorted(set(np.round(thin.vertices.real, 9))) == pytest.approx([0, 0.4, 19.6, 20])

@@ -21,6 +21,7 @@ from geomkin.commands import cli
 from geomkin.progress import shown
 from geomkin.tradeoff import measurement, results
 from geomkin.tradeoff.families import FAMILIES
+from geomkin.tradeoff.picture import picture
 from tests.tradeoff.toy import CHART, FAMILY, POINTS, point
 
 KEPT = Path(__file__).parent.parent.parent / "tests" / "speed" / "chart"
@@ -132,6 +133,41 @@ def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_it
     steps = re.findall(r"H([\d.]+)V([\d.]+)", front)
     on = sorted(place(m) for m, shown in zip(marks, FRONT) if shown)
     assert [[float(x), float(y)] for x, y in steps] == on
+
+
+@pytest.mark.parametrize(("least", "most"), [(3e-15, 2e-11), (2e-13, 4e-4), (3e-5, 60.0), (0.2, 4e6), (2e-12, 3e5)])
+def test_labels_of_both_axes_say_where_they_stand(least, most):
+    """Thousandths and thousands of a second by their prefixes; errors by powers of ten far from 1, plain near it."""
+    points = tuple(point("some", float(k), value, value) for k, value in enumerate((least, most)))
+    one = gk.tradeoff.FamilyChart(replace(FAMILY, floor=1e-20, weighed="bytes", weigh=len), points)
+    heavy = tuple(replace(p, weight=max(1.0, p.seconds * 1e3)) for p in points)
+    for family, weighed in ((one, False), (replace(one, points=heavy), True)):
+        root = ElementTree.fromstring(picture(family, weighed))
+        labels = [
+            t
+            for t in root.iter(f"{SVG}text")
+            if re.match(r"[\d,.]+(e\+\d+)?( [pnµmk]?s|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?$", t.text or "")
+        ]
+        across = {t.text: float(t.get("x")) for t in labels if t.get("text-anchor") == "middle"}
+        upwards = {t.text: float(t.get("y")) for t in labels if t.get("text-anchor") == "end"}
+        for told in (across, upwards):
+            # Evenly by powers of ten, at most as many as fit.
+            values, places = [value(one) for one in told], list(told.values())
+            steps = np.diff(np.log10(values))
+            assert 2 <= len(told) <= 11 and steps == pytest.approx(np.full(len(steps), np.round(steps[0])), abs=1e-9)
+            assert np.diff(places) == pytest.approx(np.full(len(steps), places[1] - places[0]), abs=0.11)
+        if weighed:
+            assert all(one == (f"{v:,.0f}" if (v := value(one)) >= 1 else f"{v:g}") for one in across)
+        else:
+            assert all(1 <= float(one.split()[0]) < 1000 for one in across if one[-2:] not in ("ps", "ks"))
+        assert all(POWERS.keys().isdisjoint(map(ord, one)) == (5e-4 < value(one) < 5e3) for one in upwards)
+
+
+def value(label):
+    """What a label says, in seconds where it is a time."""
+    power = re.fullmatch(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", label)
+    number, _, unit = label.partition(" ")
+    return 10.0 ** int(power[1].translate(POWERS)) if power else float(number.replace(",", "")) * SECONDS[unit]
 
 
 @pytest.mark.parametrize("many", [1, 13, 14, 15, 16, 30])
@@ -285,7 +321,11 @@ def test_batches_go_round_until_each_has_had_its_time(quick, monkeypatch):
     settings = [1.0, 5.0, 10.0] if quick else list(costs)
     assert [p.method for p in found] == ["moves"] * len(settings) + ["slow"] * len(settings) * (not quick)
     assert [p.setting for p in found[: len(settings)]] == settings
-    assert shares == sorted(shares) and 0.3 < shares[len(found)] < 0.5 and shares[-1] == 1
+    # Each is made, then timed once, then in rounds: no step looks as if nothing went on.
+    made, timed = np.linspace(0, 0.3, len(found) + 1)[1:], np.linspace(0.3, 0.5, len(found) + 1)[1:]
+    assert shares[: 2 * len(found)] == pytest.approx([*made, *timed]) and shares == sorted(shares) and shares[-1] == 1
+    rounds = np.array(shares[2 * len(found) :])
+    assert len(rounds) > 3 and rounds.min() > 0.5 and np.diff(rounds).max() < 0.3
     for p in found:
         cost, budget = costs[p.setting], measurement.QUICK / len(found) if quick else measurement.FULL
         assert p.seconds == pytest.approx(cost / 4) and p.results == 4 and p.spread == pytest.approx(0, abs=1e-6)
