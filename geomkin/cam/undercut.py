@@ -235,9 +235,9 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
         start, end = raw.parameter(a, ending=False), raw.parameter(b, ending=True)
         piece = float(np.floor(start))
         if end > piece + 1:
-            # The profile jumps in between: each side by itself.
-            loops += [(start, piece + 1), (float(np.floor(end)), end)]
-        elif (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
+            # The profile jumps in between: chords begin and end at the jump, and need be no closer.
+            continue
+        if (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
             loops.append((start, end))
         else:
             # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.
