@@ -300,3 +300,13 @@ def test_between_two_straight_motions_in_line_the_best_goes_straight_on(kind, ri
     assert motion.acceleration == pytest.approx(np.zeros(500), abs=1e-9)
     optimum = program.optima[2]
     assert optimum.peak_acceleration < 1e-9 and optimum.bound < 1e-9 and optimum.gap < 1e-9
+
+
+@pytest.mark.parametrize("degree", [6, 9, 13])
+@pytest.mark.parametrize("faster", [1e-3, 0.1, -0.2])
+def test_a_small_change_of_velocity_is_proven_to_its_own_bound(degree, faster):
+    """From slope 1 to a little more: no peak is below that change, over an angle of 1, and 2.5 times it is enough."""
+    found = optimal_polynomial(degree, 1 + faster / 2, (1.0, 0.0), (1 + faster, 0.0), None)
+    assert abs(faster) < found.peak_acceleration < 2.5 * abs(faster)
+    assert found.bound == pytest.approx(found.peak_acceleration, rel=1e-8)
+    assert np.abs(found.law(X)[2]).max() == pytest.approx(found.peak_acceleration, rel=1e-8)
