@@ -31,6 +31,9 @@ POINT = 3e-10
 JUMP = 1e-6
 # Angles times corners, on which the follower is let down, in one go: more takes more memory, less takes longer.
 BLOCK = 1_000_000
+# Chords to either side within which a crossing is looked for, and, where there is none, looked for again: where one
+# branch is steep its chords run far from it. Fewer lose such crossings, and with them the undercut; more take others.
+BESIDE = (1, 4, 16)
 # Share by which two losses of lift may differ and still count as equal: less lets rounding choose where a symmetric
 # cam is worst, more takes the first of two that differ.
 TIED = 1e-9
@@ -169,20 +172,30 @@ class _Tracing:
         return near
 
     def _settle(self, which: Whole) -> None:
-        following, chords = np.append(self.grid, self.end), self.chords[which]
-        low, high = following[np.maximum(chords - 1, 0)], following[np.minimum(chords + 2, len(self.grid))]
-        self.pairs[which] = crossings(self.raw.curve, self.pairs[which], low, high)
         self.settled[which] = True
-        # Neighbouring chords may have led to the same crossing: it is kept once.
-        alike = [
-            np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
-            for t in self.pairs.T
-        ]
-        first = np.unique(np.stack(alike), axis=1, return_index=True)[1]
-        keep = np.zeros(len(self.pairs), bool)
-        keep[first] = True
-        keep = np.isfinite(self.pairs[:, 0]) & (keep | ~self.settled)
-        self.pairs, self.chords, self.settled = self.pairs[keep], self.chords[keep], self.settled[keep]
+        following = np.append(self.grid, self.end)
+        for beside in BESIDE:
+            chords = self.chords[which]
+            low, high = (
+                following[np.maximum(chords - beside, 0)],
+                following[np.minimum(chords + beside + 1, len(self.grid))],
+            )
+            found = crossings(self.raw.curve, self.pairs[which], low, high)
+            settled = np.isfinite(found[:, 0])
+            self.pairs[which[settled]] = found[settled]
+            which = which[~settled]
+        # What is found nowhere was none; neighbouring chords may have led to the same crossing: it is kept once.
+        self._keep(np.setdiff1d(np.arange(len(self.pairs)), which))
+        if len(self.pairs):
+            alike = [
+                np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
+                for t in self.pairs.T
+            ]
+            first = np.unique(np.stack(alike), axis=1, return_index=True)[1]
+            self._keep(np.union1d(first, np.flatnonzero(~self.settled)))
+
+    def _keep(self, which: Whole) -> None:
+        self.pairs, self.chords, self.settled = self.pairs[which], self.chords[which], self.settled[which]
 
 
 def _trace(pairs: Real, start: float, end: float) -> tuple[list[Interval], list[Interval]]:
@@ -236,9 +249,9 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
         start, end = raw.parameter(a, ending=False), raw.parameter(b, ending=True)
         piece = float(np.floor(start))
         if end > piece + 1:
-            # The profile jumps in between: each side by itself.
-            loops += [(start, piece + 1), (float(np.floor(end)), end)]
-        elif (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
+            # The profile jumps in between: chords begin and end at the jump, and need be no closer.
+            continue
+        if (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
             loops.append((start, end))
         else:
             # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.

@@ -67,7 +67,7 @@ ANSWERS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Digits:
     """Decimal digits of a cell's result at a distance, 16 at most.
 

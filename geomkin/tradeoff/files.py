@@ -13,7 +13,7 @@ from ..export.sections import text
 from .family import Method
 from .measurement import Measurement
 from .picture import drawing, picture
-from .results import Chart, FamilyChart
+from .results import Chart, FamilyChart, to_six_digits
 from .study import Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.
@@ -168,8 +168,8 @@ def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
     for point, on in one.defaults:
         if on or point.method != method.name:
             continue
-        error = one.shown_error(point)
-        better = [p for p, q in zip(one.points, one.on_front) if q and p.seconds <= point.seconds]
+        error, seconds = one.shown_error(point), to_six_digits(point.seconds)
+        better = [p for p, q in zip(one.points, one.on_front) if q and to_six_digits(p.seconds) <= seconds]
         better = [p for p in better if one.shown_error(p) <= error]
         if better:
             best = min(better, key=lambda p: p.seconds)

@@ -63,7 +63,7 @@ def drawing(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _View:
     """The points with what is drawn across: seconds, or weights."""
 

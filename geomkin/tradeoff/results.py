@@ -23,6 +23,11 @@ from .family import MethodFamily
 from .measurement import Measurement, measured
 
 
+def to_six_digits(value: float) -> float:
+    """As the table tells it: points that differ beyond that are equal."""
+    return float(f"{value:.6g}")
+
+
 @dataclass(frozen=True, eq=False)
 class FamilyChart:
     """One family's measured points. on_front: of each point, whether no other beats it; on_weight_front: by weight."""
@@ -35,21 +40,19 @@ class FamilyChart:
     @cached_property
     def on_front(self) -> Mask:
         """(points,): by time per result and largest error; what misses results is never on it."""
-        return self._front([p.seconds for p in self.points])
+        return self._front([to_six_digits(p.seconds) for p in self.points])
 
     @cached_property
     def on_weight_front(self) -> Mask:
         """(points,): the same by weight; all False in a family where time alone counts."""
-        return self._front([p.weight for p in self.points])
+        return self._front([to_six_digits(p.weight) for p in self.points])
 
     def _front(self, costs: list[float]) -> Mask:
-        errors = [self.shown_error(p) if not p.missed else np.nan for p in self.points]
-        # By the six digits that the table tells: what differs beyond them is equal.
-        return pareto_front(*([float(f"{value:.6g}") for value in row] for row in (costs, errors)))
+        return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
 
     def shown_error(self, point: Measurement) -> float:
-        """A point's largest error, not below what is rounding."""
-        return max(point.largest, self.family.floor)
+        """A point's largest error, not below what is rounding, to six digits."""
+        return to_six_digits(max(point.largest, self.family.floor))
 
     @cached_property
     def defaults(self) -> tuple[tuple[Measurement, bool], ...]:

@@ -46,6 +46,18 @@ CAMS = Made({
     for name in FOLLOWERS
     for direction in ("counterclockwise", "clockwise")
 })  # fmt: skip
+
+
+def running_back(jump):
+    """A peak at 120 deg whose acceleration is -90 mm/rad2 on both sides, where the velocity jumps down."""
+    rest = {"end_velocity_per_rad": 0.0, "end_acceleration_per_rad2": 0.0}
+    down = gk.cam.LiftPolynomial(
+        end_lift=0.0, end_deg=190, start_velocity_per_rad=-jump, start_acceleration_per_rad2=-90.0, **rest
+    )
+    up = gk.Rise("harmonic", rise=20, end_deg=120)
+    return gk.Program([gk.Dwell(end_deg=60), up, down, gk.Dwell(end_deg=360)])
+
+
 # These do: flanks, peaks, joints, and a tip that is nearly all lost.
 SHARP, TURNING = (60, 110, 120, 175), (40, 130, 130, 240)
 UNDERCUT = Made({
@@ -55,6 +67,7 @@ UNDERCUT = Made({
     "flat": lambda: gk.Cam(TranslatingFlat(), programme(20, ends=SHARP), 25),
     "tilted": lambda: gk.Cam(TranslatingFlat(15), programme(20, ends=SHARP), 25, "clockwise"),
     "flat, jumps": lambda: gk.Cam(TranslatingFlat(10), programme(15, laws=("uniform", "harmonic")), 30),
+    "flat, back on both sides of a jump": lambda: gk.Cam(TranslatingFlat(-5), running_back(6.0), 60),
     "roller on arm": lambda: gk.Cam(OscillatingRoller(30, 100, 80), programme(15, True, SHARP), 20, "clockwise"),
     "roller on arm, jumps": lambda: gk.Cam(
         OscillatingRoller(12, 90, 70, "below"), programme(12, True, laws=("uniform", "uniform")), 35

@@ -5,6 +5,8 @@ import pytest
 
 import geomkin as gk
 
+from .cams import running_back
+
 # Shares by which the base radius lies below the limit; the loops of the profile shrink to rounding.
 SHARES = 10.0 ** -np.arange(3.0, 14)
 FOLLOWERS = {
@@ -55,3 +57,17 @@ def test_where_the_programme_begins_alters_no_cam(follower):
         areas = np.array([gk.area(cut.outline) for cut in cuts])
         assert np.ptp(areas) < 1e-9 * areas[0]
         assert np.ptp([cut.worst[0] for cut in cuts]) < 1e-9 * radius
+
+
+@pytest.mark.parametrize("jump", [1e-7, 1e-6, 1e-5, 1e-2])
+@pytest.mark.parametrize("back", [1e-10, 1e-9, 3e-8, 1e-6, 1e-3])
+@pytest.mark.parametrize(("tilt", "direction"), [(0, "counterclockwise"), (10, "clockwise")])
+def test_a_cam_that_runs_back_on_both_sides_of_a_jump_loses_no_more_than_its_tip(jump, back, tilt, direction):
+    """At 70 mm its radius of curvature at the joint would be 0; below, contact runs back before it and after it."""
+    base = 70 * np.cos(np.radians(tilt)) * (1 - back)
+    cut = gk.undercut(gk.Cam(gk.TranslatingFlat(tilt), running_back(jump), base, direction))
+    # Less than 1e-9 mm may be lost in rounding, but never more than there is.
+    assert len(cut.spans) == 1 or (not cut.found and max(jump, back) < 2e-6)
+    assert all(low < np.radians(120) < high for low, high in cut.spans)
+    assert 0 <= cut.worst[0] < 0.02 * (jump + 70 * back)
+    assert abs(gk.area(cut.outline)) > np.pi * base**2

@@ -167,3 +167,13 @@ def test_a_law_of_ones_own_may_jump_where_it_says_so():
 def test_a_law_that_cannot_be_is_refused(law, words):
     with pytest.raises(gk.DesignError, match=words):
         law_of(law)
+
+
+@each_law
+def test_breaks_run_from_0_to_1_alike_from_both_ends(law):
+    breaks = breaks_of(LAWS[law])
+    assert breaks[0] == 0 and breaks[-1] == 1 and (np.diff(breaks) > 0).all()
+    assert breaks == pytest.approx(1 - breaks[::-1], abs=1e-15)
+    # Lift and velocity go through them.
+    before, after = (LAWS[law](breaks[1:-1] + side)[:2] for side in (-1e-9, 1e-9))
+    assert np.abs(after - before).max(initial=0) < 2e-8

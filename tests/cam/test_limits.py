@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.cam import base_circle
 from geomkin.cam.base_circle import flat_face_base_radius, least_base_circle
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
+from geomkin.cam.maxima import samples
 from geomkin.cam.measures import segment_limits, tightest_convex
 from geomkin.cam.undercut import undercut
 
@@ -191,3 +193,22 @@ def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     assert found.limit == "undercut"
     assert not undercut(gk.Cam(follower, program, found.radius)).found
     assert undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6))).found
+
+
+@pytest.mark.parametrize("tried", [100, 121, 150])
+def test_a_hill_between_samples_limits_the_largest_base_radius_too(tried):
+    """A limit that a radius that is tried keeps at all samples, and breaks between them: the largest is smaller."""
+    follower, program = OscillatingRoller(10, 100, 80), SWINGS
+    low, high = follower.base_radii(np.radians(14))
+    radius = low + (high - low) * (tried + 0.5) / base_circle.TRIED
+
+    def leaning(radius, angles):
+        return np.degrees(np.abs(follower.contact(program.motion(angles), radius, 1).pressure_angle)).max()
+
+    comb = np.linspace(0, 2 * np.pi, 100_001)
+    seen, whole = leaning(radius, samples(program.breaks)), leaning(radius, comb)
+    assert whole > seen * (1 + 1e-9)
+    limit = 0.5 * (seen + whole)
+    found = gk.cam.least_base_circle(follower, program, pressure_angle_deg=limit)
+    assert found.radius < found.largest < radius
+    assert leaning(found.largest, comb) <= limit * (1 + 1e-9) < leaning(found.largest * (1 + 1e-5), comb)

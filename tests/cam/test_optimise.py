@@ -284,3 +284,29 @@ def test_the_solver_is_loaded_only_where_something_is_optimised():
 def test_a_spline_beside_an_optimised_segment_leaves_both_at_rest():
     program = Program([OptimisedSpline(12, rise=5, end_deg=90), LiftSpline(points=((90, 5), (200, 3), (360, 0)))])
     assert program.motion(np.radians(90)).velocity == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("rise", [5.0, 3.3, -0.7])
+@pytest.mark.parametrize("kind", [OptimisedPolynomial, OptimisedSpline])
+def test_between_two_straight_motions_in_line_the_best_goes_straight_on(kind, rise):
+    """No acceleration at all, which is its own proof."""
+    ends = [gk.Rise("uniform", rise=rise, duration_deg=37)] * 2
+    if rise < 0:
+        ends = [gk.Return("uniform", end_lift=10 + share * rise, duration_deg=37) for share in (1, 3.3)]
+    straight = [ends[0], kind(rise=1.3 * rise, duration_deg=1.3 * 37), ends[1]]
+    program = Program([gk.Rise("3-4-5", rise=10, end_deg=100), *straight, gk.Return("3-4-5", end_deg=360)])
+    motion = program.motion(np.radians(np.linspace(137, 137 + 1.3 * 37 - 1e-6, 500)))
+    assert motion.velocity == pytest.approx(np.full(500, rise / np.radians(37)), rel=1e-9)
+    assert motion.acceleration == pytest.approx(np.zeros(500), abs=1e-9)
+    optimum = program.optima[2]
+    assert optimum.peak_acceleration < 1e-9 and optimum.bound < 1e-9 and optimum.gap < 1e-9
+
+
+@pytest.mark.parametrize("degree", [6, 9, 13])
+@pytest.mark.parametrize("faster", [1e-3, 0.1, -0.2])
+def test_a_small_change_of_velocity_is_proven_to_its_own_bound(degree, faster):
+    """From slope 1 to a little more: no peak is below that change, over an angle of 1, and 2.5 times it is enough."""
+    found = optimal_polynomial(degree, 1 + faster / 2, (1.0, 0.0), (1 + faster, 0.0), None)
+    assert abs(faster) < found.peak_acceleration < 2.5 * abs(faster)
+    assert found.bound == pytest.approx(found.peak_acceleration, rel=1e-8)
+    assert np.abs(found.law(X)[2]).max() == pytest.approx(found.peak_acceleration, rel=1e-8)

@@ -51,6 +51,31 @@ def test_narrow_bands_are_solved_as_whole_matrices_are(ring, size):
     assert not found[~free].any()
 
 
+@pytest.mark.parametrize("ring", [False, True])
+@pytest.mark.parametrize("size", [11, 23])
+def test_bands_that_are_not_positive_have_no_solution(ring, size):
+    """Lowered until the least of their eigenvalues is just above 0, just below it, and until none is left above."""
+    rng = np.random.default_rng(size)
+    bands = rng.normal(size=(6, size))
+    bands[0] += 20
+    if not ring:
+        for k in range(1, 6):
+            bands[k, size - k :] = 0
+    whole = np.zeros((size, size))
+    for k, band in enumerate(bands):
+        rows = (np.arange(size) + k) % size
+        whole[rows, np.arange(size)], whole[np.arange(size), rows] = band, band
+    right, values = rng.normal(size=size), np.linalg.eigvalsh(whole)
+    for least in (0.05, -0.05, values[0] - 2 * values[-1], 0.0):
+        lowered = bands.copy()
+        lowered[0] -= values[0] - least
+        found = BandMatrix(np.zeros((6, size)) if least == 0 else lowered, np.ones(size, bool)).solve(right)
+        if least > 0:
+            assert found == pytest.approx(np.linalg.solve(whole - (values[0] - least) * np.eye(size), right), rel=1e-9)
+        else:
+            assert np.isnan(found).all() and len(found) == size
+
+
 def jerk_squared(spline):
     """Integral by x of the squared jerk, which is quadratic in each piece: Simpson's rule twice as fine as exact."""
     x = np.linspace(spline.knots[:-1], spline.knots[1:], 9, axis=1)

@@ -21,7 +21,8 @@ from geomkin.commands import cli
 from geomkin.progress import shown
 from geomkin.tradeoff import measurement, results
 from geomkin.tradeoff.families import FAMILIES
-from tests.tradeoff.toy import CHART, FAMILY, POINTS
+from geomkin.tradeoff.picture import picture
+from tests.tradeoff.toy import CHART, FAMILY, POINTS, point
 
 KEPT = Path(__file__).parent.parent.parent / "tests" / "speed" / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -134,6 +135,62 @@ def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_it
     assert [[float(x), float(y)] for x, y in steps] == on
 
 
+@pytest.mark.parametrize(("least", "most"), [(3e-15, 2e-11), (2e-13, 4e-4), (3e-5, 60.0), (0.2, 4e6), (2e-12, 3e5)])
+def test_labels_of_both_axes_say_where_they_stand(least, most):
+    """Thousandths and thousands of a second by their prefixes; errors by powers of ten far from 1, plain near it."""
+    points = tuple(point("some", float(k), value, value) for k, value in enumerate((least, most)))
+    one = gk.tradeoff.FamilyChart(replace(FAMILY, floor=1e-20, weighed="bytes", weigh=len), points)
+    heavy = tuple(replace(p, weight=max(1.0, p.seconds * 1e3)) for p in points)
+    for family, weighed in ((one, False), (replace(one, points=heavy), True)):
+        root = ElementTree.fromstring(picture(family, weighed))
+        labels = [
+            t
+            for t in root.iter(f"{SVG}text")
+            if re.match(r"[\d,.]+(e\+\d+)?( [pnµmk]?s|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?$", t.text or "")
+        ]
+        across = {t.text: float(t.get("x")) for t in labels if t.get("text-anchor") == "middle"}
+        upwards = {t.text: float(t.get("y")) for t in labels if t.get("text-anchor") == "end"}
+        for told in (across, upwards):
+            # Evenly by powers of ten, at most as many as fit.
+            values, places = [value(one) for one in told], list(told.values())
+            steps = np.diff(np.log10(values))
+            assert 2 <= len(told) <= 11 and steps == pytest.approx(np.full(len(steps), np.round(steps[0])), abs=1e-9)
+            assert np.diff(places) == pytest.approx(np.full(len(steps), places[1] - places[0]), abs=0.11)
+        if weighed:
+            assert all(one == (f"{v:,.0f}" if (v := value(one)) >= 1 else f"{v:g}") for one in across)
+        else:
+            assert all(1 <= float(one.split()[0]) < 1000 for one in across if one[-2:] not in ("ps", "ks"))
+        assert all(POWERS.keys().isdisjoint(map(ord, one)) == (5e-4 < value(one) < 5e3) for one in upwards)
+
+
+def value(label):
+    """What a label says, in seconds where it is a time."""
+    power = re.fullmatch(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", label)
+    number, _, unit = label.partition(" ")
+    return 10.0 ** int(power[1].translate(POWERS)) if power else float(number.replace(",", "")) * SECONDS[unit]
+
+
+@pytest.mark.parametrize("many", [1, 13, 14, 15, 16, 30])
+def test_the_legend_of_many_methods_stays_within_the_picture(many):
+    """Row below row, none on another, the last of its words above the lower edge, beside the axes."""
+    methods = tuple(replace(FAMILY.methods[1], name=f"way {k}") for k in range(many))
+    points = tuple(point(m.name, setting, 0.5, 1e-6) for m in methods for setting in m.settings)
+    one = gk.tradeoff.FamilyChart(replace(FAMILY, methods=methods), points)
+    root = ElementTree.fromstring(gk.tradeoff.chart_files(replace(CHART, families=(one,)))["toy-sum.svg"])
+    width, height = map(float, root.get("viewBox").split()[2:])
+    (frame,) = [p.get("d") for p in root.iter(f"{SVG}path") if re.fullmatch(r"M\d+ \d+V\d+H\d+", p.get("d"))]
+    _, top, bottom, right = map(int, re.findall(r"\d+", frame))
+    told = [t for t in root.iter(f"{SVG}text") if t.get("dy") == "4" and float(t.get("x")) > right]
+    rows = [float(t.get("y")) for t in told]
+    assert len(rows) == many + 3 and min(np.diff(rows)) >= 19 and top < rows[0] and rows[-1] < height - 20
+    assert 20 < height - bottom < 80 and right < width - 200
+    # Words of the axis stand below its numbers, and within.
+    below = sorted(
+        {float(t.get("y")) for t in root.iter(f"{SVG}text") if t.get("text-anchor") == "middle" and t.get("y")}
+    )
+    assert len(below) == 2 and bottom + 12 < below[0] < below[1] - 12 < height - 16
+
+
 class Outline(HTMLParser):
     """Tags and words of a page."""
 
@@ -171,8 +228,6 @@ def table_of(content):
 
 
 def test_the_table_of_the_page_tells_every_number():
-    from tests.tradeoff.toy import point
-
     some = [point("some", 1.0, 0.5, seconds) for seconds in (2.5, 1.0, 2.5e-2, 1e-3, 2.5e-5, 1e-6, 2.5e-8)]
     family = replace(FAMILY, weighed="bytes", weigh=lambda problem, found: 1.0)
     heavy = [replace(p, weight=w) for p, w in zip((*POINTS, *some), (7.0, *[2.5] * 4, *[np.nan] * 9))]
@@ -199,7 +254,7 @@ def test_the_table_of_the_page_tells_every_number():
 
 
 def test_a_default_off_the_front_is_told_with_what_beats_it():
-    from tests.tradeoff.toy import METHODS, point
+    from tests.tradeoff.toy import METHODS
 
     slow = gk.tradeoff.Method("slow", "Adds twice.", METHODS[0].make, because="it is checked.", despite="It is safe.")
     family = gk.tradeoff.MethodFamily(**{**vars(FAMILY), "methods": (METHODS[1], slow)})
@@ -207,6 +262,20 @@ def test_a_default_off_the_front_is_told_with_what_beats_it():
     chart = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(family, points),), False, {}, "")
     page = gk.tradeoff.chart_files(chart)["chart.html"].decode()
     assert "It is not on the front: some takes 25% of its time. It is safe." in page
+
+
+def test_what_differs_beyond_six_digits_beats_all_the_same():
+    """The front goes by six digits, and so does what a default off it is beaten by."""
+    one = replace(FAMILY, methods=(FAMILY.methods[1], replace(FAMILY.methods[0], despite="It is safe.")))
+    for beats, default in (
+        (point("some", 1.0, 1e-5 * (1 + 1e-9), 2e-6), point("all <terms>", np.nan, 1e-5, 4e-6)),
+        (point("some", 1.0, 1e-5, 4e-6 * (1 + 1e-9)), point("all <terms>", np.nan, 2e-5, 4e-6)),
+    ):
+        family = gk.tradeoff.FamilyChart(one, (beats, default))
+        assert family.on_front.tolist() == [True, False]
+        page = gk.tradeoff.chart_files(gk.tradeoff.Chart((family,), False, {}, ""))["chart.html"].decode()
+        share = "50%" if beats.seconds < 3e-6 else "100%"
+        assert f"It is not on the front: some takes {share} of its time. It is safe." in page
 
 
 def test_what_is_measured_is_what_the_method_does(monkeypatch):
@@ -252,7 +321,11 @@ def test_batches_go_round_until_each_has_had_its_time(quick, monkeypatch):
     settings = [1.0, 5.0, 10.0] if quick else list(costs)
     assert [p.method for p in found] == ["moves"] * len(settings) + ["slow"] * len(settings) * (not quick)
     assert [p.setting for p in found[: len(settings)]] == settings
-    assert shares == sorted(shares) and 0.3 < shares[len(found)] < 0.5 and shares[-1] == 1
+    # Each is made, then timed once, then in rounds: no step looks as if nothing went on.
+    made, timed = np.linspace(0, 0.3, len(found) + 1)[1:], np.linspace(0.3, 0.5, len(found) + 1)[1:]
+    assert shares[: 2 * len(found)] == pytest.approx([*made, *timed]) and shares == sorted(shares) and shares[-1] == 1
+    rounds = np.array(shares[2 * len(found) :])
+    assert len(rounds) > 3 and rounds.min() > 0.5 and np.diff(rounds).max() < 0.3
     for p in found:
         cost, budget = costs[p.setting], measurement.QUICK / len(found) if quick else measurement.FULL
         assert p.seconds == pytest.approx(cost / 4) and p.results == 4 and p.spread == pytest.approx(0, abs=1e-6)

@@ -13,6 +13,7 @@ import geomkin as gk
 from geomkin.tradeoff import Stability, stability
 from geomkin.tradeoff.cell import ANSWERS, Digits, answered, measured
 from geomkin.tradeoff.study import CELLS
+from tests.tradeoff import kept
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
 
@@ -29,7 +30,10 @@ def judged(cell, distances):
 
 @every_cell
 def test_the_library_does_at_each_place_what_the_table_says(cell):
-    judged(cell, (1e-1, 1e-7, 1e-15))
+    found = judged(cell, (1e-1, 1e-7, 1e-15))
+    # And the sizes are those of the kept table, to the rounding of its digits.
+    (then,) = [[row[0], row[6], row[14]] for row in kept.study().found if row[0].cell is cell]
+    assert [one.allowed for one in found] == pytest.approx([one.allowed for one in then], abs=0.06)
 
 
 # Places that hold for the very sizes alone.
@@ -126,8 +130,8 @@ def test_without_mpmath_it_is_told_how_to_get_it(monkeypatch):
 
 def test_the_kept_table_says_of_every_cell_what_is_held_here():
     file = Path(__file__).parents[2] / "tests" / "speed" / "chart" / "stability.csv"
-    kept = list(csv.DictReader(io.StringIO(file.read_text("utf-8"))))
-    does = {(row["family"], row["place"], row["result"]): row["library_does"] for row in kept}
+    rows = list(csv.DictReader(io.StringIO(file.read_text("utf-8"))))
+    does = {(row["family"], row["place"], row["result"]): row["library_does"] for row in rows}
     assert does == {(cell.family, cell.place, cell.result): ANSWERS[cell.answer] for cell in CELLS}
 
 

@@ -32,6 +32,10 @@ NEAR = 0.01
 # rounds would refuse the segment.
 ROUNDS = 40
 
+# A peak no larger than this, for a rise or slopes of 1 over an angle of 1, is none: where a motion may go straight on,
+# no bound comes as near to 0 as rounding does. Less refuses such segments, more calls a small acceleration none.
+NOTHING = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
@@ -141,8 +145,8 @@ def _of_least_peak(peaked: int, equal: Real, values: Real, limited: int, limit: 
             places = np.union1d(places, extremes(derive(found, peaked)))
             if np.isfinite(limit):
                 limited_places = np.union1d(limited_places, extremes(derive(found, limited)))
-        if least <= proven * (1 + GAP):
-            return best, proven
+        if least <= max(proven * (1 + GAP), NOTHING):
+            return best, proven if least > NOTHING else 0.0
     return None, proven
 
 

@@ -1,0 +1,66 @@
+"""The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes page and pictures of them anew."""
+
+import csv
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import geomkin as gk
+from geomkin.tradeoff.cell import Digits
+from geomkin.tradeoff.families import FAMILIES
+from geomkin.tradeoff.study import CELLS, KINDS, POWERS, Stability
+
+FOLDER = Path(__file__).parent.parent / "speed" / "chart"
+
+
+def table(name):
+    with (FOLDER / name).open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def chart():
+    """As its table tells it: to six digits."""
+    rows = table("chart.csv")
+    families = [gk.tradeoff.FamilyChart(FAMILIES[name], tuple(_point(row) for row in rows if row["family"] == name))
+                for name in dict.fromkeys(row["family"] for row in rows)]  # fmt: skip
+    versions = {name.removesuffix("_version"): told for name, told in rows[0].items() if name.endswith("_version")}
+    return gk.tradeoff.Chart(tuple(families), False, versions, rows[0]["processor"])
+
+
+def _point(row):
+    numbers = {"setting": "setting", "largest": "largest_error", "rms": "rms_error", "missed": "missed_share",
+               "seconds": "seconds_per_result", "spread": "spread", "weight": "weight"}  # fmt: skip
+    counts = {"results": "results_per_call", "calls": "calls_per_batch", "batches": "batches"}
+    return gk.tradeoff.Measurement(
+        row["family"],
+        row["method"],
+        **{ours: float(row[name] or "nan") for ours, name in numbers.items()},
+        **{ours: int(row[name]) for ours, name in counts.items()},
+    )
+
+
+@cache
+def study():
+    """As its table tells it: to a tenth of a digit."""
+    cells = {(cell.family, cell.place, cell.result, cell.distance): cell for cell in CELLS}
+    found = []
+    for row in table("stability.csv"):
+        cell = cells[row["family"], row["place"], row["result"], row["distance"]]
+        digits = []
+        for power in POWERS:
+            told = [row[f"{kind}_1e-{power:02}"] for kind in KINDS]
+            numbers = [np.nan if one == "refused" else float(one) for one in told]
+            digits.append(Digits(cell, 10.0**-power, *numbers, refused=told[0] == "refused"))
+        found.append(tuple(digits))
+    return Stability(tuple(found))
+
+
+def files():
+    """Page and pictures as they are written of the tables today: name to content."""
+    return gk.tradeoff.chart_files(chart(), study())
+
+
+if __name__ == "__main__":
+    for name, content in files().items():
+        (FOLDER / name).write_bytes(content)
