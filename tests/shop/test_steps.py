@@ -96,6 +96,83 @@ TOLD = {
         {"shaft 8 mm, at least 40.5 mm long": 1, "parallel key DIN 6885-1 A 2 x 2 x 6": 2,
          "shaft 8 mm, at least 34 mm long": 1, "shaft collar DIN 705 A, 8 mm": 4, "tube 8 mm inside, cut to 6 mm": 1},
     ),
+    "two gears of unequal sheets": (
+        PAIR + "first_stock = {bore = 8, thickness = 5}\nsecond_stock = {bore = 10, thickness = 9}\n",
+        ["layer 0: lay base; put A through from above; a collar on A from below; put B through from above; a collar on B from below\n",
+         "layer 1: lay first on A, where it turns unless it is glued; lay second on B, where it turns unless it is glued, "
+         "in mesh with first, any tooth in any space; a collar on A; a collar on B\n", "keep 12 mm free under base"],
+        ["beside it", "both together", "screw"],
+        {"shaft 8 mm, at least 26 mm long": 1, "shaft collar DIN 705 A, 8 mm": 2, "shaft 10 mm, at least 34 mm long": 1,
+         "shaft collar DIN 705 A, 10 mm": 2},
+    ),
+    "two gears without shafts": (
+        PAIR + "first_stock = {bore = 0}\nsecond_stock = {bore = 0}\n",
+        ["layer 0: lay first; lay second, in mesh with first, any tooth in any space\n", "hold the axes 50 mm apart"],
+        ["on A", "collar", "base"],
+        {},
+    ),
+    "herringbones over a base": (
+        PAIR + HERRINGBONE + "first_stock = {bore = 8}\nsecond_stock = {bore = 10}\nbase = {}\n",
+        ["layer 1: put first and second in mesh beside it: herringbones do not slide", "; lay first on A, where it turns unless it is glued; lay second on B",
+         ", both together; a collar on A", "a tube of 12 mm"],
+        ["any space", "hold the axes", "layer 2"],
+        {"screw 4 mm, at least 18 mm long": 4, "tube 4 mm inside, cut to 12 mm": 4},
+    ),
+    "a motor under two gears without a base of its own": (
+        PAIR + MOTOR,
+        ["layer 1: lay base on the heads of its screws; put B through from above; a collar on B from below",
+         "layer 2: lay first on A, flat on flat; lay second on B", "in mesh with first", "; a collar on B\n", "keep 10 mm free under base"],
+        ["collar on A", "fix the motor", "above motor_plate"],
+        {"M3 x 10 button head screw ISO 7380-1": 4, "shaft 8 mm, at least 28 mm long": 1},
+    ),
+    "planets and their sun on a carrier": (
+        PLANETARY % ("sun_stock = {bore = 8, thickness = 5}\nplanet_stock = {bore = 6, thickness = 7}", 2),
+        ["layer 0: lay carrier; put the shaft of sun through from above; a collar on the shaft of sun from below; glue 2 shafts of planet into carrier, flush below",
+         "layer 1: lay sun on its shaft", "; lay ring round it; lay 2 x planet", "24 + 60 teeth divide by 2",
+         "; 2 collars on the shafts of planet; a collar on the shaft of sun\n", "keep 10 mm free under carrier", "hold ring, and the shaft of sun"],
+        ["from below; 2 collars", "each planet"],
+        {"shaft 8 mm, at least 28 mm long": 1, "shaft 6 mm, at least 22 mm long": 2, "shaft collar DIN 705 A, 6 mm": 2},
+    ),
+    "planets without shafts": (
+        PLANETARY % ("sun_stock = {bore = 8}\nplanet_stock = {bore = 0}", 3),
+        ["layer 0: lay sun on its shaft", "lay ring round it; lay 3 x planet", "a collar on the shaft of sun at either end\n", "hold ring"],
+        ["carrier", "shafts", "layer 1", "flush"],
+        {"shaft 8 mm, at least 22 mm long": 1},
+    ),
+    "planets pressed on nothing": (
+        PLANETARY % ('base = {}\nsun_stock = {bore = 8}\nplanet_stock = {bore = 0}\nring_stock = {thickness = 9}', 3),
+        ["layer 1: lay sun on A", "lay ring; 6 screws B", "; lay 3 x planet", "; a collar on A\n"],
+        ["carrier", "collars", "layer 2", " C"],
+        {"shaft 8 mm, at least 31 mm long": 1, "M4 x 30 button head screw ISO 7380-1": 6, "M4 lock nut ISO 7040": 6},
+    ),
+    "glued shafts of planets in a carrier over a base": (
+        PLANETARY % ("base = {}\nsun_stock = {bore = 8}\nplanet_stock = {bore = 6}", 2),
+        ["a collar on A from below", "layer 1: lay sun on A", "layer 2: glue 2 shafts C into carrier, 6 mm out of it below; lay carrier on A, C in the planets; a collar on A\n",
+         "a tube of 10 mm under each"],
+        ["collars", "planet on a shaft", "of planet"],
+        {"shaft 8 mm, at least 34 mm long": 1, "shaft 6 mm, at least 12 mm long": 2},
+    ),
+    "a rack without a base": (
+        RACK,
+        ["layer 0: lay pinion on its shaft", "lay rack in mesh with pinion, any tooth in any space; a collar on the shaft of pinion at either end",
+         "guide rack with its reference line 20 mm"],
+        ["glue 2 pins", " A", "layer 1"],
+        {"shaft 6 mm, at least 24 mm long": 1, "shaft collar DIN 705 A, 6 mm": 2},
+    ),
+    "a lantern in a ring on a motor": (
+        LANTERN % "addendum = 3, internal = true" + 'stock = {bore = 5, bore_form = "D", motor = "nema17"}\n',
+        ["layer 1: glue 12 pins", "2 mm above motor_plate", "layer 2: lay ring round the pins, any tooth in any space\n",
+         "layer 3: glue the second disc on the pins, its flat on that of the shaft, 6.5 mm over the first"],
+        ["collar", "lay mate", "shaft of"],
+        {"pin 5 mm, at least 18.5 mm long": 12},
+    ),
+    "a lantern whose mate has no shaft": (
+        LANTERN % "addendum = 7.5" + "stock = {bore = 8, keyway_width = 3, keyway_depth = 1, thickness = 4, mate_bore = 0}\n",
+        ["layer 0: glue 12 pins", "keyway 3 mm wide\n", "layer 1: lay mate, its teeth between the pins\n",
+         "layer 2: glue the second disc on the pins, with a key of its own, 4.5 mm over the first", "a collar on the shaft of disc at either end"],
+        ["shaft of mate", "tube"],
+        {"shaft 8 mm, at least 28.5 mm long": 1, "key steel DIN 6880 3 x 3, cut to 4 mm": 2, "pin 5 mm, at least 12.5 mm long": 12},
+    ),
 }  # fmt: skip
 
 
