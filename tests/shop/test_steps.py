@@ -7,6 +7,8 @@ import pytest
 
 import geomkin as gk
 
+from .test_bases import cam
+
 PAIR = 'kind = "gear-pair"\nfirst = {teeth = 20, module = 2}\nsecond = {teeth = 30, module = 2}\n'
 MOTOR = 'first_stock = {bore = 5, bore_form = "D", motor = "nema17"}\nsecond_stock = {bore = 8}\n'
 PLANETARY = """kind = "planetary"
@@ -220,3 +222,63 @@ def test_steps_of_an_arm_with_a_roller(sizes, stands, said, left_out):
     pins = {float(name.split()[1]) for name in (one.name for one in recipe.bought) if name.startswith("pin ")}
     stock = recipe.stock
     assert pins == {size for size in (stock.roller_bore, stock.pivot_bore) if size}
+
+
+FREE = "where it turns unless it is glued"
+ON_A = f"lay cam on A, {FREE}, as it is drawn and not turned over; a collar on A"
+ALONE = f"lay cam on its shaft, {FREE}, as it is drawn and not turned over; a collar on the shaft of cam at either end"
+BASE = "layer 0: lay base; put A through from above; a collar on A from below"
+FEET = "screw base down by its corners, a tube of 12 mm under each, so that nothing rubs under it"
+PINS = "lay follower, its pins through the slot B of base; 2 collars on B from below, with room to slide"
+ROLLER = "where it turns freely; a collar on"
+CAM_SHAFT, TEN = {"shaft 10 mm, at least 25 mm long": 1}, {"shaft collar DIN 705 A, 10 mm": 2}
+GUIDE_PINS = {"pin 6 mm, at least 18 mm long": 2, "shaft collar DIN 705 A, 6 mm": 2}
+ROLLER_PIN = {"shaft collar DIN 705 A, 4 mm": 1}
+STANDS = {"screw 4 mm, at least 17 mm long": 4, "tube 4 mm inside, cut to 12 mm": 4}
+# Follower, whether it stands on a base: all steps, and all that is bought. Sheets are 5 mm thick, collars on shafts of
+# 4, 6 and 10 mm are 8, 8 and 10 mm wide, and 2 mm are free below.
+WHOLE = [
+    ("roller", True,
+     [BASE, f"layer 1: a tube of 5 mm on A; glue 2 pins B into follower, flush above; glue the pin C into follower, flush below; {PINS}",
+      f"layer 2: lay roller on C, {ROLLER} C, with room to turn; {ON_A}", FEET, "a spring or a weight of yours holds roller to cam"],
+     {"shaft 10 mm, at least 35 mm long": 1, "tube 10 mm inside, cut to 5 mm": 1, "pin 4 mm, at least 18 mm long": 1}
+     | TEN | GUIDE_PINS | ROLLER_PIN | STANDS),
+    ("roller", False,
+     [f"layer 0: lay roller on its pin, {ROLLER} its pin, with room to turn; {ALONE}", "a spring or a weight of yours holds roller to cam",
+      "guide a stem with the pin of the roller, and hold the shaft of cam: no plate here does"],
+     CAM_SHAFT | TEN | ROLLER_PIN | {"pin 4 mm, at least 13 mm long": 1}),
+    ("knife edge", True,
+     [BASE, f"layer 1: a tube of 5 mm on A; glue 2 pins B into follower, flush above; {PINS}", f"layer 2: {ON_A}", FEET,
+      "a spring or a weight of yours holds follower to cam"],
+     {"shaft 10 mm, at least 35 mm long": 1, "tube 10 mm inside, cut to 5 mm": 1} | TEN | GUIDE_PINS | STANDS),
+    ("knife edge", False,
+     [f"layer 0: {ALONE}", "a spring or a weight of yours holds the follower to cam", "guide a stem, and hold the shaft of cam: no plate here does"],
+     CAM_SHAFT | TEN),
+    ("flat", True,
+     [BASE, f"layer 1: glue 2 pins B into follower, flush above; {PINS}; {ON_A}", FEET, "a spring or a weight of yours holds follower to cam"],
+     {"shaft 10 mm, at least 30 mm long": 1} | TEN | GUIDE_PINS | STANDS),
+    ("flat", False,
+     [f"layer 0: lay follower, its pin through it into what is to hold it; {ALONE}", "a spring or a weight of yours holds follower to cam",
+      "guide follower, and hold the shaft of cam: no plate here does"],
+     CAM_SHAFT | TEN | {"pin 6 mm, at least 5 mm long": 1}),
+    ("flat arm", True,
+     [BASE, f"layer 1: glue pin B into arm, flush above; lay arm, its pin B through base; a collar on B from below, with room to turn; {ON_A}",
+      FEET, "a spring or a weight of yours holds arm to cam"],
+     {"shaft 10 mm, at least 30 mm long": 1, "pin 6 mm, at least 18 mm long": 1, "shaft collar DIN 705 A, 6 mm": 1} | TEN | STANDS),
+    ("flat arm", False,
+     [f"layer 0: lay arm, its pin through it into what is to hold it; {ALONE}", "a spring or a weight of yours holds arm to cam",
+      "hold the pivot 80 mm from the shaft of cam: no plate here does"],
+     CAM_SHAFT | TEN | {"pin 6 mm, at least 5 mm long": 1}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "stands", "steps", "taken"), WHOLE)
+def test_all_steps_and_the_whole_bill_of_cams(name, stands, steps, taken):
+    recipe = cam(name, "[base]\n" if stands else "")
+    assert list(recipe.steps) == steps
+    assert {one.name: one.count for one in recipe.bought} == taken
+    marked = replace(recipe, stock=replace(recipe.stock, timing_mark=True))
+    added = "its line is under the follower at cam angle 0, and its arrow the way it turns"
+    last = next(k for k, step in reversed(list(enumerate(steps))) if step.startswith("layer"))
+    laid, on_top = steps[last].split("turned over; ")
+    assert list(marked.steps) == [*steps[:last], f"{laid}turned over; {added}; {on_top}", *steps[last + 1 :]]
