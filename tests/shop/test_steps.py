@@ -38,11 +38,11 @@ TOLD = {
         {"shaft 5 mm, at least 28 mm long": 1, "shaft 8 mm, at least 28 mm long": 1},
     ),
     "screws of a ring that no standard has": (
-        PLANETARY % (HERRINGBONE + "base = {screw = 3.5}\nsun_stock = {bore = 8}", 1),
+        PLANETARY % (HERRINGBONE + "base = {screw = 7}\nsun_stock = {bore = 8}", 1),
         ["lay ring; 6 screws B", "lay planet between sun and ring: it turns sun", "make ring in two halves",
-         "screw base down by its corners, a tube of 10 mm under each"],
+         "screw base down by its corners, a tube of 16 mm under each"],
         ["evenly round", "carrier", "collar on C"],
-        {"screw 3.5 mm with nut, at least 19 mm long": 6, "tube 3.5 mm inside, cut to 10 mm": 4},
+        {"screw 7 mm with nut, at least 26 mm long": 6, "tube 7 mm inside, cut to 16 mm": 4},
     ),
     "planets pressed on shafts over a base": (
         PLANETARY % ('base = {}\nsun_stock = {bore = 8}\nplanet_stock = {bore = 6, fit = "press"}', 3),
@@ -76,7 +76,7 @@ TOLD = {
     "a lantern in a ring": (
         LANTERN % "addendum = 3, internal = true",
         ["glue 12 pins into the first disc", "lay ring round the pins, any tooth in any space",
-         "6.5 mm over the first, so that ring turns", "hold the axes 72 mm apart"],
+         "glue the second disc on the pins, 6.5 mm over the first, so that ring turns", "hold the axes 72 mm apart"],
         ["mate", "between the pins"],
         {"pin 5 mm, at least 18.5 mm long": 12, "shaft 8 mm, at least 34.5 mm long": 1},
     ),
@@ -161,6 +161,21 @@ TOLD = {
         ["glue 2 pins", " A", "layer 1"],
         {"shaft 6 mm, at least 24 mm long": 1, "shaft collar DIN 705 A, 6 mm": 2},
     ),
+    "a rack whose guide pins have the wider collars": (
+        RACK.replace("module = 2", "module = 4") + "base = {guide_pin = 10}\n",
+        ["2 collars on B from below, with room to slide", "a tube of 12 mm under each, so that nothing rubs"],
+        ["a tube of 10"],
+        {"shaft 6 mm, at least 32 mm long": 1, "pin 10 mm, at least 26 mm long": 2, "tube 4 mm inside, cut to 12 mm": 4},
+    ),
+    "straight-sided gears without a base": (
+        'kind = "straight-sided-gears"\ngear = {teeth = 30, module = 2, flank_angle_deg = 20, addendum = 0.8}\n'
+        "mate = {teeth = 40, addendum = 1.6}\nstock = {bore = 8, mate_bore = 6, thickness = 5}\n",
+        ["layer 0: lay gear on its shaft, where it turns unless it is glued; lay mate on its shaft, where it turns unless it is glued, "
+         "in mesh with gear, any tooth in any space", "a collar on the shaft of gear at either end; a collar on the shaft of mate at either end\n",
+         "hold the axes 70 mm apart"],
+        ["from below", "layer 1", " on A"],
+        {"shaft 8 mm, at least 21 mm long": 1, "shaft 6 mm, at least 21 mm long": 1},
+    ),
     "a lantern in a ring on a motor": (
         LANTERN % "addendum = 3, internal = true" + 'stock = {bore = 5, bore_form = "D", motor = "nema17"}\n',
         ["layer 1: glue 12 pins", "2 mm above motor_plate", "layer 2: lay ring round the pins, any tooth in any space\n",
@@ -187,6 +202,10 @@ def test_steps_and_bill_of_what_rarely_comes_together(name):
     assert [words for words in left_out if words in steps] == []
     bought = {one.name: one.count for one in recipe.bought}
     assert bought.items() >= taken.items(), bought
+    # Joints are told by letters where those are engraved, and else by their parts.
+    lettered = any(letter for part in recipe.parts for letter in part.hole_names)
+    joints = {joint for one in recipe.bought for joint in one.joints} - {"base", "disc"}
+    assert all(joint in "ABC" if lettered else joint in [p.name for p in recipe.parts] for joint in joints), joints
     # Layers are told from the bottom up, each once; and what is laid is what is cut.
     layers = [int(number) for number in re.findall(r"^layer (\d+): ", steps, re.MULTILINE)]
     assert layers == sorted(set(layers)) and layers[0] == 0
@@ -200,7 +219,7 @@ CAMS = [
      ["glue the pin", "base", "tube"]),
     ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, True,
      ["layer 0: lay base; fix the motor under base", "glue the pin C into arm, flush below; lay arm, its pin B through base",
-      "lay roller on C", "lay cam on A, flat on flat, 5 mm above base", "screw base down", "a tube of the motor's length"],
+      "lay roller on C", "lay cam on A, flat on flat, 5 mm above base", "screw base down", "a tube of the motor's length", "a spring or a weight"],
      ["tube of 5", "collar on A"]),
     ({"bore": 5.0, "bore_form": "D", "motor": "nema17"}, False,
      ["layer 0: screw motor_plate from above", "layer 1: glue the pin of roller into arm", "layer 2: lay roller on its pin",
@@ -270,6 +289,13 @@ WHOLE = [
       "hold the pivot 80 mm from the shaft of cam: no plate here does"],
      CAM_SHAFT | TEN | {"pin 6 mm, at least 5 mm long": 1}),
 ]  # fmt: skip
+
+
+def test_feet_are_as_high_as_the_widest_collar_under_a_base_asks_for():
+    """A collar 8 mm wide on the cam's shaft, and such of 10 mm on the pins that slide below."""
+    recipe = cam("flat")
+    small = replace(recipe, stock=replace(recipe.stock, bore=8.0, pivot_bore=10.0, bar_width=16.0, stem_length=60.0))
+    assert {one.name: one.count for one in small.bought}.items() >= {"tube 4 mm inside, cut to 12 mm": 4}.items()
 
 
 @pytest.mark.parametrize(("name", "stands", "steps", "taken"), WHOLE)
