@@ -59,7 +59,8 @@ def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):
 
 
 def test_a_run_of_one_point_draws_nothing():
-    assert len(strokes([np.array([1j]), np.array([1j, 2])])) == 1
+    (one,) = strokes([np.array([1j]), np.array([1j, 2])])
+    assert not one.is_closed and one.vertices.tolist() == [1j, 2]
 
 
 def test_a_plate_is_as_large_as_what_is_drawn_and_its_margin():
@@ -81,17 +82,19 @@ def test_a_body_of_three_points_is_a_triangle_and_what_meets_or_nearly_does_has_
     bodies = {
         "ground": {"a": 0j, "b": 100 + 0j},
         "crank": {"a": 0j, "c": 30 + 0j},
-        "coupler": {"c": 0j, "d": 90 + 0j, "pen": 40 + 25j, "same": 40 + 25j},
+        "coupler": {"c": 0j, "d": 90 + 0j, "pen": 40 + 25j, "same": 40 + 25j, "close": 40 + 30j},
         "rocker": {"b": 0j, "d": 70 + 0j, "near": 3 + 0j},
     }
     motion = gk.move(gk.Linkage(bodies, driver="crank"), [0.7])
     marks = skeleton(motion, 0, PlateStock(pin_diameter=4))
     lines = [mark.point(np.array([0.0, 1.0])) for mark in marks if isinstance(mark, gk.plane.Segment)]
-    at = {name: complex(motion.point(name).position[0]) for name in ("a", "b", "c", "d", "pen", "near")}
+    at = {name: complex(motion.point(name).position[0]) for name in ("a", "b", "c", "d", "pen", "close", "near")}
     joined = {frozenset((one, two)) for line in lines for one, two in [[_of(z, at) for z in line]]}
     # From the rocker's point 3 mm beside its pivot there is no room for a line between two circles of 4 mm.
-    wanted = [("a", "c"), ("c", "d"), ("d", "pen"), ("pen", "c"), ("b", "d"), ("d", "near")]
-    assert joined == {frozenset(pair) for pair in wanted} and len(lines) == 6
+    wanted = [("a", "c"), ("c", "d"), ("d", "pen"), ("pen", "close"), ("close", "c"), ("b", "d"), ("d", "near")]
+    assert joined == {frozenset(pair) for pair in wanted} and len(lines) == 7
+    lengths = sorted(abs(at[one] - at[two]) - 4 for one, two in wanted)
+    assert sorted(abs(line[1] - line[0]) for line in lines) == pytest.approx(lengths)
 
 
 def _of(end, places):
