@@ -71,6 +71,17 @@ def play(pair, side):
     return abs(free)
 
 
+@pytest.mark.parametrize("pair", PAIRS, indirect=True)
+def test_clearances_are_those_of_the_outlines(pair):
+    """By the nearest and the farthest point of each from its axis: along the line of the axes, tip from root."""
+    one, two = (np.abs(gk.flatten(g.outline, TOLERANCE)) for g in (pair.first, pair.second))
+    a = pair.centre_distance
+    wanted = a - two.max() - one.min(), a - one.max() - two.min()
+    if pair.is_internal:
+        wanted = two.min() - a - one.min(), two.max() - a - one.max()
+    assert pair.clearances == pytest.approx(wanted, abs=1e-3)
+
+
 @pytest.mark.parametrize("name", ["thinned", "ring, thinned", "ring, near"])
 def test_the_backlash_is_the_play_of_the_finished_outlines(name):
     pair = PAIRS[name]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import shapely
 
 import geomkin as gk
 from geomkin.plane import region
@@ -71,6 +72,17 @@ def test_pinion_and_rack_share_nothing_through_a_pitch_and_do_when_pushed_beyond
             assert common(turn, side * (pair.backlash / 2 + 0.02)) > 4e-3
 
 
+@pytest.mark.parametrize("pair", PAIRS, indirect=True)
+def test_clearances_are_those_of_the_outlines(pair):
+    """Of the pinion its nearest and farthest point; of the bar its top, and how high it is in the middle of a space."""
+    radii = np.abs(gk.flatten(pair.pinion.outline, 1e-4))
+    z = gk.flatten(pair.rack.outline, 1e-4)
+    bar = shapely.Polygon(np.column_stack([z.real, z.imag]))
+    middle = shapely.LineString([(np.pi, -1e3), (np.pi, 1e3)]).intersection(bar).bounds[3]
+    wanted = pair.distance - z.imag.max() - radii.min(), pair.distance - middle - radii.max()
+    assert pair.clearances == pytest.approx(wanted, abs=1e-3)
+
+
 def test_contact_with_a_rack_is_the_limit_of_contact_with_a_large_gear():
     pinion = gk.SpurGear(20, 2)
     large = gk.GearPair(pinion, gk.SpurGear(10_000, 2))
@@ -117,6 +129,8 @@ def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
 
 @pytest.mark.parametrize("teeth", [1, 2, 3, 4, 7, 8])
 def test_as_many_teeth_stand_left_of_the_axis_as_right_of_it_or_one_fewer(teeth):
-    z = gk.flatten(gk.gear.GearRack(teeth, 2).outline, 1e-4)
+    bar = gk.gear.GearRack(teeth, 2)
+    z = gk.flatten(bar.outline, 1e-4)
+    assert bar.ends == pytest.approx((z.real.min(), z.real.max()), abs=1e-9)
     left, right = -z.real.min() / (2 * np.pi) - 0.5, z.real.max() / (2 * np.pi) - 0.5
     assert (left, right) == pytest.approx(((teeth - 1) // 2, teeth // 2), abs=1e-9)

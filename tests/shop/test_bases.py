@@ -148,6 +148,44 @@ def _clear(recipe, screw):
                 assert not any(loop.intersects(head) for head in heads), (body.name, k)
 
 
+def _boxes(recipe, screw):
+    """Corners of what the base's screws leave, and of all that moves at any frame, as seen from the base."""
+    base = part(recipe, "base")
+    ground = next(body for body in recipe.scene.bodies if body.name == "ground")
+    screws = np.array([hole.centre for hole in base.holes[-4:]])
+    moved = []
+    for body, origin, direction in moving(recipe):
+        for one in body.parts:
+            z = gk.flatten(one.outline, 0.01)
+            moved.append((np.broadcast_to(origin, direction.shape)[:, None] + direction[:, None] * z).ravel())
+    places = np.concatenate(moved) * np.conj(ground.direction[0])
+    inner = [screws.real.min() + screw, screws.real.max() - screw, screws.imag.min() + screw, screws.imag.max() - screw]
+    return inner, [places.real.min(), places.real.max(), places.imag.min(), places.imag.max()]
+
+
+@pytest.mark.parametrize("name", FOLLOWERS)
+def test_a_base_is_as_large_as_cam_and_follower_reach_and_no_larger(name):
+    inner, reach = _boxes(cam(name), 4.0)
+    assert inner == pytest.approx(reach, abs=0.12)
+
+
+@pytest.mark.parametrize("text", [PAIR, PAIR.replace("teeth = 12", "teeth = 48").replace("= 0.6", "= 0"), PLANETARY])
+def test_a_base_is_as_large_as_gears_reach_and_no_larger(text):
+    inner, reach = _boxes(gk.load(text + "[base]\nscrew = 5\n"), 5.0)
+    # Between frames a tip goes on by no more than its own rise over them.
+    assert inner == pytest.approx(reach, abs=0.4)
+
+
+@pytest.mark.parametrize(("teeth", "guide_pin"), [(15, 4), (8, 3), (30, 5)])
+def test_a_base_is_as_large_as_pinion_and_slot_and_as_deep_as_the_rack(teeth, guide_pin):
+    text = RACK.replace("teeth = 15", f"teeth = {teeth}") + f"[base]\nguide_pin = {guide_pin}\n"
+    recipe = gk.load(text)
+    (left, right, low, high), (*_, deep, _) = _boxes(recipe, 4.0)
+    slot, tip = polygon(part(recipe, "base").holes[1]).bounds, recipe.design.pinion.tip_radius
+    assert -left == right == pytest.approx(max(tip, -slot[0], slot[2]), abs=1e-3)
+    assert (low, high) == pytest.approx((deep, tip), abs=1e-3)
+
+
 @pytest.mark.parametrize("name", STRAIGHT)
 def test_the_slot_holds_the_pins_of_a_stem_over_the_whole_turn(name):
     recipe = cam(name)

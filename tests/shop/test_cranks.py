@@ -184,6 +184,24 @@ def test_what_no_motor_can_turn_is_refused(linkage, sizes, words):
     assert caught.value.field == "stock.motor" and words in caught.value.problem
 
 
+@pytest.mark.parametrize(("fastener", "needed"), [("screw", 9.0 / 2), ("rod", 4.2 / 2)])
+def test_a_hole_may_be_as_near_to_the_motor_as_what_goes_through_it_is_wide(fastener, needed):
+    """The face reaches 21.15 mm from the shaft; a washer of 9 mm, or the hole of 4.2 mm alone, must be clear of it."""
+    stock = gk.shop.LinkStock(motor="nema17", bar_width=10, fastener=fastener)
+    for beyond in (-0.03, 0.03):
+        ground = 21.15 + needed + beyond
+        motion = gk.move(gk.FourBar(ground, 12, ground - 2, 18), np.linspace(0.5, 0.6, 5))
+        if beyond > 0:
+            assert len(gk.shop.link_parts(motion, stock)) == 4
+            continue
+        with pytest.raises(gk.DesignError) as caught:
+            gk.shop.link_parts(motion, stock)
+        assert caught.value.problem == (
+            f"the hole of rocker_pivot in the ground is {needed + beyond:.4g} mm from the face of the motor, "
+            f"and what goes through it needs {needed:g} mm"
+        )
+
+
 @pytest.mark.parametrize(
     ("sizes", "field", "words"),
     [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.shop.drawing import HEAD, PlateStock, arrow, skeleton, strokes
+from geomkin.shop.drawing import HEAD, PlateStock, arrow, engraved, pose_axes, skeleton, strokes
 from tests.texts import parse, template_of
 
 
@@ -59,4 +59,56 @@ def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):
 
 
 def test_a_run_of_one_point_draws_nothing():
-    assert len(strokes([np.array([1j]), np.array([1j, 2])])) == 1
+    (one,) = strokes([np.array([1j]), np.array([1j, 2])])
+    assert not one.is_closed and one.vertices.tolist() == [1j, 2]
+
+
+def test_a_plate_is_as_large_as_what_is_drawn_and_its_margin():
+    """A circle and a line beside each other, by the four sides of both; corners are rounded."""
+    marks = [gk.plane.Circle(-40 + 10j, 6.0), gk.plane.Segment(-20 - 30j, 15 + 2j)]
+    plate = engraved("drawing", marks, PlateStock(thickness=2.0, margin=9.0))
+    edge = gk.flatten(plate.outline, 1e-4)
+    sides = edge.real.min(), edge.real.max(), edge.imag.min(), edge.imag.max()
+    assert sides == pytest.approx((-46 - 9, 15 + 9, -30 - 9, 16 + 9), abs=1e-3)
+    assert (plate.name, plate.thickness, plate.holes, plate.marks) == ("drawing", 2.0, (), tuple(marks))
+    # Each corner stands back from where the sides would meet, as a circle of 3 mm does.
+    for corner in (complex(sides[k], sides[m]) for k in (0, 1) for m in (2, 3)):
+        assert abs(edge - corner).min() == pytest.approx(3 * (np.sqrt(2) - 1), abs=1e-2)
+    with pytest.raises(gk.DesignError, match="drawing: there is nothing to draw"):
+        engraved("drawing", [])
+
+
+def test_a_body_of_three_points_is_a_triangle_and_what_meets_or_nearly_does_has_no_line():
+    bodies = {
+        "ground": {"a": 0j, "b": 100 + 0j},
+        "crank": {"a": 0j, "c": 30 + 0j},
+        "coupler": {"c": 0j, "d": 90 + 0j, "pen": 40 + 25j, "same": 40 + 25j, "close": 40 + 30j},
+        "rocker": {"b": 0j, "d": 70 + 0j, "near": 3 + 0j},
+    }
+    motion = gk.move(gk.Linkage(bodies, driver="crank"), [0.7])
+    marks = skeleton(motion, 0, PlateStock(pin_diameter=4))
+    lines = [mark.point(np.array([0.0, 1.0])) for mark in marks if isinstance(mark, gk.plane.Segment)]
+    at = {name: complex(motion.point(name).position[0]) for name in ("a", "b", "c", "d", "pen", "close", "near")}
+    joined = {frozenset((one, two)) for line in lines for one, two in [[_of(z, at) for z in line]]}
+    # From the rocker's point 3 mm beside its pivot there is no room for a line between two circles of 4 mm.
+    wanted = [("a", "c"), ("c", "d"), ("d", "pen"), ("pen", "close"), ("close", "c"), ("b", "d"), ("d", "near")]
+    assert joined == {frozenset(pair) for pair in wanted} and len(lines) == 7
+    lengths = sorted(abs(at[one] - at[two]) - 4 for one, two in wanted)
+    assert sorted(abs(line[1] - line[0]) for line in lines) == pytest.approx(lengths)
+
+
+def _of(end, places):
+    """The point from whose circle of 4 mm a line starts."""
+    return min(places, key=lambda name: abs(abs(end - places[name]) - 2))
+
+
+def test_poses_are_drawn_as_a_long_x_axis_and_a_y_axis_half_as_long():
+    (one,) = pose_axes([(5 + 2j, np.pi / 6)], 20.0)
+    assert not one.is_closed
+    x, origin, y = one.vertices
+    assert origin == 5 + 2j and x - origin == pytest.approx(20 * np.exp(1j * np.pi / 6))
+    assert y - origin == pytest.approx(10 * np.exp(1j * (np.pi / 6 + np.pi / 2)))
+
+
+def test_an_arrow_shorter_than_files_can_tell_is_none():
+    assert arrow(1 + 1j, 1 + 1.0009j) == [] and len(arrow(1 + 1j, 1 + 1.0011j)) == 2

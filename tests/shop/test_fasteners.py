@@ -1,5 +1,6 @@
 """Screws, nuts and spacers: looked at as discs between their heights, at frames of their own, and counted on a bill."""
 
+import re
 from itertools import combinations
 from pathlib import Path
 
@@ -182,3 +183,62 @@ def test_a_lower_head_leaves_fewer_layers_empty():
     rods = stack_links(motion, LinkStock(fastener="rod"))
     assert max(rods.layers.values()) < heights[0] == heights[1] < heights[2]
     assert rods.spacers == 0
+
+
+def told_steps(stack):
+    """{how: {letter or plate: layers in which a step says so}} of a stack's steps."""
+    words = {
+        r"put (.+) through from below": "below",
+        r"lay (.+)": "laid",
+        r"a spacer on (.+)": "spacer",
+        r"nothing on (.+), which a plate here passes": "nothing",
+        r"close (.+)": "closed",
+        r"put (.+) through from above, nuts below": "above",
+    }
+    found = {how: {} for how in words.values()} | {"motor": []}
+    for layer, step in enumerate(stack.steps):
+        head, told = step.split(": ", 1)
+        assert head == f"layer {layer}"
+        for clause in told.split("; "):
+            match = next((m for pattern in words if (m := re.fullmatch(pattern, clause))), None)
+            if match is None:
+                found["motor"].append((layer, clause))
+                continue
+            for name in match[1].split(", "):
+                found[words[match.re.pattern]].setdefault(name, []).append(layer)
+    return found
+
+
+@pytest.mark.parametrize("name", BUILDABLE)
+@pytest.mark.parametrize("stock", [STOCK, LinkStock(fastener="rod"), LinkStock(thickness=8, motor="nema17")])
+def test_steps_put_every_pin_through_once_and_tell_every_layer_it_crosses(name, stock):
+    """Screws that start in the ground come from above, where there are any so long; all else from below."""
+    linkage, branch, *_ = BUILDABLE[name]
+    motion = gk.move(linkage, TURN[::3], branch)
+    try:
+        stack = stack_links(motion, stock)
+    except DesignError as error:
+        assert error.field == "stock.motor"
+        return
+    told = told_steps(stack)
+    assert {n: [layer] for n, layer in stack.layers.items()} == told["laid"]
+    rows = stack.summary()["layers"]
+    assert len(rows) == len(stack.steps) and all(n in rows[layer] for n, layer in stack.layers.items())
+    for pin in stack.pins:
+        letter, crossed = stack.letters[pin.name], {stack.layers[n] for n in pin.holes + pin.slots}
+        rows = {how: told[how].get(letter, []) for how in ("below", "closed", "above", "spacer", "nothing")}
+        assert rows["spacer"] == list(pin.spacers)
+        if pin.motor:
+            assert not any(rows.values())
+            high = (pin.last - 1) * stock.thickness
+            above = f", {high:g} mm above ground" if high else ""
+            assert [(layer, clause) for layer, clause in told["motor"] if layer] == [
+                (pin.last, f"fix {linkage.driver} on the motor's shaft {letter}, flat on flat{above}")
+            ]
+            continue
+        assert rows["nothing"] == sorted(set(range(pin.first, pin.last)) - crossed - set(pin.spacers))
+        bought = " ".join(name for name, _ in stack.bill(pin))
+        if pin.first == 0 and "screw" in bought and "rod" not in bought:
+            assert rows["above"] == [pin.last] and rows["below"] == rows["closed"] == []
+        else:
+            assert (rows["below"], rows["closed"], rows["above"]) == ([pin.first], [pin.last], [])

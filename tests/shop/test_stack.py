@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.plane.hulls import separation
+from geomkin.shop.linkage import stack as stack_module
 from geomkin.shop.linkage.bridge import pile_places
 from geomkin.shop.linkage.layers import Meetings, Passing, order, runs
 from geomkin.shop.linkage.plates import assemble
@@ -341,6 +342,22 @@ def test_more_plates_than_the_search_takes_are_refused():
     with pytest.raises(gk.DesignError, match="17 plates that move"):
         stack_links(motion, STOCK)
     assert len(link_parts(motion, STOCK)) == 18
+
+
+def test_as_many_plates_as_the_refusal_names_are_stacked(monkeypatch):
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), TURN[::30])
+    monkeypatch.setattr(stack_module, "LARGEST", 2)
+    with pytest.raises(gk.DesignError, match="give at most 2, or make it in pieces"):
+        stack_links(motion, STOCK)
+    monkeypatch.setattr(stack_module, "LARGEST", 3)
+    assert len(stack_links(motion, STOCK).layers) == 4
+
+
+def test_the_letters_of_many_pins_go_on_in_twos():
+    plain = stack_links(gk.move(gk.FourBar(100, 30, 90, 70), TURN[::30]), STOCK)
+    pins = tuple(dataclasses.replace(plain.pins[0], name=f"pin {k}") for k in range(30))
+    letters = list(dataclasses.replace(plain, pins=pins).letters.values())
+    assert letters[0] == "A" and letters[25:29] == ["Z", "AA", "AB", "AC"] and len(set(letters)) == 30
 
 
 def test_frames_that_do_not_close_are_left_out():

@@ -91,7 +91,7 @@ class Heads:
         for reach, below in zip(self.reaches, heights):
             for pin, above in up.get(reach.first - 1, ()):
                 if below and above:
-                    yield reach.first - 1, below + above, [self._two_heads(pin, reach.pin)]
+                    yield reach.first - 1, below + above, [self._two_discs(pin, reach.pin)]
 
     def _in_layers(self, pin: Pin, places: list[int], low: int, high: int) -> list[Key]:
         """A pin's head and each plate in layers from `low` to `high`."""
@@ -105,10 +105,12 @@ class Heads:
             self._pairs[key] = Pair(plate.body, self._hulls[name], pin.body, np.array([pin.place]), near)
         return key
 
-    def _two_heads(self, one: Pin, two: Pin) -> Key:
-        key = f"pin {one.name}", two.name
+    def _two_discs(self, one: Pin, two: Pin, what: tuple[str, str] = ("end", "end")) -> Key:
+        key = f"{what[0]} of {one.name}", f"{what[1]} of {two.name}"
         if key not in self._pairs:
-            near = (self._across(one) + self._across(two)) / 2 + self.meetings.play
+            # Rings are loose on their pins, and yield to what touches them.
+            play = 0.0 if "ring" in what else self.meetings.play
+            near = (self._across(one, what[0]) + self._across(two, what[1])) / 2 + play
             self._pairs[key] = Pair(one.body, np.array([one.place]), two.body, np.array([two.place]), near)
         return key
 
@@ -133,9 +135,10 @@ class Heads:
         head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
         return (nut, head) if reach.first == 0 else (head, nut)
 
-    def _across(self, pin: Pin) -> float:
-        """Diameter of what is round about a pin, mm."""
-        return max(self.meetings.stock.fastener_used.across, pin.shaft)
+    def _across(self, pin: Pin, what: str = "end") -> float:
+        """Diameter of what is round about a pin, mm; rings are as wide as bars."""
+        stock = self.meetings.stock
+        return stock.bar_width if what == "ring" else max(stock.fastener_used.across, pin.shaft)
 
     def is_open(self, shaft: Reach) -> bool:
         """Whether a motor's shaft may be longer than its plates: no plate and no pin above would meet it."""
@@ -143,7 +146,7 @@ class Heads:
         pins = (reach.pin for reach in self.reaches if reach is not shaft and reach.last >= shaft.last)
         keys = [
             *(self._head_and_plate(shaft.pin, name) for name in plates),
-            *(self._two_heads(pin, shaft.pin) for pin in pins),
+            *(self._two_discs(pin, shaft.pin) for pin in pins),
         ]
         self._look(keys)
         return not any(self._met[key] for key in keys)
@@ -151,10 +154,13 @@ class Heads:
     def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
         """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart.
 
-        A motor's shaft needs none, for its crank is fixed on it, but stands there itself.
+        A motor's shaft needs none, for its crank is fixed on it, but stands there itself. Piles are left out: they
+        stand clear of all that moves.
         """
-        places = placed(gaps)
+        places, ground = placed(gaps), self.meetings.ground
         for reach in self.reaches:
+            if all(self.plates[name].body == ground for name in reach.pin.plates):
+                continue
             for k in range(reach.first, reach.last):
                 yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
 
@@ -197,7 +203,7 @@ class Heads:
             if disc.low < places[layer] + 1 - HAIR and disc.high > places[layer] + HAIR
         ]
         heads = [
-            (one, two, self._two_heads(one.pin, two.pin))
+            (one, two, self._two_discs(one.pin, two.pin, (one.what, two.what)))
             for one, two in combinations(discs, 2)
             if one.pin.name != two.pin.name and min(one.high, two.high) > max(one.low, two.low) + HAIR
         ]

@@ -187,12 +187,6 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
         if len(holes) + len(riding[name]) > 1:
             body = next(iter(holes or places))
             on_shaft = any(seat.pin == name for seat in held.values())
-            if on_shaft and riding[name]:
-                raise DesignError(
-                    "stock.motor",
-                    f"found {stock.motor}, on whose shaft the {riding[name][0]} would slide",
-                    "leave it out, or move the slide off the crank's pivot",
-                )
             shaft = stock.shaft.bore if stock.shaft and on_shaft else 0.0
             pins.append(Pin(name, name, body, places[body], holes, tuple(riding[name]), shaft))
     for slider in linkage.sliders:

@@ -1,0 +1,205 @@
+"""Heads, rings and shafts of finished stacks as cylinders: whether any two meet, against what the stack tells."""
+
+import contextlib
+import re
+from dataclasses import replace
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.shop.linkage import stack as stacks
+from geomkin.shop.linkage.plates import assemble
+from geomkin.shop.linkage.stack import stack_links
+from geomkin.shop.linkage.stock import LinkStock
+from geomkin.shop.motors import MOTORS
+
+from .mechanisms import BUILDABLE
+from .test_fasteners import distances
+
+TURN = np.radians(np.arange(0, 361, 2))
+# How far a point of these small linkages goes in half a step, and the play that is kept, mm.
+SEEN = 2.5
+# By what a disc is told, whose radius it has, and from where to where it stands, in mm.
+TOLD = re.compile(r"(?:the (end|ring|shaft) of )?(\w+) by its (end|ring|shaft)")
+
+
+def cylinders(motion, stack, stock):
+    """(pin, what, radius, low, high) of all that is round about pins outside their plates."""
+    t, fastener = stock.thickness, stock.fastener_used
+    for pin in stack.pins:
+        between = range(pin.first + 1, pin.last)
+        if pin.motor:
+            bare = set(between) - {stack.layers[name] for name in pin.holes}
+            yield from ((pin.name, "shaft", MOTORS[stock.motor].shaft / 2, n * t, (n + 1) * t) for n in bare)
+            continue
+        head, nut = fastener.ends(t * (pin.last - pin.first + 1))
+        below, above = (nut, head) if pin.first == 0 else (head, nut)
+        yield pin.name, "end", fastener.across / 2, pin.first * t - below, pin.first * t
+        yield pin.name, "end", fastener.across / 2, (pin.last + 1) * t, (pin.last + 1) * t + above
+        yield from ((pin.name, "ring", stock.bar_width / 2, n * t, (n + 1) * t) for n in pin.spacers)
+
+
+def places(motion, stack, stock):
+    """Where each pin is in the fixed frame at all frames that close."""
+    ground = motion.bodies[motion.linkage.ground]
+    for pin in assemble(motion, stock).pins:
+        yield pin.name, motion.bodies[pin.body].point(pin.place).position[motion.closed]
+    for pin in stack.pins:
+        if pin.name.startswith("spacer_"):
+            place = ground.point(stack.plates[motion.linkage.ground].openings[pin.name][0]).position
+            yield pin.name, np.broadcast_to(place, motion.drive.shape)[motion.closed]
+
+
+def pairs(motion, stack, stock):
+    """{(pin, what, pin, what)} and {(pin, what, plate)} that share a height, and how far apart they are at least, mm."""
+    at, round_pins = dict(places(motion, stack, stock)), list(cylinders(motion, stack, stock))
+    found, t = {}, stock.thickness
+
+    def note(key, apart):
+        found[key] = min(apart, found.get(key, np.inf))
+
+    for (one, what, r, low, high), (two, other, s, down, up) in combinations(round_pins, 2):
+        if one != two and min(high, up) > max(low, down) + 1e-6:
+            apart = abs(at[one] - at[two]).min() - r - s
+            note((one, what, two, other), apart)
+            note((two, other, one, what), apart)
+    for plate, layer in stack.layers.items():
+        body = motion.bodies[stack.plates[plate].body]
+        edge = gk.flatten(gk.plane.rounded_hull(stack.plates[plate].centres, stock.bar_width / 2), 0.02)
+        for name, what, r, low, high in round_pins:
+            if low < (layer + 1) * t - 1e-6 and high > layer * t + 1e-6:
+                z = np.full(motion.drive.shape, np.nan, complex)
+                z[motion.closed] = at[name]
+                seen = ((z - body.origin.position) * np.conj(body.direction))[motion.closed]
+                note((name, what, plate), distances(seen, edge).min() - r)
+    return found
+
+
+def told(stack):
+    """The same of the stack's collisions."""
+    for collision in stack.collisions:
+        if match := TOLD.fullmatch(collision.plate):
+            other, name, own = match.groups()
+            yield (collision.pin, own, name, other) if other else (collision.pin, own, name)
+
+
+def small(seed):
+    """A crank-rocker of one long and three short bars or so, and what it is cut from."""
+    random = np.random.default_rng(seed)
+    ground, crank = random.uniform(30, 60), random.uniform(5.5, 16)
+    coupler = random.uniform(0.8, 1.2) * ground
+    rocker = random.uniform(crank + abs(ground - coupler) + 0.5, ground)
+    sizes = {"motor": "nema17"} if seed % 3 == 0 else {}
+    if seed % 5 == 1:
+        sizes["head_height"] = float(random.uniform(0.3, 5))
+    thick = float(random.choice([2.0, 3.0, 4.0]))
+    return gk.FourBar(ground, crank, coupler, rocker), LinkStock(thickness=thick, bar_width=12.0, **sizes)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_what_is_round_about_pins_meets_where_the_stack_says_so_and_nowhere_else(seed):
+    linkage, stock = small(seed)
+    motion = gk.move(linkage, TURN)
+    try:
+        stack = stack_links(motion, stock)
+    except gk.DesignError as error:
+        assert "motor" in error.field
+        return
+    apart, said = pairs(motion, stack, stock), set(told(stack))
+    for key, gap in apart.items():
+        if gap < -1e-6:
+            # Between two pins told once, from either.
+            turned = key if len(key) == 3 else key[2:] + key[:2]
+            assert key in said or turned in said, (key, gap, stack.collisions)
+    for key in said:
+        assert apart.get(key, np.inf) < SEEN, (key, stack.collisions)
+
+
+def test_those_linkages_meet_in_every_way_that_is_told():
+    """Or the look at them would prove little."""
+    found = set()
+    for seed in range(24):
+        linkage, stock = small(seed)
+        with contextlib.suppress(gk.DesignError):
+            found |= {(key[1], key[3]) for key in told(stack_links(gk.move(linkage, TURN), stock))}
+    assert found >= {("ring", "end"), ("shaft", "end")}
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_no_empty_layer_could_be_left_out(seed):
+    """Each taken out by itself, and all above it laid lower: some head meets something."""
+    linkage, stock = small(seed)
+    motion, looked = gk.move(linkage, TURN), 0
+    try:
+        stack = stack_links(motion, stock)
+    except gk.DesignError as error:
+        assert "motor" in error.field
+        return
+    for empty in set(range(max(stack.layers.values()))) - set(stack.layers.values()):
+
+        def lower(layer, empty=empty):
+            return layer - (layer > empty)
+
+        pins = [replace(pin, first=lower(pin.first), last=lower(pin.last), spacers=()) for pin in stack.pins]
+        layers = {name: lower(layer) for name, layer in stack.layers.items()}
+        apart = pairs(motion, replace(stack, layers=layers, pins=tuple(pins)), stock)
+        assert min(gap for key, gap in apart.items() if "shaft" not in key) < SEEN
+        looked += 1
+    assert looked
+
+
+@pytest.mark.parametrize(("crank", "meets"), [(8.0, True), (11.4, True), (11.6, False)])
+def test_a_ring_is_as_wide_as_a_bar(crank, meets):
+    """A spacer of 14 mm under the crank, and beside it the washer of 9 mm under the crank's pin: by their radii."""
+    motion = gk.move(gk.FourBar(100, crank, 90, 70), TURN)
+    stack = stack_links(motion, LinkStock())
+    assert bool(stack.collisions) == meets and stack.spacers > 0
+    assert meets == (crank < (14 + 9) / 2)
+    assert all((c.first, c.last) == (0, 360) for c in stack.collisions)
+    if meets:
+        assert {str(c).split(" from")[0] for c in stack.collisions} == {
+            "pin crank_pivot meets the end of crank_pin by its ring",
+            "pin crank_pin meets the end of crank_pivot by its ring",
+        }
+
+
+def scaled(linkage, size):
+    bodies = {body: {p: size * complex(z) for p, z in points.items()} for body, points in linkage.bodies.items()}
+    return replace(linkage, bodies=bodies)
+
+
+@pytest.mark.parametrize(("name", "size"), [("jansen leg", 0.7), ("jansen leg", 1.6), ("six-bar", 1.0)])
+def test_a_disc_is_left_out_where_a_plate_a_head_or_another_disc_is_in_its_way(name, size, monkeypatch):
+    """Every pin in every layer, with no other disc there or that of one other pin: by their least distances."""
+    made, real = [], stacks.Heads
+    monkeypatch.setattr(stacks, "Heads", lambda *given: made.append(real(*given)) or made[-1])
+    linkage, branch, *_ = BUILDABLE[name]
+    motion, stock = gk.move(scaled(linkage, size), TURN, branch), LinkStock()
+    stack = stack_links(motion, stock)
+    (heads,) = made
+    gaps, at = heads.gaps(), dict(places(motion, stack, stock))
+    real_layers = sorted(set(stack.layers.values()))
+    ends = [(pin, r, low, high) for pin, what, r, low, high in cylinders(motion, stack, stock) if what == "end"]
+    answers = []
+    for reach, layer in product(heads.reaches, range(len(real_layers))):
+        name, low = reach.pin.name, real_layers[layer] * stock.thickness
+        apart = [
+            abs(at[name] - at[pin]).min() - r
+            for pin, r, down, up in ends
+            if pin != name and down < low + stock.thickness - 1e-6 and up > low + 1e-6
+        ]
+        for plate in (plate for plate, real_layer in stack.layers.items() if real_layer == real_layers[layer]):
+            body = motion.bodies[stack.plates[plate].body]
+            edge = gk.flatten(gk.plane.rounded_hull(stack.plates[plate].centres, stock.bar_width / 2), 0.02)
+            apart.append(distances((at[name] - body.origin.position) * np.conj(body.direction), edge).min())
+        for other in (None, next(r.pin for r in heads.reaches if r.pin is not reach.pin)):
+            discs = [abs(at[name] - at[other.name]).min() - stock.bar_width / 2] if other else []
+            least = min([*apart, *discs], default=np.inf) - stock.bar_width / 2
+            # Nearer than the play it is in the way; between the frames of the look lies the rest.
+            if least < 0 or least > SEEN:
+                clears = heads.disc_clears(reach.pin, layer, [other] if other else [], gaps)
+                assert clears == (least > 0), (name, layer, least)
+                answers.append(clears)
+    assert {True, False} == set(answers)
