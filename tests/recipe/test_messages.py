@@ -196,10 +196,11 @@ def test_wrong_values_are_told_with_what_may_stand_there(text, key, words):
     assert words in found[key], found
 
 
-def test_a_recipe_in_no_file_is_called_by_its_kind_and_one_in_a_file_by_its_path(tmp_path):
+def test_a_recipe_in_no_file_is_called_by_its_kind_and_one_in_a_file_by_its_path(tmp_path, monkeypatch):
     """The crank's holes run into each other; a text is not repeated before what is wrong with it."""
+    monkeypatch.chdir(tmp_path)
     text = 'kind = "four-bar"\nlinkage = {ground = 100, crank = 4, coupler = 90, rocker = 70}\n'
-    path = tmp_path / "short.toml"
+    path = Path("short.toml")
     path.write_text(text)
     for recipe, called in ((text, "four-bar"), (gk.load(text), "four-bar"), (path, str(path)), (str(path), str(path))):
         with pytest.raises(gk.RecipeError) as caught:
