@@ -17,7 +17,7 @@ from .dyads import Dyad
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, paired
 from .program import Formulas
-from .tape import Tape
+from .tape import Recorded, Tape
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +97,13 @@ def linkage_formulas(
             "direction": {**directions, "": reduce(np.logical_and, reached) if reached else np.True_},
             "first": p1.turn,
             "second": p2.turn,
-            "omega": {body: timing.rate(turn) for body, turn in p1.turn.items()},
-            "alpha": {body: timing.gain(turn, p2.turn[body]) for body, turn in p1.turn.items()},
+            "omega": {body: turn if _none(turn) else timing.rate(turn) for body, turn in p1.turn.items()},
+            "alpha": {
+                body: p2.turn[body]
+                if _none(p2.turn[body]) and (timing.steady or _none(turn))
+                else timing.gain(turn, p2.turn[body])
+                for body, turn in p1.turn.items()
+            },
             "angle": {"": reduce(np.fmin, angles) if angles else np.nan},
         }
         origins = {body: tuple([p.origin[body] * linkage.ahead for p in (p0, p1, p2)]) for body in linkage.bodies}
@@ -109,6 +114,11 @@ def linkage_formulas(
     for body in linkage.bodies:
         groups |= {(what, body): {body: tape.result(value)} for what, value in moved.point(body, local).items()}
     return Formulas(tape, groups, moved)
+
+
+def _none(turning: Any) -> bool:
+    """Whether a body never turns, whatever the drive: then nothing is worked out."""
+    return not isinstance(turning, Recorded) and not np.any(turning)
 
 
 @dataclass(frozen=True, eq=False)
