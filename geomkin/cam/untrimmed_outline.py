@@ -23,6 +23,9 @@ CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
 # six are enough; where they touch each step only halves the gap, and fewer would lose that crossing.
 STEPS = 60
+# Last bits of the parameter by which two branches of one place may lie apart: one for each branch, and as much for what
+# is rounded on the way. Fewer lose crossings of what runs fast, more take a near miss there for one.
+BITS = 4
 # Pairs of chords looked at in one go: more takes more memory; fewer than a thousand take longer.
 BLOCK = 1_000_000
 
@@ -125,21 +128,24 @@ def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
     first, last = curve.breaks[[0, -1]].tolist()
     size = float(np.abs(curve.point(np.linspace(first, last, 65))).max())
     best, least = np.array(start, dtype=float), np.full(len(start), np.inf)
+    # Where a curve runs fast, the last bit of its parameter alone is more than that.
+    close = np.full(len(start), 1e-12 * size)
     live, t = np.arange(len(start)), best
     for _ in range(STEPS):
         apart, v = np.subtract(*curve.point(t).T), curve.velocity(t)
         nearer = np.abs(apart) < least[live]
         least[live[nearer]], best[live[nearer]] = np.abs(apart[nearer]), t[nearer]
+        close[live] = np.maximum(1e-12 * size, BITS * np.finfo(float).eps * np.abs(t * v).max(axis=1))
         turned = cross(v[:, 0], v[:, 1])
         # At its limit Newton's step is rounding, and brings nothing nearer.
-        going = (turned != 0) & (nearer | (least[live] > 1e-12 * size))
+        going = (turned != 0) & (nearer | (least[live] > close[live]))
         live, t, apart, v, turned = live[going], t[going], apart[going], v[going], turned[going]
         if not len(live):
             break
         step = np.stack([cross(apart, v[:, 1]), cross(apart, v[:, 0])], axis=1) / -turned[:, None]
         t = np.clip(t + step, low[live], high[live])
     # Two parameters that have become one are no crossing.
-    best[(least >= 1e-12 * size) | (np.abs(best[:, 0] - best[:, 1]) <= 1e-12 * (last - first))] = np.nan
+    best[(least >= close) | (np.abs(best[:, 0] - best[:, 1]) <= 1e-12 * (last - first))] = np.nan
     return best
 
 

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.cam.followers.flat import TranslatingFlat
+from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import TranslatingRoller
 from geomkin.cam.measures import segment_limits, tightest_convex
 from geomkin.cam.undercut import undercut
@@ -201,6 +201,15 @@ STEEP = {
         gk.Rise("uniform", rise=2, end_deg=38.6), gk.Rise("harmonic", rise=9.2, end_deg=67.1),
         gk.Rise("harmonic", rise=9, end_deg=96.8), gk.Return("harmonic", end_lift=13.3, end_deg=116.3),
         gk.Rise("cycloidal", rise=6.6, end_deg=264.8), gk.Return("harmonic", end_deg=360),
+    ]),
+    "rise of half a degree, a little larger base": (TranslatingFlat(14.292), "counterclockwise", 47.3175, [
+        gk.Rise("3-4-5", rise=1.9, end_deg=21.1), gk.Return("4-5-6-7", end_lift=0.8, end_deg=165.7),
+        gk.Rise("harmonic", rise=6.5, end_deg=166.1), gk.Dwell(end_deg=315.2), gk.Return("harmonic", end_deg=360),
+    ]),
+    "swing of half a degree": (OscillatingFlat(110, 4.33), "counterclockwise", 55.37, [
+        gk.Dwell(end_deg=22.4), gk.Rise("cycloidal", rise_deg=3.4, end_deg=127.1),
+        gk.Rise("uniform", rise_deg=2.5, end_deg=186.5), gk.Dwell(end_deg=186.7),
+        gk.Rise("parabolic", rise_deg=2.4, end_deg=187.1), gk.Return("cycloidal", end_deg=360),
     ]),
 }  # fmt: skip
 
