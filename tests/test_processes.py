@@ -193,3 +193,8 @@ def test_a_folder_makes_the_same_whatever_the_cores(tmp_path):
         told.append((run.returncode, run.stdout, run.stderr, files))
     assert told[0] == told[1]
     assert told[0][0] == 1 and len(told[0][3]) == 9 and told[0][2].count(b"\n") >= 2
+
+
+def test_where_a_system_does_not_say_which_cores_are_ours_there_is_one(monkeypatch):
+    monkeypatch.delattr(os, "sched_getaffinity")
+    assert processes._cores() == 1

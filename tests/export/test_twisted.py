@@ -10,7 +10,8 @@ import geomkin as gk
 from geomkin.export.nest import box
 from geomkin.export.solid import _is_closed
 from geomkin.export.stl import TRIANGLE, stl
-from geomkin.export.twisted import solid_cut
+from geomkin.export.twisted import slices, solid_cut
+from geomkin.part import Twist
 from tests.export.crossed import section
 from tests.made import Made
 
@@ -165,3 +166,19 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
         assert sizes[0] == pytest.approx(sizes[1], abs=1e-3)
     else:
         assert (low, high) == pytest.approx((-abs(20 + 12j) * (1 + 1j), abs(20 + 12j) * (1 + 1j)))
+
+
+@pytest.mark.parametrize("turn", [0.011, 0.4, -2.5])
+@pytest.mark.parametrize("tolerance", [0.003, 0.05])
+def test_no_fewer_slices_than_the_tolerance_asks_for_and_no_more(turn, tolerance):
+    """A round that turns: the middles of chords between slices are off its cylinder, by less than with one slice fewer."""
+    around = 20.0 * np.exp(2j * np.pi * np.arange(2000) / 2000)
+
+    def off(count):
+        ends = around[0] * np.exp(1j * turn * np.arange(count + 1) / count)
+        return float((20.0 - np.abs(ends[:-1] + ends[1:]) / 2).max())
+
+    count = slices([around], Twist(turn), tolerance)
+    assert off(count) <= tolerance * (1 + 1e-6)
+    assert count == 1 or off(count - 1) > tolerance
+    assert slices([around], Twist(turn, herringbone=True), tolerance) == 2 * count

@@ -117,3 +117,25 @@ def test_an_open_part_of_the_way_is_told_and_the_rest_is_judged():
     # At 78 deg, the last frame reached: cosine rule at the rocker pin.
     diagonal = abs(40 - 30 * np.exp(1j * np.radians(78))) ** 2
     assert least.value == pytest.approx(180 - np.degrees(np.arccos((20**2 + 25**2 - diagonal) / 1000)), rel=1e-9)
+
+
+def test_on_its_other_side_the_last_dyad_alone_is_turned_over_where_places_tell_the_branches():
+    text = """
+        kind = "linkage"
+        branches = {B = [87.9, -68.9], F = [13.2, 76.2]}
+        drive = {step_deg = 10}
+        [linkage]
+        driver = "crank"
+        [linkage.bodies]
+        ground = {O = [0, 0], C = [100, 0], E = [100, 100]}
+        crank = {O = [0, 0], A = [30, 0]}
+        coupler = {A = [0, 0], B = [90, 0], P = [50, 50]}
+        rocker = {C = [0, 0], B = [70, 0]}
+        link = {P = [0, 0], F = [120, 0]}
+        out = {E = [0, 0], F = [90, 0]}
+    """
+    scene = gk.load(text).scene
+    own, other = ({b.name: b for b in one.bodies} for one in (scene, scene.others["F on its other side"]))
+    for name in own:
+        alike = np.allclose(own[name].direction, other[name].direction, atol=1e-9, equal_nan=True)
+        assert alike == (name not in ("link", "out")), name
