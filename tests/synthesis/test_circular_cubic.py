@@ -161,3 +161,13 @@ def test_a_cubic_of_another_scale_is_the_same_curve():
             assert len(loops) == len(again)
             for (one, *_), (two, *_) in zip(loops, again):
                 assert (one.middle, one.half) == pytest.approx((two.middle, two.half), rel=1e-6, abs=1e-6, nan_ok=True)
+
+
+def test_a_point_beside_a_cubic_is_settled_on_it_with_twice_its_digits():
+    terms = circular((1.0, 0.4), (0.3, -0.2, 0.5, 1.0, -0.7, 0.2))
+    cubic, _, loops = traced(terms, 50)
+    for _, *run in loops:
+        place, weight, *rates = run
+        beside = place + 1e-5 * (1 - 0.5j), weight, *rates
+        before, after = (abs(value(terms, z / w) * w**3) for z, w in (beside[:2], cubic._settled(*beside)[:2]))
+        assert before.max() > 1e-6 and after.max() < 1e-8
