@@ -313,3 +313,10 @@ def test_a_hundred_thousand_points_stay_linear():
         wavy = gk.plane.Polyline((50 + np.cos(40 * t)) * np.exp(1j * t))
         sizes.append(len(dxf(sheet_of([gk.Part("wavy", wavy, (), 1)]))))
     assert sizes[1] / sizes[0] == pytest.approx(2, rel=0.05)
+
+
+def test_a_closed_mark_whose_last_corner_is_its_first_but_for_rounding_has_it_once():
+    corners = np.array([-5 - 5j, 5 - 5j, 5 + 5j, -5 + 5j, -5 - 5j + 1e-7])
+    part = gk.Part("plate", gk.plane.Circle(0, 20), (), 3.0, marks=(gk.plane.Polyline(corners),))
+    (mark,) = cut(part, 0.01).marks
+    assert len(mark.points) == len(mark.shape.vertices) == 4

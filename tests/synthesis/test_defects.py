@@ -156,3 +156,13 @@ def test_defects_of_linkages_that_anyone_can_follow(sizes, places, defects):
 def test_the_rule_agrees_in_every_one_of_many_cases(kind):
     told = np.sum([compared(kind, 2500, seed)[:3] for seed in range(100, 108)], axis=0)
     assert told[2] == 0 and told[0] <= 20
+
+
+@pytest.mark.parametrize("lengths", [(100, 30, 120, 50 + 1e-4), (100, 30, 60, 70 + 1e-4)], ids=["folded", "stretched"])
+def test_how_near_a_border_is_is_told_of_either_limit(lengths):
+    """A ten-thousandth of a millimetre from a change point, folded or stretched, and far from the other one."""
+    ground, crank, coupler, rocker = lengths
+    motion = gk.move(gk.FourBar(*lengths), np.radians([40.0, 60, 80]))
+    ways = tuple(body.direction[:, None] for body in (motion.crank, motion.coupler, motion.rocker))
+    found = four_bar_defects(*(np.array([float(v)]) for v in (ground, crank, coupler, rocker)), ways)
+    assert found.margin[0] == pytest.approx(1e-4 / sum(lengths), rel=1e-6)

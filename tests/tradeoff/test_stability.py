@@ -11,7 +11,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.tradeoff import Stability, stability
-from geomkin.tradeoff.cell import ANSWERS, Digits, answered, measured
+from geomkin.tradeoff.cell import ANSWERS, Digits, _digits, answered, measured
 from geomkin.tradeoff.study import CELLS
 from tests.tradeoff import kept
 
@@ -144,3 +144,10 @@ def test_a_least_base_circle_keeps_the_angle_where_its_hill_is_narrow():
         cam = gk.Cam(gk.TranslatingRoller(0.0), program, found.radius)
         comb = np.concatenate([np.geomspace(1e-6, 1, 20001), 2 * np.pi - np.geomspace(1e-6, 1, 20001)])
         assert np.degrees(np.abs(gk.pressure_angle(cam, comb))).max() <= degrees * (1 + 1e-9)
+
+
+def test_digits_are_those_of_the_share_and_of_what_ought_to_be_zero_those_of_the_error_itself():
+    fp = pytest.importorskip("mpmath").fp
+    assert _digits(fp, 1e-5, 100.0) == pytest.approx(7) and _digits(fp, -1e-5, 0.0) == pytest.approx(5)
+    assert _digits(fp, 0.0, 0.0) == _digits(fp, 0.0, 3.0) == _digits(fp, 1e-30, 1.0) > 15
+    assert _digits(fp, 5.0, 1.0) == 0
