@@ -39,7 +39,7 @@ def main() -> None:
     finally:
         import gc
 
-        # The interpreter looks once more through all objects for rings of them when it ends: a tenth of a short run,
+        # The interpreter looks once more through all objects for rings of them when it ends: a fifth of a short run,
         # for memory that goes with the process.
         gc.freeze()
 

@@ -64,6 +64,8 @@ def left(monkeypatch, capsys):
 )
 def test_each_end_is_a_number_and_at_most_plain_lines(left, by, code, said):
     assert left(by) == (code, said)
+    # What there is goes with the process, and is not looked through once more.
+    assert gc.get_freeze_count() > 0
 
 
 def test_where_the_reader_left_nothing_more_is_said(left, monkeypatch):

@@ -331,6 +331,18 @@ def test_newton_s_steps_end_where_rounding_takes_over():
     assert np.abs(found - 1).max() < 3e-8
 
 
+def test_what_has_converged_is_not_looked_at_once_more():
+    """Two steps from a hundred-thousandth off, of which the second ends at the root but for rounding."""
+    asked = []
+
+    def square(points):
+        asked.append(len(points))
+        return points[:, :1] ** 2 - 2, np.stack([2 * points[:, :1], 0 * points[:, :1]], axis=-1)
+
+    found = polished(square, np.array([[np.sqrt(2) + off, 0.0] for off in (1e-5, -1e-5, 1e-9)]))
+    assert np.abs(found - np.sqrt(2)).max() < 1e-15 and asked == [3, 2]
+
+
 @pytest.mark.parametrize("start", [0.1, 1.0, 40.0, -300.0])
 def test_a_far_start_leads_to_the_place_and_none_is_looked_at_twice(start):
     """By the arc tangent, from beyond 1.39 of whose zero Newton's whole steps go ever farther astray."""

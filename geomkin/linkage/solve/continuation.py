@@ -37,9 +37,10 @@ NEAR_ENOUGH, SLOW = 1e-5, 1e-3
 CLOSE, HALVINGS = 1e-9, 30
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
-# Newton's next step is taken for as many times the square of the last one at least: more, and steps that have converged
-# are looked at once more; less, and one that only happened to be short passes for converged.
-SQUARED = 100.0
+# A step of Newton's, by the size of the unknowns, that is the last one. It misses its square by how bent the equations
+# are over how steep; rounding over the same steepness is ten times that, beside a limit as anywhere. Longer, and digits
+# are lost; shorter, and what has converged is looked at once more.
+SETTLED = 3e-9
 # Points of a path one way: half of them lead round forty turns. More only where rounding stands in for a path.
 MOST = 12_000
 # Where Newton's whole steps begin, as a share of the linkage's size: nearer, each squares what is missed. Larger, and
@@ -119,23 +120,21 @@ def polished(equations: Equations, points: Real, told: tuple[Real, Real] | None 
     """
     points = points.copy()
     moving, last, missed = np.arange(len(points)), np.full(len(points), np.inf), np.full(len(points), np.inf)
+    found = np.zeros(len(points), bool)
     for _ in range(STEPS):
         (value, slopes), told = told or equations(points[moving]), None
         step = solved(slopes[..., :-1], value)
         size, missed[moving] = np.abs(step).max(axis=1), np.abs(value).max(axis=1)
         # Steps that no longer shrink are rounding and would go on to the last. Close to a limit they only halve.
         on = np.isfinite(size) & ((size < 0.9 * last) | (missed[moving] > 1e-12))
-        moving, size, last = moving[on], size[on], last[on]
+        moving, size = moving[on], size[on]
         points[moving, :-1] -= step[on]
-        # As many times its square as this step is of the one before, or more, will the next one be.
-        left = np.maximum(size / last**2, SQUARED) * size**2
-        rounding = 1e-15 * np.maximum(1, np.abs(points[moving]).max(axis=1))
-        missed[moving[left <= rounding]] = 0.0
-        rough = left > rounding
+        rough = size > SETTLED * np.maximum(1, np.abs(points[moving]).max(axis=1))
+        found[moving[~rough]] = True
         moving, last = moving[rough], size[rough]
         if not moving.size:
             break
-    return np.where(missed[:, None] <= 1e-10, points[:, :-1], np.nan)
+    return np.where((found | (missed <= 1e-10))[:, None], points[:, :-1], np.nan)
 
 
 def approached(equations: Equations, point: Real) -> Real:

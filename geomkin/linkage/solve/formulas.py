@@ -93,17 +93,13 @@ def linkage_formulas(
         reached = [np.isfinite(told) for one in placements if (told := one.reached(p0)) is not None]
         angles = [angle for one in placements if (angle := one.transmission_angle(p0)) is not None]
         directions = {body: p0.turn[body] * linkage.ahead for body in linkage.bodies}
+        rates = {body: _rates(timing, turn, p2.turn[body]) for body, turn in p1.turn.items()}
         found: dict[Any, dict[str, Any]] = {
             "direction": {**directions, "": reduce(np.logical_and, reached) if reached else np.True_},
             "first": p1.turn,
             "second": p2.turn,
-            "omega": {body: turn if _none(turn) else timing.rate(turn) for body, turn in p1.turn.items()},
-            "alpha": {
-                body: p2.turn[body]
-                if _none(p2.turn[body]) and (timing.steady or _none(turn))
-                else timing.gain(turn, p2.turn[body])
-                for body, turn in p1.turn.items()
-            },
+            "omega": {body: omega for body, (omega, _) in rates.items()},
+            "alpha": {body: alpha for body, (_, alpha) in rates.items()},
             "angle": {"": reduce(np.fmin, angles) if angles else np.nan},
         }
         origins = {body: tuple([p.origin[body] * linkage.ahead for p in (p0, p1, p2)]) for body in linkage.bodies}
@@ -116,9 +112,11 @@ def linkage_formulas(
     return Formulas(tape, groups, moved)
 
 
-def _none(turning: Any) -> bool:
-    """Whether a body never turns, whatever the drive: then nothing is worked out."""
-    return not isinstance(turning, Recorded) and not np.any(turning)
+def _rates(timing: Timing, turn: Any, turn_2: Any) -> tuple[Any, Any]:
+    """omega and alpha of a body by its coefficients; what is zero whatever the drive is not worked out."""
+    none, none_2 = (not isinstance(one, Recorded) and not np.any(one) for one in (turn, turn_2))
+    even = none_2 and (timing.steady or none)
+    return turn if none else timing.rate(turn), turn_2 if even else timing.gain(turn, turn_2)
 
 
 @dataclass(frozen=True, eq=False)
