@@ -242,11 +242,11 @@ def are_points(value: Any) -> bool:
     return _bounded(array)
 
 
-def is_place(value: Any, gaps: bool = False) -> bool:
-    """Whether this is a finite complex number or an array of them: a list would not add up. gaps: or nan."""
+def is_place(value: Any) -> bool:
+    """Whether this is a finite complex number or an array of them: a list would not add up."""
     if type(value) in (int, float, complex):
-        return bool(gaps and value != value) or is_complex(value)
-    return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
+        return is_complex(value)
+    return not isinstance(value, (list, tuple)) and are_points(value)
 
 
 REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
@@ -276,9 +276,7 @@ RealsOrNan = Annotated[
 Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
 Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
 # Of a field that is one place, or one for each of many linkages.
-Place = Annotated[
-    complex | NDArray[Any], Sort(lambda value: is_place(value), "a finite complex number, x + yj, or an array of them")
-]
+Place = Annotated[complex | NDArray[Any], Sort(is_place, "a finite complex number, x + yj, or an array of them")]
 # The points that a curve is made of, in a row.
 RealRow = Annotated[
     NDArray[np.floating[Any]],

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from ..arguments import Place, Sort, check_fields, is_place
+from ..arguments import LARGEST, PLAIN, Place, Sort, check_fields, is_place
 from ..brief import LONGEST, one_line
 from ..cached import cached_property
 from ..display import moving
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 def _are_bodies(value: Any) -> bool:
     return isinstance(value, Mapping) and all(
-        isinstance(body, str) and isinstance(points, Mapping) and all(is_place(z, gaps=True) for z in points.values())
+        isinstance(body, str)
+        and isinstance(points, Mapping)
+        and all(PLAIN[np.ndarray].fits(z) for z in points.values())
         for body, points in value.items()
     )
 
@@ -138,8 +140,9 @@ class Linkage(AbstractLinkage):
             raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}")
         for body, points in self.bodies.items():
             for point, place in points.items():
-                if not np.isfinite(place).all():
-                    raise DesignError("bodies", f"point {point} of {body} is {place}", "give finite coordinates")
+                if not is_place(place):
+                    found = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
+                    raise DesignError("bodies", found, f"give finite coordinates below {LARGEST:g} mm")
         rows = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
         if len(rows) > 1 or (0,) in rows:
             found = f"found points of {' and '.join(str(row[0]) for row in sorted(rows))} linkages"

@@ -60,7 +60,15 @@ REFUSED = [
     ),
     (
         lambda: bars(rocker={"C": 0, "B": complex(70, np.nan)}),
-        "bodies: point B of rocker is (70+nanj); give finite coordinates",
+        "bodies: point B of rocker is (70+nanj); give finite coordinates below 1e+60 mm",
+    ),
+    (
+        lambda: bars(crank={"O": 0, "A": -np.inf}),
+        "bodies: point A of crank is -inf; give finite coordinates below 1e+60 mm",
+    ),
+    (
+        lambda: bars(crank={"O": 0, "A": np.array([30, 1e70])}),
+        "bodies: point A of crank is not finite everywhere; give finite coordinates below 1e+60 mm",
     ),
     *(
         (lambda bodies=bodies: gk.Linkage(bodies, "crank"), f"bodies: found {bodies}; give a table of bodies, {EACH}")
