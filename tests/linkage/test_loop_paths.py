@@ -90,3 +90,18 @@ def test_a_path_takes_little_more_than_two_looks_at_its_equations_for_each_of_it
     (trace,) = motion.solution.placements[-1]._last_trace.values()
     points = sum(len(arm.points) for arm in trace._arms)
     assert points > 60 and len(looks) < 2.5 * points
+
+
+@pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
+def test_a_row_that_stays_at_one_place_stands_there_at_every_frame(name):
+    linkage, drive, _ = ALL[name]
+    one = gk.move(linkage, drive[:1])
+    for row in (np.full(4, drive[0]), np.array([drive[0], drive[3], drive[0], drive[3]])):
+        many = gk.move(linkage, row)
+        assert many.closed.all()
+        for body in many.bodies:
+            told = many.bodies[body], gk.move(linkage, row[:2]).bodies[body]
+            for what in ("direction", "first", "second"):
+                rows = [getattr(one, what) for one in told]
+                assert rows[0] == pytest.approx(np.resize(rows[1], 4), rel=1e-9, abs=1e-12)
+            assert told[0].direction[0] == pytest.approx(one.bodies[body].direction[0], abs=1e-12)
