@@ -231,3 +231,14 @@ def test_gaps_are_sums_as_if_added_exactly():
         assert gap_of(False, *terms) == pytest.approx(total, rel=1e-14, abs=1e-30 * size)
         told = total if abs(total) > 8 * np.finfo(float).eps * size else 0.0
         assert gap_of(True, *terms) == pytest.approx(told, rel=1e-14, abs=1e-30 * size)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("kind", [int, np.int8, np.int64])
+def test_a_sign_is_a_sign_whatever_number_tells_it(kind, sign):
+    drive = np.linspace(0, 6, 20)
+    wanted = gk.move(FOUR_BAR, drive, {"rocker_pin": sign}).rocker.direction
+    for branch in (kind(sign), gk.Follow(kind(sign)), {"rocker_pin": kind(sign)}):
+        motion = gk.move(FOUR_BAR, drive, branch)
+        assert np.abs(motion.rocker.direction - wanted).max() < 1e-13
+        assert set(motion.branches["rocker_pin"]) == {sign}
