@@ -98,6 +98,7 @@ def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground
     linkage, drive, branch = ALL[name]
     general = linkage.linkage
     motion = gk.move(linkage, drive, branch)
+    every = [column.name for column in motion_table(motion, coefficients=True).columns]
     units = {column.name: column.unit for column in motion_table(motion).columns}
     turning = {n for n, body in motion.bodies.items() if np.ptp(np.unwrap(np.angle(body.direction))) > 1e-9}
     driver = {general.driver}
@@ -113,6 +114,27 @@ def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground
     assert told == {n: "mm" if general.driven_slider and n in turning else "" for n in held}
     free = {p for own in list(general.bodies.values())[1:] for p in own} - set(general.pins)
     assert {n[:-2] for n in units if n.endswith("_x") and f"{n[:-2]}_velocity_x" in units} == free
+    of = [f"{n}_angle" for n in turning - driver] + [f"{s.name}_displacement" for s in general.sliders]
+    of += [f"{point}{axis}" for point in free for axis in ("_x", "_y")]
+    orders = ("first_coefficient", "second_coefficient")
+    parted = [(one[:-2], one[-2:]) if one[-2:] in ("_x", "_y") else (one, "") for one in of]
+    assert sorted(every) == sorted([*units, *(f"{one}_{order}{axis}" for one, axis in parted for order in orders)])
+
+
+def test_what_is_nothing_beside_what_turns_fastest_is_written_as_nothing():
+    """A parallelogram whose rocker turns evenly, and a long rod that it hardly moves."""
+    bodies = {name: dict(points) for name, points in gk.FourBar(100, 30, 100, 30).linkage.bodies.items()}
+    bodies["rocker"] |= {"R": 1e-3}
+    bodies |= {"rod": {"R": 0, "S": 3000}, "sled": {"S": 0}}
+    linkage = gk.Linkage(bodies, "crank", (gk.Slider("way", "sled", "ground"),))
+    for speed in (1e-3, 1e3):
+        table = motion_table(gk.move(linkage, np.linspace(0.1, 6, 40), "follow", speed), coefficients=True)
+        found = cells(table)
+        for column in table.columns:
+            if column.name in ("rocker_alpha", "rocker_angle_second_coefficient"):
+                assert set(found[column.header]) <= {"0.0", "-0.0"}
+            elif column.name in ("rod_omega", "rod_angle_first_coefficient", "rod_angle_second_coefficient"):
+                assert np.abs(column.values).max() > 0 and len(set(found[column.header])) > 3
 
 
 @pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
