@@ -242,3 +242,17 @@ def test_a_sign_is_a_sign_whatever_number_tells_it(kind, sign):
         motion = gk.move(FOUR_BAR, drive, branch)
         assert np.abs(motion.rocker.direction - wanted).max() < 1e-13
         assert set(motion.branches["rocker_pin"]) == {sign}
+
+
+@pytest.mark.parametrize("sizes", [(30, 42, 12), (30, 42, -12), (42, 30, 12), (42, 30, -12), (30, 30, 0)])
+def test_a_slider_crank_that_just_turns_fully_has_one_circuit(sizes):
+    """Where link and crank stand across the slide its two sides meet; a little longer or shorter, and they do not."""
+    drive = np.linspace(0.05, 6.2, 30)
+    for branch in (1, -1):
+        motion = gk.move(gk.SliderCrank(*sizes), drive, branch)
+        told = gk.linkage.circuits(gk.SliderCrank(*sizes), motion)
+        assert motion.closed.any() and np.array_equal(told, motion.closed.astype(int))
+    if sizes[2]:
+        longer = gk.SliderCrank(*(size + (0.01 if size == 42 else 0) for size in sizes))
+        told = [gk.linkage.circuits(longer, gk.move(longer, drive, branch)) for branch in (1, -1)]
+        assert {*told[0].tolist(), *told[1].tolist()} >= {1, -1}
