@@ -230,3 +230,14 @@ def test_the_branch_told_is_the_best_of_all_that_close_at_the_frame():
             changed = [f"{joint} = {-asked[joint]}" for joint in joints if found.branch[joint] != asked[joint]]
             assert found.text.endswith(f"; it closes there with {', '.join(changed)}")
     assert min(counts.values()) >= 3, counts
+
+
+def test_drives_that_close_are_told_from_a_frame_where_a_dyad_s_branches_meet():
+    """There it has no sign of its own: they are those of the first branch."""
+    bars = gk.FourBar(3, 1, 4, 2, 0.5j)
+    assert gk.move(bars, [0.0]).branches["rocker_pin"] == 0
+    six_bar = gk.StephensonSixBar(bars, 1.5, 1.0, 2 + 3j)
+    refusal = never_closed(gk.move(six_bar, [0.0]))
+    low, high = map(float, re.search(r"between ([\d.]+) and ([\d.]+) deg", refusal.remedy).groups())
+    inside, beyond = np.linspace(low, high, 50), np.array([low - 0.3, high + 0.3])
+    assert gk.move(six_bar, np.radians(inside)).closed.all() and not gk.move(six_bar, np.radians(beyond)).closed.any()
