@@ -327,3 +327,18 @@ def test_a_platform_on_two_cranks_stands_still_where_these_do():
         round_and_round = gk.FourBar(*lengths, *lengths)
         assert gk.linkage.dead_centres(round_and_round, "coupler", "follow").size == 0
         assert gk.linkage.dead_centres(round_and_round, "rocker", "follow").size == 0
+
+
+@pytest.mark.parametrize("lean", [-2.9, 0.0, 1.3, 2.9])
+def test_limits_come_again_each_turn_however_the_crank_s_pin_lies_in_it(lean):
+    bodies = {
+        "ground": {"O": 0, "C": 4 * np.exp(-0.8j * lean)},
+        "crank": {"O": 0, "A": 3 * np.exp(1j * lean)},
+        "coupler": {"A": 0, "B": 2},
+        "rocker": {"C": 0, "B": 2.5},
+    }
+    linkage, half = gk.Linkage(bodies, "crank"), np.arccos((4**2 + 3**2 - 4.5**2) / (2 * 4 * 3))
+    for turns in range(-3, 4):
+        middle = -1.8 * lean + 2 * np.pi * turns
+        (part,) = gk.driver_limits(linkage, span=(middle - np.pi, middle + np.pi))
+        assert part == pytest.approx((middle - half, middle + half), abs=1e-12)
