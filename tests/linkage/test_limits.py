@@ -329,7 +329,7 @@ def test_a_platform_on_two_cranks_stands_still_where_these_do():
         assert gk.linkage.dead_centres(round_and_round, "rocker", "follow").size == 0
 
 
-@pytest.mark.parametrize("lean", [-2.9, 0.0, 1.3, 2.9])
+@pytest.mark.parametrize("lean", [-2.9, -0.08, 0.0, 0.08, 1.3, 2.9])
 def test_limits_come_again_each_turn_however_the_crank_s_pin_lies_in_it(lean):
     bodies = {
         "ground": {"O": 0, "C": 4 * np.exp(-0.8j * lean)},
