@@ -185,7 +185,7 @@ class Linkage(AbstractLinkage):
         if self.driven_slider is not None:
             return None
         on_ground = self.bodies[self.ground]
-        return next((p for p in self.bodies[self.driver] if p in on_ground and p in self.pins), None)
+        return next((p for p in self.bodies[self.driver] if p in on_ground), None)
 
     @property
     def linkage(self) -> Linkage:

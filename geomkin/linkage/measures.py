@@ -32,6 +32,9 @@ FARTHEST = 1e6
 # Times that the place where a dyad comes nearest to closing is narrowed to an eighth: its gap is flat there, so that
 # half of all digits tell all of them. Fewer, and a linkage that closes at hardly more than one place is missed.
 NARROWED = 10
+# Share of its largest speed below which a body that does not turn counts as standing still, where its speed along one
+# line changes its sign. Smaller, and what such a place is told with is lost; larger tells where it goes square to that.
+RESTING = 1e-6
 # Share of a part at which it is looked at whether it closes: half of it may be where two guides stand parallel for a
 # moment, and the part would be lost. Nearer to an end, and rounding of that end may decide.
 WITHIN = 0.381966
@@ -178,8 +181,12 @@ def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tup
         return (moved.first if line is None else dot(line, moved.origin.first))[1:]
 
     values = way(looks)
-    found = [*looks[values == 0].tolist(), *_crossings(way, looks, values)]
-    return np.unique(np.array(found))
+    found = np.unique(np.array([*looks[values == 0].tolist(), *_crossings(way, looks, values)]))
+    if line is not None and found.size:
+        # Along a curve it may go square to that line, and go on.
+        speed = np.abs(move(linkage, np.append(span[0], found), branch).bodies[output].origin.first)[1:]
+        found = found[speed <= RESTING * np.abs(line)]
+    return found
 
 
 def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
@@ -265,10 +272,13 @@ def _crossings(f: Callable[[Real], Real], looks: Real, values: Real) -> list[flo
     """Zeros of f between neighbouring looks of opposite sign; a jump through infinity is none."""
     with np.errstate(invalid="ignore"):
         at = np.flatnonzero(values[1:] * values[:-1] < 0)
-    low, _ = _narrowed(lambda q: np.sign(f(q)), looks[at], looks[at + 1], np.sign(values[at]))
-    ends = np.abs(f(low)) if at.size else np.empty(0)
-    calm = ends <= np.minimum(np.abs(values[at]), np.abs(values[at + 1]))
-    zeros: list[float] = low[calm].tolist()
+    if not at.size:
+        return []
+    low, high = _narrowed(lambda q: np.sign(f(q)), looks[at], looks[at + 1], np.sign(values[at]))
+    with np.errstate(invalid="ignore"):
+        # Both ends together, as one may have been a last bit beside the zero from the start.
+        grown = np.abs(f(low) / values[at]) * np.abs(f(high) / values[at + 1])
+    zeros: list[float] = low[grown < 1].tolist()
     return zeros
 
 

@@ -166,7 +166,7 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
         line = motion.bodies[slider.along].direction * (
             slider.direction if slider.body == output else -slider.direction
         )
-        along = dot(line, body.point(slider.point if slider.body == output else slider.through).first)
+        along = dot(line, body.origin.first)
     else:
         along = np.abs(body.origin.first)
     way = np.where(goes_without_turning(motion, output), along, body.first)

@@ -164,6 +164,5 @@ def _reached(motion: Motion, found: Opening) -> list[str]:
         low, high = np.degrees(part) if turns else part
         step = 10.0 ** np.floor(np.log10(high - low) - 2)
         low, high = np.ceil(low / step) * step, np.floor(high / step) * step
-        if low < high:
-            words.append(f"{low:.10g} and {high:.10g} {'deg' if turns else 'mm'}")
+        words.append(f"{low:.10g} and {high:.10g} {'deg' if turns else 'mm'}")
     return words

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage import coupler_curve
 from geomkin.linkage.coupler_curve import coupler_curves, coupler_grid, dashes
 from geomkin.linkage.sliders import SliderCrank
 
@@ -144,3 +145,68 @@ def test_what_cannot_be_drawn_is_refused_by_name(field, change):
     assert caught.value.field == field
     with pytest.raises(gk.DesignError, match="rows"):
         coupler_grid(10, 10, rows=0, columns=2)
+
+
+@pytest.mark.parametrize("steps", [(-0.75, 0.75), (-1.0, 1.0), (-0.5, 1.2), (-1.2, 0.5), (2.0, 4.3)])
+def test_a_dash_of_a_straight_path_goes_as_far_as_it_turns_back(steps):
+    """The slider of an engine, that comes back to where it was, or past it: by where its crank is in line."""
+    engine = SliderCrank(30, 90)
+    (run,) = dashes(engine, [0j], steps, 0.1, body="slider")[0]
+    ends = gk.move(engine, steps).slider.origin.position.real
+    turn = 120 if steps[0] < 0 else 60
+    assert run[[0, -1]].real == pytest.approx(ends) and np.abs(run.imag).max() < 1e-12
+    assert np.abs(run.real - turn).min() < 0.1 and len(run) > 2
+
+
+def test_dashes_end_closed_at_the_limits_of_any_linkage():
+    """Of random bars that do not turn fully, their limits at either end of a dash; at a limit rounding decides."""
+    rng, limits = np.random.default_rng(1), 0
+    for _ in range(25):
+        lengths = rng.uniform(1, 4, 4)
+        if 2 * lengths.max() > 0.95 * lengths.sum():
+            continue
+        linkage = gk.FourBar(*lengths, coupler_point=1j)
+        for steps in ((0.0, 7.0), (-7.0, 0.0), (-0.2, 0.1, 0.9, 2.2, 3.5, 7.0)):
+            parts = gk.driver_limits(linkage, span=(steps[0], steps[-1]))
+            cut = [(max(a, low), min(b, high)) for a, b in zip(steps[::2], steps[1::2]) for low, high in parts]
+            cut = [pair for pair in cut if pair[0] < pair[1]]
+            (runs,) = dashes(linkage, [1j], steps, 0.01)
+            assert len(runs) == len(cut)
+            limits += len({q for part in parts for q in part} - {steps[0], steps[-1]})
+            for run, pair in zip(runs, cut):
+                ends = gk.move(linkage, np.array(pair) * (1 - 1e-12) + 1e-12 * np.mean(pair)).point("coupler_point")
+                assert np.abs(run[[0, -1]] - ends.position).max() < 1e-4
+    assert limits > 20
+
+
+def test_the_tolerance_that_is_advised_is_kept_and_a_little_less_is_refused(monkeypatch):
+    monkeypatch.setattr(coupler_curve, "MOST_POINTS", 3000)
+    asked = CRANK_ROCKER, [40 + 25j, 10j], STEPS[:12]
+    with pytest.raises(gk.DesignError, match="finer than .* chords for each of 12 dashes") as caught:
+        dashes(*asked, 1e-9)
+    advised = float(caught.value.remedy.split()[3])
+    assert all(len(runs) == 6 for runs in dashes(*asked, advised))
+    with pytest.raises(gk.DesignError, match=f"give at least {advised:g} mm"):
+        dashes(*asked, 0.998 * advised)
+
+
+@pytest.mark.parametrize("count", [1, 7, 400, 30_000, 300_000, 10**7])
+def test_all_dashes_together_are_no_more_points_than_the_most(count):
+    def points(levels):
+        return count * (4 * 2 ** (levels - 1) + 1)
+
+    levels = coupler_curve._levels(count)
+    assert levels == 1 or points(levels) <= coupler_curve.MOST_POINTS
+    assert levels == 1 + coupler_curve.FINEST or points(levels + 1) > coupler_curve.MOST_POINTS
+
+
+def test_a_curve_whose_branch_is_followed_is_followed_from_its_start():
+    """A parallelogram that starts beyond half a turn on the left branch is a crossed one, and stays so."""
+    bars, span = gk.FourBar(100, 40, 100, 40, coupler_point=30 + 10j), (4.0, 4.0 + 2 * np.pi)
+    curve = gk.CouplerCurve(bars, "coupler_point", "follow", span)
+    drive = np.array([9.0, 4.5, 7.0])
+    crossed = gk.move(bars, np.append(4.0, np.sort(drive)), "follow").point("coupler_point")
+    for told, row in ((curve.point(drive), crossed.position), (curve.velocity(drive), crossed.first)):
+        assert told == pytest.approx(row[1:][[2, 0, 1]], abs=1e-9)
+    straight = gk.move(bars, np.append(0.0, drive), "follow").point("coupler_point").position[1:]
+    assert np.abs(curve.point(drive) - straight).min() > 0.1

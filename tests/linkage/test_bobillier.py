@@ -160,3 +160,16 @@ def test_size_does_not_matter(scale):
     clear = (aslant(1j * one.tangent, drawn.tangent) > 0.02) & (away > 2 * scale)
     assert clear.sum() > 60
     assert np.abs(found.centre - 100 * scale)[clear].max() < 1e-9 * scale
+
+
+def test_where_the_pins_lie_from_the_drawing_s_origin_does_not_matter():
+    """Also where the origin is half-way between them, or at one of them."""
+    one, two = cranks(gk.move(FOUR_BAR, TURN[:20]))
+    plain = bobillier(one, two)
+    for origin in (0.5 * (one.position + two.position), one.position, two.position, one.position - 300 + 40j):
+        moved = [PathCurvature(path.position - origin, path.tangent, path.curvature) for path in (one, two)]
+        found = bobillier(*moved)
+        assert found.instant_centre.position + origin == pytest.approx(plain.instant_centre.position, rel=1e-9)
+        assert found.crossing + origin == pytest.approx(plain.crossing, rel=1e-9)
+        assert aslant(found.tangent, plain.tangent).max() < 1e-10 and aslant(found.axis, plain.axis).max() < 1e-10
+        assert found.tangent_foot + origin == pytest.approx(plain.tangent_foot, rel=1e-8, abs=1e-8)

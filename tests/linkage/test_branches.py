@@ -191,6 +191,35 @@ def test_lengths_that_add_up_but_for_their_rounding_have_a_change_point(name, si
     assert min(np.nanmax(np.abs(motion.coupler.direction - fixed)) for motion in near) < 1e-3
 
 
+def leaning(offset):
+    """A slider-crank of crank 3 and rod 5, its slide and its crank's pin turned out of the bodies' axes."""
+    rail, arm = np.exp(1j * np.radians(25)), 3 * np.exp(2.5j)
+    bodies = {"ground": {"O": 0}, "crank": {"O": 0, "A": arm}, "rod": {"A": 0, "B": 5j}, "sled": {"B": 0}}
+    return gk.Linkage(bodies, "crank", (gk.Slider("s", "sled", "ground", 0, 1j * offset * rail, 25),))
+
+
+FOLLOWED = {name: build(1.0) for name, build in DECIMALS.items()}
+FOLLOWED |= {"leaning slide": leaning(2), "leaning slide from above": leaning(-2)}
+
+
+@pytest.mark.parametrize("start", [0.3, 1.8, 3.4, 5.0])
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_what_is_followed_has_neither_jump_nor_kink_whichever_way_it_runs(name, start):
+    """From frame to frame it goes as far as its rates tell, and these change as far as theirs do."""
+    step = 4 * np.pi / 1500
+    for way in (1, -1):
+        for sign in (1, -1):
+            motion = gk.move(FOLLOWED[name], start + way * step * np.arange(1501), gk.Follow(sign))
+            known = motion.closed[1:] & motion.closed[:-1]
+            signs = motion.branches[next(iter(motion.branches))]
+            assert signs[0] in (sign, 0)
+            for body in list(motion.bodies.values())[2:]:
+                turned = np.angle(body.direction[1:] * np.conj(body.direction[:-1]))
+                for gone, rate in ((turned, body.first), (np.diff(body.first), body.second)):
+                    fastest = np.maximum(np.abs(rate[1:]), np.abs(rate[:-1]))
+                    assert (np.abs(gone) <= 1.2 * step * fastest + 1e-4)[known].all(), (body.name, way, sign)
+
+
 def test_gaps_are_sums_as_if_added_exactly():
     """By the standard library's exact sum, of lengths that all but cancel."""
     rng = np.random.default_rng(2)
@@ -202,3 +231,28 @@ def test_gaps_are_sums_as_if_added_exactly():
         assert gap_of(False, *terms) == pytest.approx(total, rel=1e-14, abs=1e-30 * size)
         told = total if abs(total) > 8 * np.finfo(float).eps * size else 0.0
         assert gap_of(True, *terms) == pytest.approx(told, rel=1e-14, abs=1e-30 * size)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("kind", [int, np.int8, np.int64])
+def test_a_sign_is_a_sign_whatever_number_tells_it(kind, sign):
+    drive = np.linspace(0, 6, 20)
+    wanted = gk.move(FOUR_BAR, drive, {"rocker_pin": sign}).rocker.direction
+    for branch in (kind(sign), gk.Follow(kind(sign)), {"rocker_pin": kind(sign)}):
+        motion = gk.move(FOUR_BAR, drive, branch)
+        assert np.abs(motion.rocker.direction - wanted).max() < 1e-13
+        assert set(motion.branches["rocker_pin"]) == {sign}
+
+
+@pytest.mark.parametrize("sizes", [(30, 42, 12), (30, 42, -12), (42, 30, 12), (42, 30, -12), (30, 30, 0)])
+def test_a_slider_crank_that_just_turns_fully_has_one_circuit(sizes):
+    """Where link and crank stand across the slide its two sides meet; a little longer or shorter, and they do not."""
+    drive = np.linspace(0.05, 6.2, 30)
+    for branch in (1, -1):
+        motion = gk.move(gk.SliderCrank(*sizes), drive, branch)
+        told = gk.linkage.circuits(gk.SliderCrank(*sizes), motion)
+        assert motion.closed.any() and np.array_equal(told, motion.closed.astype(int))
+    if sizes[2]:
+        longer = gk.SliderCrank(*(size + (0.01 if size == 42 else 0) for size in sizes))
+        told = [gk.linkage.circuits(longer, gk.move(longer, drive, branch)) for branch in (1, -1)]
+        assert {*told[0].tolist(), *told[1].tolist()} >= {1, -1}

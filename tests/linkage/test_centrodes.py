@@ -157,3 +157,14 @@ def test_what_has_no_meaning_is_refused():
     assert Centrodes(many, "coupler").fixed.shape == (len(TURN), 2)
     with pytest.raises(gk.DesignError, match="one"):
         Centrodes(many, "coupler").runs(100.0)
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-3, 1e6])
+@pytest.mark.parametrize("sizes", [(100, 30, 90, 70), (40, 100, 90, 70), (100, 150, 150, 100), (60, 100, 60, 100)])
+def test_a_curve_breaks_at_the_same_frames_at_any_size(sizes, size):
+    drive = np.linspace(-0.01, 2 * np.pi - 0.01, 181)
+    plain, scaled = (
+        Centrodes(gk.move(gk.FourBar(*(scale * n for n in sizes)), drive), "coupler") for scale in (1.0, size)
+    )
+    for reach in (171.3, np.inf):
+        assert plain.runs(reach) == scaled.runs(size * reach) and plain.runs(reach)

@@ -87,3 +87,26 @@ def test_the_condition_grows_as_a_true_limit_comes_near():
     # The linkage's own square root: a hundred times nearer, ten times more sensitive.
     assert condition[1:] / condition[:-1] == pytest.approx([10, 10], rel=0.05)
     assert not gk.move(triple_rocker, [limit + 1e-9]).closed[0]
+
+
+WORST = {
+    "four-bar": (lambda e: gk.FourBar(100, 30, 90 + e, 70), np.linspace(0.1, 6.2, 40), "rocker_pin"),
+    "slider-crank": (lambda e: gk.SliderCrank(30, 90 + e, 12), np.linspace(0.1, 6.2, 40), "slider_pin"),
+    "slotted lever": (lambda e: gk.InvertedSliderCrank(80, 30, 40 + e), np.linspace(0.1, 6.2, 40), None),
+    "piston": (lambda e: gk.SliderCrank(30, 90 + e, 12, driver="slider"), np.linspace(60, 110, 40), "crank_pin"),
+}
+
+
+@pytest.mark.parametrize("name", WORST)
+def test_the_condition_is_how_many_times_a_bar_s_error_is_seen_in_the_joint_at_its_end(name):
+    """By a bar that is a little too long, or an offset too large: how far that takes its joint."""
+    build, drive, pin = WORST[name]
+    step = 1e-6
+    short, right, long = (gk.move(build(e), drive) for e in (-step, 0.0, step))
+    if pin:
+        moved = np.abs(long.point(pin).position - short.point(pin).position) / (2 * step)
+    else:
+        # How far the turning lever takes the crank pin across the line of the pins.
+        turned = np.angle(long.rocker.direction / short.rocker.direction) / (2 * step)
+        moved = np.abs(turned) * np.abs(right.point("crank_pin").position - 80)
+    assert right.condition == pytest.approx(moved, rel=1e-6) and np.ptp(moved) > 0.01

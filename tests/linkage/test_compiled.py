@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from geomkin.linkage.solve.program import Program
+from geomkin.linkage.solve.tape import Tape
+
 ODD = [0.0, 1.0, 1e-300, 5e-324, 1e300, np.inf, np.nan]
 
 
@@ -37,3 +40,50 @@ def test_angles_of_what_is_none_or_out_of_all_bounds_are_those_of_python(angles)
     np.testing.assert_array_equal(found, theirs)
     here = ~np.isnan(theirs)
     np.testing.assert_array_equal(np.signbit(found[here]), np.signbit(theirs[here]))
+
+
+def operands(kind, rng, count, none):
+    """Numbers of a kind, small, large and, where asked for, none, in both parts of complex ones."""
+    if kind == "b":
+        return rng.random(count) < 0.5
+    size = rng.choice([-1, 1], 2 * count) * 10.0 ** rng.uniform(-150, 150, 2 * count)
+    odd = rng.choice([0.0, -0.0, 1.0, *([np.inf, -np.inf, np.nan] if none else [])], 2 * count)
+    numbers = np.where(rng.random(2 * count) < 0.2, odd, size)
+    return numbers[:count] if kind == "f" else numbers.view(complex)
+
+
+def test_every_operation_of_the_loop_is_that_of_numpy():
+    """One by one on rows of all kinds of numbers, longer than a block."""
+    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
+    rng, count = np.random.default_rng(5), 3 * compiled.WIDTH + 7
+    kinds = {"f": float, "c": complex, "b": bool}
+    for operation, of in compiled.ON_ROWS:
+        tape = Tape()
+        starts = [tape.start(f"{k}", kinds[kind]) for k, kind in enumerate(of)]
+        # There are many rules for products of complex numbers at infinity, and for what is over zero.
+        none = "c" not in of or operation not in {np.multiply, np.divide}
+        given = {one.number: operands(kind, rng, count, none) for one, kind in zip(starts, of)}
+        if (operation, of) == (np.divide, "cf"):
+            given[1] = np.where(given[1] == 0, 3.0, given[1])
+        if (operation, of) == (np.divide, "cc"):
+            below, share = 10.0 ** rng.uniform([[-150], [-3]], [[150], [3]], (2, count))
+            turns = np.exp(1j * rng.uniform(0, 7, (2, count)))
+            given = {0: below * share * turns[0], 1: below * turns[1]}
+            given[1] = np.where(rng.random(count) < 0.3, below * rng.choice([1, 1j, -1, -1j], count), given[1])
+        result = tape.record(operation, starts).number
+        program = Program.of(tape, [result], {result})
+        assert compiled.runs(program)
+        told, found = dict(given), dict(given)
+        program.run(told, count, ())
+        compiled.run(program, found, count, ())
+        one, other = found[result], told[result]
+        assert one.dtype == other.dtype and one.shape == other.shape == (count,)
+        if one.dtype == bool:
+            assert np.array_equal(one, other), (operation, of)
+            continue
+        size = np.where(np.isfinite(other), np.abs(other), 0)
+        for ours, theirs in ((one.real, other.real), (one.imag, other.imag)):
+            known = np.isfinite(theirs)
+            assert np.array_equal(np.where(known, 0, ours), np.where(known, 0, theirs), equal_nan=True), (operation, of)
+            off, most = np.abs(ours[known] - theirs[known]), np.maximum(size, np.abs(theirs))[known]
+            assert (off <= 6e-16 * most).all(), (operation, of)

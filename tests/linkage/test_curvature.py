@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.linkage.instant.curvature import PathCurvature, crank_path, euler_savary, path_curvature
+from tests.linkage.examples import ALL
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}
@@ -206,3 +207,21 @@ def test_euler_savary_takes_arrays_and_exactly_three():
     for known in [{}, {"point": 1.0}, dict.fromkeys(("instant_centre", "point", "centre", "inflection"), 1.0)]:
         with pytest.raises(gk.DesignError, match="three"):
             euler_savary(**known)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_paths_of_every_body_run_along_its_velocity_and_bend_by_its_acceleration(name):
+    """Of bodies on pivots, on rails that lean, and on neither: all by the same coefficients."""
+    linkage, drive, branch = ALL[name]
+    motion = gk.move(linkage, drive, branch)
+    for body in motion.bodies:
+        named = list(motion.linkage.bodies[body].values())
+        for local in (3 + 4j, *named):
+            path, point = path_curvature(motion, body, complex(local)), motion.bodies[body].point(complex(local))
+            first, second = point.first, point.second
+            fast = np.abs(first) > max(1e-3 * np.abs(first).max(), 1e-9)
+            assert path.position == pytest.approx(point.position)
+            assert path.tangent[fast] == pytest.approx(first[fast] / np.abs(first[fast]), abs=1e-8)
+            # Turning of the way by the drive, over how far that leads.
+            turning = np.imag(second[fast] / first[fast])
+            assert path.curvature[fast] * np.abs(first[fast]) == pytest.approx(turning, rel=1e-6, abs=1e-6)

@@ -166,6 +166,14 @@ def test_the_linkage_stands_and_moves_as_the_contact_does(case, point, normal):
             assert motion.point(name).position[0] == pytest.approx(complex(centre))
 
 
+@pytest.mark.parametrize("case", ["Scotch yoke", "double slider"])
+@pytest.mark.parametrize("normal", [1 + 2j, -3 + 0.4j])
+def test_of_two_branches_that_both_are_the_contact_the_first_is_told(case, normal):
+    contact = DirectContact(20 - 50j, normal, driver_pivot=3 + 1j, **CASES[case])
+    one, two = (gk.move(contact.linkage, [0.0], branch).follower.origin for branch in (1, -1))
+    assert one.position[0] == two.position[0] and contact.branch == 1
+
+
 def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
     contact = DirectContact(10j, 1, 20.0, 5.0, follower_direction=1j)
     with np.errstate(all="raise"):

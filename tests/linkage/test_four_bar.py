@@ -169,3 +169,13 @@ def test_unknown_names_say_what_there_is():
         motion.point("pen")
     with pytest.raises(gk.DesignError):
         gk.move(CRANK_ROCKER, [0.0], branch=2)
+
+
+@pytest.mark.parametrize("size", [1e-7, 0.1, 0.7 / 3, 13.07, 3e6 / 7])
+def test_a_change_point_is_told_to_rounding_and_no_farther_at_any_size(size):
+    for lengths in ((7, 3, 3, 7), (5, 2, 5, 2), (4, 1, 3, 6), (6, 3, 1, 4)):
+        assert gk.linkage.grashof_type(gk.FourBar(*(size * n for n in lengths))) == "change-point"
+        for k in range(4):
+            for share in (1e-9, -1e-9):
+                near = [size * n * (1 + share * (j == k)) for j, n in enumerate(lengths)]
+                assert gk.linkage.grashof_type(gk.FourBar(*near)) != "change-point"

@@ -240,3 +240,12 @@ def test_size_does_not_matter(scale):
     scaled = inflection_circle(gk.move(gk.FourBar(*(scale * np.array([100.0, 30, 90, 70])).tolist()), TURN), "coupler")
     for part in ("diameter", "nearest", "tangent_foot", "pole"):
         assert np.abs(getattr(scaled, part) / getattr(plain, part) / scale - 1).max() < 1e-9
+
+
+def test_from_the_middle_of_a_circle_any_of_its_points_is_the_nearest():
+    """Exactly there, where no direction is nearer than another: half a diameter away and on the circle."""
+    velocity, turn = np.array([1.0, 2j, -4 + 2j]), np.array([1.0, -2.0, 0.5])
+    circle = InflectionCircle(np.full(3, 3 + 4j), velocity, -1j * turn * velocity, turn, np.zeros(3))
+    middle = circle.pole - circle.diameter * circle.normal / 2
+    assert middle == pytest.approx(circle.reference)
+    assert np.abs(circle.nearest - middle) == pytest.approx(circle.diameter / 2)

@@ -291,3 +291,56 @@ def test_a_curve_over_whole_turns_is_closed_at_any_size_and_over_less_it_is_not(
     assert gk.CouplerCurve(linkage, "coupler_point", span=(1.0, 1.0 + 4 * np.pi)).closed
     for end in (1 + np.pi, 1 + 2 * np.pi - 1e-7):
         assert not gk.CouplerCurve(linkage, "coupler_point", span=(1.0, end)).closed
+
+
+@pytest.mark.parametrize("turns", [(0, 1), (-1, 1), (-2.5, 0.75), (-0.3, 0.3)])
+@pytest.mark.parametrize("name", ["engine", "engine, leaning", "yoke", "rods"])
+def test_dead_centres_of_what_is_symmetric_are_where_the_crank_points_along_or_across(name, turns):
+    """Looks fall on them, or beside them by a last bit; at the ends of the span they may be told or not."""
+    linkage, output, first = {
+        "engine": (gk.SliderCrank(30, 90), "slider", 0.0),
+        "engine, leaning": (gk.SliderCrank(30, 90, ground_angle_deg=40), "slider", 0.0),
+        "yoke": (gk.ScotchYoke(30, 90), "yoke", 0.0),
+        "rods": (gk.SliderCrank(30, 90), "coupler", 0.5),
+    }[name]
+    found = gk.linkage.dead_centres(linkage, output, 1, (turns[0] * 2 * np.pi, turns[1] * 2 * np.pi)) / np.pi
+    inside = np.abs(np.abs(found - np.mean(turns) * 2) - np.ptp(turns)) > 1e-9
+    wanted = np.arange(-6, 6) + first
+    wanted = wanted[(2 * turns[0] + 1e-9 < wanted) & (wanted < 2 * turns[1] - 1e-9)]
+    assert found[inside] == pytest.approx(wanted, abs=1e-12)
+
+
+def test_a_platform_on_two_cranks_stands_still_where_these_do():
+    """Its points run along arcs, on which it goes at its fastest square to where it went before."""
+    bodies = {name: dict(points) for name, points in FOUR_BAR.linkage.bodies.items()}
+    bodies["ground"] |= {"E": 100 + 50j}
+    bodies["rocker"] |= {"P": 40 + 60j}
+    bodies |= {"second": {"E": 0, "Q": 40 + 60j}, "platform": {"P": 0, "Q": 50j}}
+    bars = gk.Linkage(bodies, "crank")
+    for span in (None, (-4.0, 5.0)):
+        found = gk.linkage.dead_centres(bars, "platform", "follow", span)
+        assert found == pytest.approx(gk.linkage.dead_centres(bars, "rocker", "follow", span)) and len(found) >= 2
+    swing = np.angle(gk.move(bars, found[:2], "follow").rocker.direction)
+    assert abs(swing[1] - swing[0]) > 0.5
+    # Cranks that turn on never let it stand.
+    for lengths in ((100, 30), (30, 100)):
+        round_and_round = gk.FourBar(*lengths, *lengths)
+        assert gk.linkage.dead_centres(round_and_round, "coupler", "follow").size == 0
+        assert gk.linkage.dead_centres(round_and_round, "rocker", "follow").size == 0
+
+
+@pytest.mark.parametrize("lean", [-2.9, -1.8, 0.0, 1.8, 2.9])
+def test_limits_come_again_each_turn_however_the_crank_s_pin_lies_in_it(lean):
+    bodies = {
+        "ground": {"O": 0, "C": 4 * np.exp(-0.8j * lean)},
+        "crank": {"O": 0, "A": 3 * np.exp(1j * lean)},
+        "coupler": {"A": 0, "B": 2},
+        "rocker": {"C": 0, "B": 2.5},
+    }
+    linkage, half = gk.Linkage(bodies, "crank"), np.arccos((4**2 + 3**2 - 4.5**2) / (2 * 4 * 3))
+    limits = np.ravel([[-1.8 * lean - half, -1.8 * lean + half]] + 2 * np.pi * np.arange(-6, 7)[:, None])
+    for start in np.arange(-13, 13, 1.1).tolist():
+        span = (start, start + 2 * np.pi)
+        found = np.ravel(gk.driver_limits(linkage, span=span))
+        wanted = limits[(span[0] < limits) & (limits < span[1])]
+        assert [q for q in found.tolist() if q not in span] == pytest.approx(wanted.tolist(), abs=1e-12)

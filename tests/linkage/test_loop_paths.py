@@ -90,3 +90,31 @@ def test_a_path_takes_little_more_than_two_looks_at_its_equations_for_each_of_it
     (trace,) = motion.solution.placements[-1]._last_trace.values()
     points = sum(len(arm.points) for arm in trace._arms)
     assert points > 60 and len(looks) < 2.5 * points
+
+
+@pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
+def test_a_row_that_stays_at_one_place_stands_there_at_every_frame(name):
+    linkage, drive, _ = ALL[name]
+    one = gk.move(linkage, drive[:1])
+    for row in (np.full(4, drive[0]), np.array([drive[0], drive[3], drive[0], drive[3]])):
+        many = gk.move(linkage, row)
+        assert many.closed.all()
+        for body in many.bodies:
+            told = many.bodies[body], gk.move(linkage, row[:2]).bodies[body]
+            for what in ("direction", "first", "second"):
+                rows = [getattr(one, what) for one in told]
+                assert rows[0] == pytest.approx(np.resize(rows[1], 4), rel=1e-9, abs=1e-12)
+            assert told[0].direction[0] == pytest.approx(one.bodies[body].direction[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
+def test_drives_too_far_off_are_refused_with_how_far_they_may_be(name):
+    """Of an angle forty turns, of a slide as many sizes of the linkage as that is in rad."""
+    linkage, drive, _ = ALL[name]
+    size = 80 * np.pi * (1 if name == "loops" else max(abs(z) for own in linkage.bodies.values() for z in own.values()))
+    for way in (1, -1):
+        with pytest.raises(gk.DesignError, match="drive: goes .* from its first value") as caught:
+            gk.move(linkage, drive[0] + way * np.array([0, 1.01 * size])).closed
+        told = float(caught.value.remedy.split()[3])
+        assert told == pytest.approx(size, rel=1e-5) and f"{1.01 * size:.6g}" in caught.value.problem
+        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * told])).closed[0]

@@ -119,3 +119,18 @@ def test_the_allocator_of_the_host_is_left_as_it_was():
     )
     peak = int(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
     assert peak < 16e6
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_driver_turns_about_its_pivot_or_has_none(name):
+    """By its motion: of all its places that alone stands still, and nothing stands still where it slides or floats."""
+    linkage, drive, branch = ALL[name]
+    motion, general = gk.move(linkage, drive, branch), linkage.linkage
+    told = general.driver_pivot
+    if general.driven_slider is not None:
+        assert told is None
+        return
+    points = general.bodies[general.driver]
+    still = [p for p in points if np.ptp(np.abs(motion.point(p).position - motion.point(p).position[0])) < 1e-9]
+    assert {complex(points[p]) for p in still} == ({complex(points[told])} if told else set())
+    assert told is None or told in general.bodies[general.ground]

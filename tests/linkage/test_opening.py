@@ -36,6 +36,8 @@ OPEN = {
     "slotted lever": (lambda d: gk.InvertedSliderCrank(40, 30, 25 - d), [0.0], 1),
     "output": (lambda d: gk.StephensonSixBar(FOUR_BAR, 20 + d, 20, 60 + 120j), [1.0], -1),
     "driven by a slider": (lambda d: gk.SliderCrank(30, 90 + d, driver="slider"), [200.0], 1),
+    "ram of a lever": (lambda d: gk.Shaper(90, 30, 180, 20 + d, 120), [1.2], 1),
+    "ram above": (lambda d: gk.Shaper(90, 30, 180, 5 + d, 60), [0.0], 1),
 }
 
 
@@ -183,3 +185,59 @@ def test_many_linkages_are_refused_by_their_number():
     motion = gk.move(gk.FourBar(100, np.array([30.0, 31.0, 32.0]), 50, 55), np.linspace(0, 6, 5))
     with pytest.raises(gk.DesignError, match=r"motion: found \(3,\) linkages; give one at a time"):
         gk.linkage.opening(motion)
+
+
+def chained(rng):
+    """A four-bar, a dyad on its coupler and one on that dyad's output, of sizes with which they often do not close."""
+    bodies = {
+        "ground": {"O": 0, "C": 100, "E": 60 + 120j, "G": -60 + 150j},
+        "crank": {"O": 0, "A": 30},
+        "coupler": {"A": 0, "B": 90, "P": complex(*rng.uniform(-40, 60, 2))},
+        "rocker": {"C": 0, "B": 70},
+        "rod": {"P": 0, "D": rng.uniform(50, 110)},
+        "output": {"E": 0, "D": 60, "Q": complex(*rng.uniform(-70, 70, 2))},
+        "bar": {"Q": 0, "F": rng.uniform(60, 120)},
+        "last": {"G": 0, "F": rng.uniform(40, 80)},
+    }
+    return gk.Linkage(bodies, "crank")
+
+
+def test_the_branch_told_is_the_best_of_all_that_close_at_the_frame():
+    """By moving on every choice of the signs before: closed at that frame, at most others, with the fewest changes."""
+    rng, counts = np.random.default_rng(2), {True: 0, False: 0, "elsewhere": 0, "later": 0}
+    for _ in range(120):
+        linkage, drive = chained(rng), np.linspace(0, 6, 25) + rng.uniform(0, 6)
+        asked = {joint: int(rng.choice([1, -1])) for joint in "BDF"}
+        found = gk.linkage.opening(gk.move(linkage, drive, asked))
+        if found is None:
+            continue
+        joints = "BDF"[: "BDF".index(found.joint)]
+        choices = []
+        for flips in range(1, 2 ** len(joints)):
+            signs = asked | {joint: -asked[joint] for k, joint in enumerate(joints) if flips >> k & 1}
+            closed = gk.move(linkage, drive, signs).closed
+            choices.append((closed[found.frame], closed.mean(), -flips.bit_count(), signs))
+        there = [choice[1:] for choice in choices if choice[0]]
+        counts[bool(there)] += 1
+        counts["elsewhere"] += max([c[1] for c in choices if not c[0]], default=0) > max(
+            [c[0] for c in there], default=0
+        )
+        counts["later"] += found.frame > 0 and bool(there)
+        assert (found.branch is None) == (not there)
+        if there:
+            best = max(choice[:2] for choice in there)
+            assert found.branch in [signs for *rank, signs in there if tuple(rank) == best]
+            changed = [f"{joint} = {-asked[joint]}" for joint in joints if found.branch[joint] != asked[joint]]
+            assert found.text.endswith(f"; it closes there with {', '.join(changed)}")
+    assert min(counts.values()) >= 3, counts
+
+
+def test_drives_that_close_are_told_from_a_frame_where_a_dyad_s_branches_meet():
+    """There it has no sign of its own: they are those of the first branch."""
+    bars = gk.FourBar(3, 1, 4, 2, 0.5j)
+    assert gk.move(bars, [0.0]).branches["rocker_pin"] == 0
+    six_bar = gk.StephensonSixBar(bars, 1.5, 1.0, 2 + 3j)
+    refusal = never_closed(gk.move(six_bar, [0.0]))
+    low, high = map(float, re.search(r"between ([\d.]+) and ([\d.]+) deg", refusal.remedy).groups())
+    inside, beyond = np.linspace(low, high, 50), np.array([low - 0.3, high + 0.3])
+    assert gk.move(six_bar, np.radians(inside)).closed.all() and not gk.move(six_bar, np.radians(beyond)).closed.any()

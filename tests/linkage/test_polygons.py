@@ -165,3 +165,21 @@ def test_what_has_no_polygon_is_refused_by_name():
             velocity_polygon(gk.move(FOUR_BAR, [1.0]), **{field: 0.0})
     still = velocity_polygon(gk.move(FOUR_BAR, [1.0], speed=0.0), scale=1.0)
     assert not still.vectors and set(still.points.values()) == {0j}
+
+
+@pytest.mark.parametrize("polygon_of", [velocity_polygon, acceleration_polygon])
+@pytest.mark.parametrize("linkage", [FOUR_BAR, SHAPER, gk.StephensonSixBar(FOUR_BAR, 120, 90, 100 + 100j)])
+def test_every_body_has_its_image_and_vectors_once_around_it(polygon_of, linkage):
+    """Of two points one vector, of three or more as many as there are points, from each to the next."""
+    motion = gk.move(linkage, [1.0], speed=5.0, acceleration=3.0)
+    p, general = polygon_of(motion), motion.linkage
+    under = {s.along: f"{s.name} on {s.along}" for s in general.sliders if s.along != general.ground}
+    for body, points in general.bodies.items():
+        names = (*points, *([under[body]] if body in under else []))
+        around = list(zip(names, (*names[1:], names[0]))) if len(names) > 2 else list(zip(names, names[1:]))
+        moving = body != general.ground
+        assert p.images.get(body, ()) == (names if moving and len(names) > 1 else ())
+        drawn = [(v.start, v.end) for v in p.vectors if v.kind == "difference" and v.body == body]
+        assert drawn == (around if moving else [])
+    pins = {name for points in general.bodies.values() for name in points} - set(general.bodies[general.ground])
+    assert sorted(v.end for v in p.vectors if v.kind == "absolute") == sorted(pins | set(under.values()))

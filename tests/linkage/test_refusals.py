@@ -174,6 +174,10 @@ REFUSED = [
         "branch: found 2; give +1 or -1, or a place as a finite complex number, mm",
     ),
     (
+        lambda: moved(SIX_BAR, branch={"rocker_pin": 1, "coupler_point": 5j, "output_pin": 3}),
+        "branch: found 3; give +1 or -1, or a place as a finite complex number, mm",
+    ),
+    (
         lambda: moved(branch={"pen": 1j}),
         "branch: found 'pen'; give places of crank_pivot, crank_pin, rocker_pin, coupler_point, rocker_pivot",
     ),

@@ -159,3 +159,21 @@ def test_the_way_starts_where_it_is_told_whatever_of_the_two_is_complex(rates, s
     found = gk.linkage.mid_ordinate_integral(np.full(4, rates), 0.5, start)
     assert found.values == pytest.approx(start + rates * 0.5 * np.arange(5), rel=1e-14)
     assert np.iscomplexobj(found.values) == isinstance(rates + start, complex)
+
+
+@pytest.mark.parametrize("derivative", [1, 2])
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+def test_samples_read_backwards_have_the_same_rates_and_errors_backwards(order, derivative):
+    """At both ends alike, where one-sided differences make more of what samples are off."""
+    samples = np.random.default_rng(order).normal(size=25)
+    for inexact in (0.0, 0.3):
+        forth, back = (
+            gk.linkage.central_difference(z, 0.5, derivative, order, inexact=inexact) for z in (samples, samples[::-1])
+        )
+        assert back.values[::-1] == pytest.approx((-1) ** derivative * forth.values, rel=1e-9, abs=1e-9)
+        assert back.error[::-1] == pytest.approx(forth.error, rel=1e-9, abs=1e-9)
+    plain = gk.linkage.central_difference(samples, 0.5, derivative, order).error
+    # What comes of 0.3 is the most that samples so much off change the rates by, each of them by itself.
+    alone = [gk.linkage.central_difference(0.3 * one, 0.5, derivative, order).values for one in np.eye(25)]
+    assert forth.error - plain == pytest.approx(np.abs(alone).sum(axis=0), rel=1e-9)
+    assert (forth.error - plain)[0] > 1.2 * (forth.error - plain)[12]

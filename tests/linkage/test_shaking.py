@@ -152,3 +152,21 @@ def test_impossible_masses_are_refused_by_name(field, value):
     with pytest.raises(gk.DesignError) as caught:
         SliderCrankMasses(**{field: value})
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_no_other_counterbalance_near_the_best_one_leaves_less(turned):
+    """Of random engines on either branch: the largest force is convex in it, so that what is best near by is best."""
+    rng = np.random.default_rng(8)
+    for k in range(3):
+        crank, offset = rng.uniform(5, 40), rng.uniform(-20, 20)
+        linkage = SliderCrank(crank, (crank + abs(offset)) * rng.uniform(1.05, 4), offset)
+        places = rng.uniform(-40, 40, (2, 2)) @ [1, 1j]
+        masses = SliderCrankMasses(*rng.uniform(0, 1, 3), *map(complex, places))
+        branch = 1 if k % 2 else -1
+        best = best_counterbalance(linkage, masses, branch, turned)
+        forces = shaking_force(gk.move(linkage, TURN, branch), masses, best.product)
+        assert np.abs(forces).max() == pytest.approx(best.largest, rel=1e-3)
+        for way in (1, -1, 1j, -1j) if turned else (1, -1):
+            other = judged_counterbalance(linkage, masses, best.product + 1e-2 * way, branch)
+            assert other.largest >= best.largest * (1 - 1e-9)

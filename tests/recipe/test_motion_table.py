@@ -10,6 +10,7 @@ import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.linkage.motion import motion_table
 from geomkin.table import Column, Table, xy_columns
+from tests.linkage.examples import ALL
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 
@@ -89,3 +90,89 @@ def test_kinematic_coefficients_are_the_same_at_any_speed_and_left_out_where_nob
     assert all(np.array_equal(tables[0][header], tables[1][header]) for header in told)
     plain = gk.load(DRIVEN["crank"].replace("coefficients = true\n", "")).table
     assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in told]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground_holds(name):
+    """By poses over the frames alone, whatever their rates are."""
+    linkage, drive, branch = ALL[name]
+    general = linkage.linkage
+    motion = gk.move(linkage, drive, branch)
+    every = [column.name for column in motion_table(motion, coefficients=True).columns]
+    units = {column.name: column.unit for column in motion_table(motion).columns}
+    turning = {n for n, body in motion.bodies.items() if np.ptp(np.unwrap(np.angle(body.direction))) > 1e-9}
+    driver = {general.driver}
+    assert {n for n in motion.bodies if f"{n}_omega" in units} == turning - driver
+    for slider in general.sliders:
+        assert (f"{slider.name}_coriolis_x" in units) == (slider.along in turning)
+    points = general.bodies[general.ground]
+    pinned = {n for n, own in general.bodies.items() if set(own) & set(points)}
+    sliding = {n for s in general.sliders if general.ground in (s.body, s.along) for n in (s.body, s.along)}
+    held = (pinned | sliding) - driver - {general.ground}
+    told = {n: units[f"{n}_mechanical_advantage"] for n in motion.bodies if f"{n}_mechanical_advantage" in units}
+    # Of a driving slide a force makes a torque, mm times as large.
+    assert told == {n: "mm" if general.driven_slider and n in turning else "" for n in held}
+    free = {p for own in list(general.bodies.values())[1:] for p in own} - set(general.pins)
+    assert {n[:-2] for n in units if n.endswith("_x") and f"{n[:-2]}_velocity_x" in units} == free
+    of = [f"{n}_angle" for n in turning - driver] + [f"{s.name}_displacement" for s in general.sliders]
+    of += [f"{point}{axis}" for point in free for axis in ("_x", "_y")]
+    orders = ("first_coefficient", "second_coefficient")
+    parted = [(one[:-2], one[-2:]) if one[-2:] in ("_x", "_y") else (one, "") for one in of]
+    assert sorted(every) == sorted([*units, *(f"{one}_{order}{axis}" for one, axis in parted for order in orders)])
+
+
+def test_what_is_nothing_beside_what_turns_fastest_is_written_as_nothing():
+    """A parallelogram behind another, whose last bar turns evenly but for rounding, and a long rod that hardly moves."""
+    arm = 15 + 5j
+    linkage = gk.Linkage(
+        {
+            "ground": {"O": 0, "C": 30, "E": 60},
+            "crank": {"O": 0, "A": 20},
+            "coupler": {"A": 0, "B": 30},
+            "rocker": {"C": 0, "B": 20, "R": arm},
+            "bar": {"R": 0, "Q": 30},
+            "last": {"E": 0, "Q": arm, "T": 1e-3},
+            "rod": {"T": 0, "S": 3000},
+            "sled": {"S": 0},
+        },
+        "crank",
+        (gk.Slider("way", "sled", "ground"),),
+    )
+    for speed in (1e-3, 1e3):
+        table = motion_table(gk.move(linkage, np.linspace(0.5, 2.2, 40), 1, speed), coefficients=True)
+        found = cells(table)
+        for column in table.columns:
+            if column.name in ("last_alpha", "last_angle_second_coefficient"):
+                assert set(found[column.header]) <= {"0.0", "-0.0"}
+            elif column.name in ("rod_omega", "rod_angle_first_coefficient", "rod_angle_second_coefficient"):
+                assert np.abs(column.values).max() > 0 and len(set(found[column.header])) > 3
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+@pytest.mark.parametrize("speed", [1e-4, 1.0, 1e4])
+def test_what_is_nothing_is_written_as_nothing_and_what_is_small_with_all_its_digits(size, speed):
+    turn, strokes = np.linspace(0, 6, 30), size * np.linspace(65, 115, 30)
+    bars = gk.FourBar(100 * size, 30 * size, 90 * size, 70 * size, size * (40 + 25j))
+    moved = {
+        "bars": gk.move(bars, turn, 1, speed),
+        "parallelogram": gk.move(gk.FourBar(100 * size, 30 * size, 100 * size, 30 * size), turn, "follow", speed),
+        "shafts": gk.move(gk.OldhamCoupling(6 * size), turn, 1, speed),
+        "piston": gk.move(gk.SliderCrank(30 * size, 90 * size, 12 * size, driver="slider"), strokes, 1, speed * size),
+        "lever": gk.move(gk.InvertedSliderCrank(80 * size, 30 * size, 7 * size, point=size * 130), turn, 1, speed),
+    }
+    nothing = {
+        "parallelogram": {"rocker_alpha", "rocker_angle_second_coefficient"},
+        "shafts": {f"{body}_{what}" for body in ("disc", "driven") for what in ("alpha", "angle_second_coefficient")},
+        "piston": {"slide_acceleration", "slide_displacement_second_coefficient"},
+    }
+    for name, motion in moved.items():
+        table = motion_table(motion, coefficients=True)
+        found = cells(table)
+        zero = {column.name for column in table.columns if set(found[column.header]) <= {"0.0", "", "-0.0"}}
+        assert {n for n in zero if "coriolis" not in n} == nothing.get(name, set()), name
+        for column in table.columns:
+            known = np.isfinite(column.values)
+            if column.name not in zero and known.any():
+                told = np.array([float(cell) for cell in np.array(found[column.header])[known]])
+                largest = np.abs(column.values[known]).max()
+                assert np.abs(told - column.values[known]).max() < 1e-8 * largest, (name, column.name)
