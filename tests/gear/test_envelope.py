@@ -56,10 +56,13 @@ def bend(curvature, long):
     return SimpleNamespace(point=point, start=0.0, end=long)
 
 
-@pytest.mark.parametrize("longer", [3.0, 40.0, 0.7])
-@pytest.mark.parametrize(("bends", "outer"), [((-0.02, -0.021), 2), ((0.02, 0.021), 1)])
+@pytest.mark.parametrize("longer", [3.0, 40.0, 0.7, 0.05])
+@pytest.mark.parametrize(("bends", "outer"), [((-0.02, -0.021), 2), ((0.02, 0.021), 1), ((-0.06, -0.021), 1)])
 def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, bends, outer):
-    """Two arcs that touch where they begin: at one distance the one bent more to the right, whatever their grids."""
+    """Two arcs that touch where they begin: at one distance the one bent more to the right, whatever their grids.
+
+    One may end before that distance.
+    """
     arrives = SimpleNamespace(point=lambda t: PLACE + np.asarray(t) - 1, start=0.0, end=1.0)
     curves = [arrives, bend(bends[0], longer), bend(bends[1], 1.1)]
     grids = [c.start + (c.end - c.start) * GRID for c in curves]
