@@ -192,7 +192,16 @@ def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     found = least_base_circle(follower, program, pressure_angle_deg=60)
     assert found.limit == "undercut"
     assert not undercut(gk.Cam(follower, program, found.radius)).found
-    assert undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6))).found
+    smaller = undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6)))
+    assert smaller.found and found.cam_angle == pytest.approx(smaller.worst[1], abs=1e-3)
+
+
+@pytest.mark.parametrize("degrees", [60, 89, 89.5])
+def test_a_hill_between_samples_limits_the_least_base_radius_too(degrees):
+    """A knife edge on half a cosine of amplitude A, whose steepest place sin(alpha) = A / (R + A) ever nears the foot."""
+    program = gk.Program((gk.Rise("harmonic", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360)))
+    found = least_base_circle(TranslatingRoller(0.0), program, pressure_angle_deg=degrees)
+    assert found.radius == pytest.approx(10 / np.sin(np.radians(degrees)) - 10, rel=1e-8)
 
 
 @pytest.mark.parametrize("tried", [100, 121, 150])

@@ -112,8 +112,12 @@ def test_the_number_of_planets_named_in_a_refusal_can_be_put_in_at_first_go():
                 except gk.DesignError as error:
                     refused += 1
                     named = int(error.remedy.removeprefix("give ").split(",")[0])
-                    apart = abs(np.exp(2j * np.pi / named) - 1) * (sun + planet)
+                    found, apart = (abs(np.exp(2j * np.pi / n) - 1) * (sun + planet) for n in (planets, named))
                     assert named == 1 or apart > 2 * gears.planet.tip_radius
+                    touch = f"found {planets}, whose tips would touch each other"
+                    uneven = f"found {planets}, by which {sun} + {sun + 2 * planet} teeth cannot be divided: "
+                    uneven += "they could not be put in evenly"
+                    assert error.problem == (touch if found <= 2 * gears.planet.tip_radius else uneven)
                     assert replace(gears, planets=named).planets == named
     assert refused > 300
 
