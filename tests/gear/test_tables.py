@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear import contact_table, tooth_table
+from geomkin.gear import contact_table, flank_table, pin_table, tooth_table
 
 CONTACTS = {
     "pair": lambda: gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2, 0.3)),
@@ -73,3 +73,67 @@ def test_half_a_tooth_goes_outwards_along_the_outline(name):
     middles = 0.5 * (z[1:] + z[:-1])
     assert gk.nearest(gear.outline.piece, middles)[1].max() <= tolerance
     assert len(columns(tooth_table(gear, tolerance / 100))["radius"]) > 5 * len(z)
+
+
+def straight(mate_teeth, internal, backlash):
+    gear = gk.gear.StraightSidedGear(40, 3, 20, 0.8, 1.2)
+    teeth = gear.cutter(0.3, backlash)
+    mate = gk.conjugate(teeth, 40, gear.pitch_radius, mate_teeth, 2.0, internal)
+    return gear.flank, mate, flank_table(mate, backlash)
+
+
+def pins(mate_teeth, internal, backlash):
+    pinion = gk.gear.LanternPinion(12, 4, 5.5)
+    # A ring is touched by both quarters of a pin's side; a pin drawn out for clearance has its second one farther out.
+    clearance, quarters = (0.0, 2) if internal else (0.5, 1)
+    mate = gk.conjugate(pinion.cutter(clearance, backlash), 12, pinion.pitch_radius, mate_teeth, 4.0, internal)
+    return pinion.pin, mate, pin_table(mate, quarters, backlash)
+
+
+# Columns that tell a place on the tooth, touched or not.
+SIDE = {"flank_share", "pin_angle", "tooth_x", "tooth_y"}
+MATES = {
+    "straight": lambda: straight(64, False, 0.0),
+    "straight with play": lambda: straight(64, False, 0.3),
+    "straight in a ring": lambda: straight(90, True, 0.2),
+    "pins": lambda: pins(48, False, 0.0),
+    "pins with play": lambda: pins(48, False, 0.4),
+    "pins in a ring": lambda: pins(36, True, 0.2),
+}
+
+
+@pytest.mark.parametrize("name", MATES)
+def test_turned_as_each_row_tells_the_two_teeth_touch_there_and_slide(name):
+    side, mate, table = MATES[name]()
+    found = columns(table)
+    tooth, contact, other = (found[f"{w}_x"] + 1j * found[f"{w}_y"] for w in ("tooth", "contact", "mate_tooth"))
+    assert gk.nearest(side, tooth)[1].max() < 1e-9
+    pin = "pin_angle" in found
+    where = found["pin_angle"] if pin else found["flank_share"]
+    ends = (-90, 90 * mate.is_ring) if pin else (0, 1)
+    assert (where[0], where[-1]) == ends and (np.diff(where) > 0).all()
+    if pin:
+        assert np.degrees(np.angle(tooth - 24j)) == pytest.approx(where, abs=1e-9)
+    else:
+        assert where == pytest.approx(np.abs(tooth - tooth[0]) / np.abs(tooth[-1] - tooth[0]), abs=1e-9)
+    meets = np.isfinite(contact)
+    assert 20 < meets.sum()
+    assert all((np.isfinite(values) == meets).all() for column, values in found.items() if column not in SIDE)
+    gear_angle, mate_angle = (np.radians(found[k]) for k in ("gear_angle", "mate_angle"))
+    assert np.abs(tooth * np.exp(1j * gear_angle) - contact)[meets].max() < 1e-9
+    axis = mate.pose.origin
+    placed = axis + (mate.pose.place(other) - axis) * np.exp(1j * mate_angle)
+    assert np.abs(placed - contact)[meets].max() < 1e-9
+    # Both places are on the finished mate.
+    assert gk.nearest(mate.outline, other[meets][::20])[1].max() < 1e-9
+    # In the mesh the speeds differ along the flanks only: as seen from the mate.
+    ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
+    slides = 1j * contact - 1j * ratio * (contact - axis)
+    inner = np.flatnonzero(meets)[2:-2]
+    along = (tooth[inner + 1] - tooth[inner - 1]) * np.exp(1j * gear_angle[inner])
+    along /= np.abs(along)
+    speed = slides[inner] / along
+    assert speed.real == pytest.approx(found["sliding"][inner], abs=1e-3)
+    assert np.abs(speed.imag).max() < 1e-3 * np.abs(speed).max()
+    lean = np.degrees(np.arccos(np.abs(along.imag)))
+    assert lean == pytest.approx(found["pressure_angle"][inner], abs=1e-2)
