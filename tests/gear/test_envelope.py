@@ -7,10 +7,12 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve
+from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve, ToothRun
 from geomkin.gear.conjugate.envelope import GRID, Swept, _boxes
 from geomkin.gear.conjugate.flank_gears import StraightSidedGear
 from geomkin.gear.conjugate.lantern import LanternPinion
+from geomkin.plane.curve import Stretch
+from geomkin.plane.roulettes import Cycloid
 
 
 def straight():
@@ -81,3 +83,17 @@ def test_boxes_hold_the_curve_between_neighbours():
         assert low_y <= z.imag.min() and z.imag.max() <= high_y
         bulge = np.abs(z - z[0] - (z[-1] - z[0]) * np.linspace(0, 1, 101)).max()
         assert high_x - low_x <= np.ptp(z.real) + 4 * bulge and high_y - low_y <= np.ptp(z.imag) + 4 * bulge
+
+
+@pytest.mark.parametrize("rolling", [3.0, -4.0])
+@pytest.mark.parametrize("pieces", [(0, 1), (-1, 0), (-1, 0, 1)])
+def test_at_a_cusp_the_tangent_is_that_just_inside(rolling, pieces):
+    """Of the piece that begins there, or where none does of the one that ends."""
+    breaks = 2 * np.pi * abs(rolling) / 20 * np.array(pieces, dtype=float)
+    run = ToothRun(Stretch(Cycloid(20.0, rolling, breaks[0], breaks[-1]), breaks))
+    places = np.array([0.0, 0.6 * breaks[0] + 0.4 * breaks[1]])
+    found, inside = run.touch(places), -1e-5 if breaks[-1] == 0 else 1e-5
+    near = run.curve.velocity(places + np.array([inside, 0]))
+    assert np.abs(np.angle(found.tangent / near)).max() < 1e-3
+    assert found.speed == pytest.approx(np.array([0, abs(near[1])]), abs=1e-3)
+    assert (found.point == run.curve.point(places)).all() and np.isfinite(found.turning).all()
