@@ -328,3 +328,15 @@ def test_a_small_change_of_velocity_is_proven_to_its_own_bound(degree, faster):
     assert abs(faster) < found.peak_acceleration < 2.5 * abs(faster)
     assert found.bound == pytest.approx(found.peak_acceleration, rel=1e-8)
     assert np.abs(found.law(X)[2]).max() == pytest.approx(found.peak_acceleration, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "segment", [OptimisedPolynomial(9, rise=0, end_deg=220), OptimisedSpline(30, rise=0, end_deg=220)]
+)
+def test_a_hill_that_ends_where_it_began_has_its_peaks_and_no_share_of_a_rise(segment):
+    up, down = gk.Rise("uniform", rise=5, end_deg=140), gk.Return("uniform", end_deg=360)
+    optimum = Program([up, segment, down]).optima[1]
+    acceleration, jerk = peaks(Program([up, segment, down]), 140, 220)
+    assert optimum.peak_acceleration == pytest.approx(acceleration, rel=1e-4) and optimum.gap < 2e-9
+    assert optimum.peak_jerk == pytest.approx(jerk, rel=1e-3)
+    assert np.isnan(optimum.acceleration_coefficient) and np.isnan(optimum.jerk_coefficient)
