@@ -97,3 +97,39 @@ def test_at_a_cusp_the_tangent_is_that_just_inside(rolling, pieces):
     assert np.abs(np.angle(found.tangent / near)).max() < 1e-3
     assert found.speed == pytest.approx(np.array([0, abs(near[1])]), abs=1e-3)
     assert (found.point == run.curve.point(places)).all() and np.isfinite(found.turning).all()
+
+
+def mate_in_a_ring():
+    gear = StraightSidedGear(40, 2, 20, 0.8, 1.2)
+    return conjugate(gear.cutter(0.2, 0.1), 40, 40.0, 70, 1.8, True)
+
+
+def pinion_of_a_ring():
+    gear = gk.RingGear(60, 2)
+    piece = gk.plane.Reversed(gk.plane.Reversed(gear.outline.piece))
+    return conjugate(piece, 60, 60.0, 24, 1.5, True)
+
+
+@pytest.mark.parametrize("make", [straight, lantern, mate_in_a_ring, pinion_of_a_ring])
+def test_tips_are_as_thick_as_they_are_drawn_and_contact_lasts_as_long_as_a_tooth_turns(make):
+    mate = make()
+    assert mate.module == pytest.approx(2 * mate.pitch_radius / mate.teeth)
+    assert mate.distance == pytest.approx(abs(mate.pose.origin))
+    z = gk.flatten(mate.outline, 1e-5)
+    land = np.abs(np.abs(z) - mate.tip_radius) < 1e-9
+    assert np.abs(z).min() == pytest.approx(mate.tip_radius if mate.is_ring else mate.root_radius, abs=1e-4)
+    assert np.abs(z).max() == pytest.approx(mate.root_radius if mate.is_ring else mate.tip_radius, abs=1e-4)
+    # The tooth on +y: its land is all that lies on the tip circle within half a pitch.
+    top = np.angle(z[land & (np.abs(np.angle(z / 1j)) < np.pi / mate.teeth)] / 1j)
+    assert mate.tip_thickness == pytest.approx(mate.tip_radius * np.ptp(top), abs=1e-6)
+    # From where the gear's tooth first touches to where it last does, looked at closely beside what never does.
+    first, last = mate.tooth.breaks[[0, -1]]
+    beside = np.array([[u.start, u.end] for u in mate.untouched]).ravel()[:, None] + np.array(
+        [-1e-5, -1e-9, 1e-9, 1e-5]
+    )
+    places = np.union1d(np.linspace(first, last, 3001), beside)
+    for start, end in ((first, last), (first, 0.5 * (first + last)), (0.2 * first + 0.8 * last, last)):
+        angle = mate.contact(np.union1d(places[(places >= start) & (places <= end)], [start, end])).angle
+        turned = np.ptp(angle[np.isfinite(angle)]) if np.isfinite(angle).any() else 0.0
+        assert mate.contact_ratio(start, end) == pytest.approx(turned * mate.gear_teeth / (2 * np.pi), abs=0.03)
+    assert mate.contact_ratio(last, last) == 0
