@@ -91,6 +91,42 @@ WRONG = {
             OTHER.format("the lifts in degrees"),
         ),
     ),
+    "offset": (
+        lambda: gk.Cam(gk.TranslatingRoller(5, -30), LIFTS, 20),
+        (
+            "follower.offset",
+            "found -30 mm, but the roller's centre starts 25 mm from the axis",
+            "give an offset below 25 mm or a larger base_radius",
+        ),
+    ),
+    "arm": (
+        lambda: gk.Cam(gk.OscillatingRoller(10, 100, 80), SWINGS, 5),
+        (
+            "follower.arm_length",
+            # 14 deg short of straight away from the axis, 180 deg at most.
+            "found 80 mm with pivot_distance 100 mm and lifts up to 14 deg: the arm reaches cams with a base_radius "
+            f"above 10 and below {abs(100 + 80 * np.exp(1j * np.radians(14))) - 10:.4g} mm, not 5",
+            "change arm_length, pivot_distance or base_radius",
+        ),
+    ),
+    "face": (
+        lambda: gk.Cam(gk.OscillatingFlat(100, 8), SWINGS, 150),
+        (
+            "follower.pivot_distance",
+            "found 100 mm with face_offset 8 mm and lifts up to 14 deg: the face reaches cams with a base_radius "
+            f"above 0 and below {8 + 100 * np.cos(np.radians(14)):.4g} mm, not 150",
+            "change pivot_distance, face_offset or base_radius",
+        ),
+    ),
+    "face that runs": (
+        # Back by 40 deg in 20 deg, a cycloid's peak of twice the mean.
+        lambda: gk.Cam(gk.OscillatingFlat(100, 8), programme(40, True, ends=(60, 90, 100, 120)), 60),
+        (
+            "program",
+            "at 110 deg the face turns with the cam, and 4 times as fast: no profile can move it so",
+            "give a longer segment or a smaller lift there",
+        ),
+    ),
     "always leans": (
         lambda: least(gk.TranslatingFlat(31), LIFTS, 30),
         ("base_radius", BASE.format("pressure angle", 30), BASE_REMEDY),
@@ -140,3 +176,24 @@ def test_what_is_wrong_is_told_word_by_word(name):
     with pytest.raises(gk.DesignError) as caught:
         make()
     assert (caught.value.field, caught.value.problem, caught.value.remedy) == told
+
+
+@pytest.mark.parametrize(
+    ("follower", "low", "high"),
+    [
+        (gk.OscillatingRoller(10, 100, 80), 10.0, 168.0),
+        (gk.OscillatingRoller(5, 60, 100, "below"), 35.0, 153.0),
+        (gk.OscillatingFlat(60, 110), 50.0, 168.0),
+        (gk.OscillatingFlat(90, -8, "below"), 0.0, 79.0),
+    ],
+)
+def test_arms_reach_cams_between_two_sizes_that_are_told(follower, low, high):
+    """Low: the pivot's distance less what is on the arm; high: a little less than all of it in line, or square."""
+    least, most = follower.base_radii(np.radians(14))
+    assert least == pytest.approx(low) and high < most < high + 1
+    for base in (least * (1 + 1e-6) + 1e-6, most * (1 - 1e-6)):
+        place = gk.Cam(follower, SWINGS, base).follower_pose(np.linspace(0, 2 * np.pi, 99))
+        assert np.isfinite(place.direction).all()
+    for base in [most, most * (1 + 1e-6), *([least] if least else [])]:
+        with pytest.raises(gk.DesignError, match="reaches cams with a base_radius above"):
+            gk.Cam(follower, SWINGS, base)
