@@ -135,3 +135,80 @@ def test_a_flank_drawn_on_beyond_its_tip_may_go_as_far_as_its_mirror_image(inter
     assert np.abs(drawn.point(np.linspace(drawn.breaks[0], drawn.breaks[-1], 4001))).max() == pytest.approx(
         gear.tip_radius + room / 2
     )
+
+
+SPUR, RACK, BAR = gk.SpurGear, gk.gear.RackCutter, gk.gear.GearRack
+TWENTY = SPUR(20, 2)
+WORDS = {
+    "module: found neither module nor diametral_pitch; give one of them": lambda: SPUR(24),
+    "module: found 2 mm, but a diametral_pitch of 10 makes it 2.54 mm; give one of them": lambda: SPUR(
+        24, 2, diametral_pitch=10
+    ),
+    "diametral_pitch: found 0.0001, which makes a module of 254000 mm; give 0.000254 to 1e5": lambda: SPUR(
+        24, diametral_pitch=1e-4
+    ),
+    "profile_shift: found -3, which leaves no tooth outside its base and root circles; "
+    "give at least -1.632, or more teeth or a smaller addendum": lambda: SPUR(24, 2, -3),
+    "profile_shift: found 2.5, with which the flanks meet below the tip circle: the teeth are pointed; "
+    "give at most 1.392, or a smaller addendum or pointed = cut": lambda: SPUR(24, 2, 2.5),
+    "profile_shift: found -0.6: with 4 teeth the rack's tips cut the teeth off; "
+    "give at least -0.281, or more teeth or a smaller addendum": lambda: SPUR(4, 2, -0.6, RACK(tip_radius=0.1)),
+    "thinning: found 3 mm, which leaves no tooth; give at most 1.321": lambda: SPUR(24, 2, thinning=3),
+    "tip_chamfer: found 0.1 beside a tip_rounding; give one of them": lambda: SPUR(
+        24, 2, tip_rounding=0.1, tip_chamfer=0.1
+    ),
+    "tip_chamfer: found 1e-07, too small to be told from none; give 0 or at least 1e-06": lambda: SPUR(
+        24, 2, tip_chamfer=1e-7
+    ),
+    "tip_chamfer: found 0.5, but the tips have room for 0.3578 modules; give at most 0.3577752": lambda: SPUR(
+        24, 2, tip_chamfer=0.5
+    ),
+    "tip_rounding: found 0.6, but the tips have room for 0.5755 modules; give at most 0.5754546": lambda: SPUR(
+        24, 2, tip_rounding=0.6
+    ),
+    "dedendum: found 3, but the rack's flanks meet at 2.158 modules; "
+    "give at most 2.157863, or a smaller pressure_angle_deg": lambda: RACK(dedendum=3),
+    "tip_radius: found 0.6, but the rack's tip is too narrow for more than 0.4719 modules; "
+    "give at most 0.4719106, or a smaller dedendum": lambda: RACK(tip_radius=0.6),
+    "addendum: found 3 with 12 teeth, whose flanks meet below the tip or never begin; "
+    "give at most 1.402338 modules, or other teeth or profile_shift": lambda: gk.gear.PinionCutter(
+        12, addendum=3, tip_radius=0
+    ),
+    "tip_radius: found 1, but the cutter's tips have room for 0.2501 modules; "
+    "give at most 0.2501265, or a smaller addendum": lambda: gk.gear.PinionCutter(12, tip_radius=1),
+    "second.module: found 3 mm beside 2 mm; give 2": lambda: gk.GearPair(TWENTY, SPUR(20, 3)),
+    "second.rack.pressure_angle_deg: found 25 deg beside 20 deg; give both tools the same": lambda: gk.GearPair(
+        TWENTY, SPUR(20, 2, rack=RACK(25, tip_radius=0.2))
+    ),
+    "centre_distance: found 39 mm, at which the teeth jam; give at least 40 mm": lambda: gk.GearPair(
+        TWENTY, TWENTY, 39
+    ),
+    "centre_distance: found 60 mm, at which no flanks meet; "
+    "give at most 41.24034 mm, where the contact ratio is 1": lambda: gk.GearPair(TWENTY, TWENTY, 60),
+    "second.profile_shift: found -0.9 with -0.9: no distance brings the teeth together; "
+    "give at least -0.7174253": lambda: gk.GearPair(SPUR(40, 2, -0.9), SPUR(40, 2, -0.9)),
+    "centre_distance: found 40.5 mm, at which the teeth jam; give from 37.58771 to 40 mm": lambda: gk.GearPair(
+        TWENTY, gk.RingGear(60, 2, addendum=0.8), 40.5
+    ),
+    "second.teeth: found a ring of 50 teeth around 60; give at least 61": lambda: gk.GearPair(
+        SPUR(60, 2), gk.RingGear(50, 2)
+    ),
+    "distance: found 29 mm, at which no flanks meet; give at most 25.59804 mm, where the contact ratio is 1": lambda: (
+        gk.gear.RackPair(SPUR(24, 2), BAR(9, 2), 29)
+    ),
+    "distance: found 25 mm, at which no flanks meet; give taller teeth": lambda: gk.gear.RackPair(
+        SPUR(24, 2, addendum=0.05), BAR(9, 2, RACK(addendum=0.05)), 25
+    ),
+    "height: found 1 modules, no more than the teeth are deep; give more than 1.25": lambda: BAR(5, 2, height=1),
+    "thinning: found 2 mm, which points the teeth; give at most 1.68569": lambda: BAR(5, 2, thinning=2),
+    "rack.addendum: the flanks meet below the tips; give a rack with a smaller addendum": lambda: BAR(
+        5, 2, RACK(addendum=2.5)
+    ),
+}
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_what_cannot_be_is_told_word_by_word(words):
+    with pytest.raises(gk.DesignError) as caught:
+        WORDS[words]()
+    assert str(caught.value) == words
