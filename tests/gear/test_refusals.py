@@ -1,6 +1,7 @@
 """Refusals of gears word by word, and what they advise tried."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -212,3 +213,14 @@ def test_what_cannot_be_is_told_word_by_word(words):
     with pytest.raises(gk.DesignError) as caught:
         WORDS[words]()
     assert str(caught.value) == words
+
+
+def test_the_smallest_cutter_there_is_may_be_the_one_that_is_named():
+    cutter = gk.gear.PinionCutter(5, 20, 0.54, 0.0, 0.22)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.RingGear(12, 2, 0.08, cutter, 0.38)
+    assert str(caught.value) == (
+        "cutter.teeth: found 5: on their way out of the spaces the cutter's tips cut the tips of 12 teeth; "
+        "give 4, or a smaller addendum"
+    )
+    gk.RingGear(12, 2, 0.08, replace(cutter, teeth=4), 0.38)
