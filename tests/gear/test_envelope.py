@@ -49,11 +49,11 @@ def test_curves_of_the_boundary_meet_to_rounding_where_they_cross():
 PLACE = 30 + 40j
 
 
-def bend(curvature, long):
-    """An arc from PLACE along +x, as a curve of the boundary: its length from 0 to `long`."""
+def bend(curvature, long, way):
+    """An arc from PLACE along a direction, as a curve of the boundary: its length from 0 to `long`."""
 
     def point(t):
-        return PLACE + 1j * (1 - np.exp(1j * curvature * np.asarray(t))) / curvature
+        return PLACE + 1j * way * (1 - np.exp(1j * curvature * np.asarray(t))) / curvature
 
     return SimpleNamespace(point=point, start=0.0, end=long)
 
@@ -65,11 +65,14 @@ def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, be
 
     One may end before that distance.
     """
-    arrives = SimpleNamespace(point=lambda t: PLACE + np.asarray(t) - 1, start=0.0, end=1.0)
-    curves = [arrives, bend(bends[0], longer), bend(bends[1], 1.1)]
-    grids = [c.start + (c.end - c.start) * GRID for c in curves]
-    swept = Swept(curves, [1, 1, 1], [c.point(g) for c, g in zip(curves, grids)], grids, 100.0)
-    assert swept._next(0, PLACE, 1) == outer
+    # One way of theirs lies so that half a turn is between what both lean together.
+    lean = [0.05 * bend for bend in bends]
+    for way in np.exp(1j * np.append(np.radians(range(0, 360, 30)), np.pi / 2 - (3 * lean[0] + lean[1]) / 4)):
+        arrives = SimpleNamespace(point=lambda t, way=way: PLACE + way * (np.asarray(t) - 1), start=0.0, end=1.0)
+        curves = [arrives, bend(bends[0], longer, way), bend(bends[1], 1.1, way)]
+        grids = [c.start + (c.end - c.start) * GRID for c in curves]
+        swept = Swept(curves, [1, 1, 1], [c.point(g) for c, g in zip(curves, grids)], grids, 100.0)
+        assert swept._next(0, PLACE, 1) == outer
 
 
 def test_boxes_hold_the_curve_between_neighbours():

@@ -224,3 +224,7 @@ def test_the_smallest_cutter_there_is_may_be_the_one_that_is_named():
         "give 4, or a smaller addendum"
     )
     gk.RingGear(12, 2, 0.08, replace(cutter, teeth=4), 0.38)
+    wide = gk.gear.PinionCutter(5, 25, 0.27, 0.0, -0.29)
+    with pytest.raises(gk.DesignError, match="does not fit between the teeth; give a cutter of 4 teeth"):
+        gk.RingGear(37, 2, -1.35, wide, 0.36)
+    gk.RingGear(37, 2, -1.35, replace(wide, teeth=4), 0.36)
