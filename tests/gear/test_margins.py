@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.plane import region
 from tests.made import Made
 
 LONG = {"profile_shift": -0.6, "addendum": 1.2}
@@ -99,3 +100,33 @@ def test_tips_of_an_internal_pair_pass_each_other_by_as_much_as_told(teeth, ring
     assert ("trimming" in pair.interferences) == (pair.trimming_margin < 0)
     outside = gk.GearPair(one, one)
     assert outside.trochoid_margin == outside.trimming_margin == np.inf
+
+
+def test_pairs_that_interfere_overlap_and_others_do_not():
+    """Gears of many sizes, thinned so that flanks alone share nothing, laid over each other through a pitch."""
+    rng, seen, told = np.random.default_rng(4), {}, set()
+    while min(seen.get(key, 0) for key in (True, False)) < 6:
+        teeth, shifts = rng.integers(8, 40, 2), rng.uniform(-0.5, 0.8, 2).round(2)
+        heights = rng.choice([0.8, 1.0, 1.2, 1.3], 2)
+        try:
+            pair = gk.GearPair(*(
+                gk.SpurGear(int(z), 2, float(x), addendum=float(height), thinning=0.02)
+                for z, x, height in zip(teeth, shifts, heights)
+            ))  # fmt: skip
+        except gk.DesignError:
+            continue
+        key = bool(pair.interferences)
+        told |= set(pair.interferences)
+        # What a tip meets beside the involute, it digs into.
+        assert "involute" not in pair.interferences or pair.tip_margins[0] < 0
+        # Few that hardly touch: what they share is lost in the chords.
+        if seen.get(key, 0) >= 8 or (key and min(pair.tip_margins) > -0.05):
+            continue
+        shapes = [gk.flatten(gear.outline, 1e-3) for gear in (pair.first, pair.second)]
+        turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 8)
+        shared = max(region.overlap(*([p.place(z)] for p, z in zip(pair.poses(t), shapes))) for t in turns)
+        assert shared > 1e-3 if key else shared == 0
+        for name, room in zip(("first root", "second root"), pair.clearances):
+            assert name in pair.interferences or room > 0
+        seen[key] = seen.get(key, 0) + 1
+    assert told == {"first root", "second root", "involute"}
