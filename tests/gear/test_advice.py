@@ -48,7 +48,6 @@ AT_MOST = {
     "gear rack thinning": (lambda m, x: gk.gear.GearRack(5, m, thinning=x), 1.5, True, "thinning"),
     "straight addendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, x), 3.0, False, "addendum"),
     "straight dedendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, 1, x), 2.0, False, "dedendum"),
-    "straight dedendum past the axis": (lambda m, x: gk.gear.StraightSidedGear(8, m, 25, 1, x), 4.5, False, "dedendum"),
     "flank backlash": (lambda m, x: flank_gear(m).cutter(0.1 * m, x), 2.0, True, "backlash"),
     "flank clearance": (lambda m, x: flank_gear(m).cutter(x), 3.0, True, "clearance"),
     "lantern backlash": (lambda m, x: gk.gear.LanternPinion(12, m, 1.4 * m).cutter(0, x), 3.0, True, "backlash"),

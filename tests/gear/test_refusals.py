@@ -228,3 +228,12 @@ def test_the_smallest_cutter_there_is_may_be_the_one_that_is_named():
     with pytest.raises(gk.DesignError, match="does not fit between the teeth; give a cutter of 4 teeth"):
         gk.RingGear(37, 2, -1.35, wide, 0.36)
     gk.RingGear(37, 2, -1.35, replace(wide, teeth=4), 0.36)
+
+
+def test_spaces_of_straight_teeth_that_reach_past_the_axis_are_told_how_deep_they_may_be():
+    with pytest.raises(gk.DesignError, match="found 4.5, at which neighbouring teeth run into each other") as caught:
+        gk.gear.StraightSidedGear(8, 2, 25, 1, 4.5)
+    named = float(re.match(r"give at most ([\d.]+), or a smaller flank_angle_deg", caught.value.remedy)[1])
+    gk.gear.StraightSidedGear(8, 2, 25, 1, named)
+    with pytest.raises(gk.DesignError, match="neighbouring teeth"):
+        gk.gear.StraightSidedGear(8, 2, 25, 1, named * (1 + 1e-4))
