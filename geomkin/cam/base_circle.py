@@ -189,7 +189,8 @@ def _uncrossed(
 
     # A touch more than the border itself, where rounding decides.
     bad = max(found.radius * (1 + 1e-9), SMALLEST * scale)
-    if bad >= found.largest or not crossed(bad):
+    last = crossed(bad) if bad < found.largest else None
+    if last is None:
         return found
     good = min(FAR * max(bad, scale), found.largest * (1 - 1e-6))
     if cut := crossed(good):
@@ -200,9 +201,11 @@ def _uncrossed(
         )
     while good - bad > 1e-9 * good:
         middle = 0.5 * (good + bad)
-        good, bad = (good, middle) if crossed(middle) else (middle, bad)
-    last = crossed(bad)
-    return replace(found, radius=good, limit="undercut", cam_angle=last.worst[1] if last else np.nan)
+        if cut := crossed(middle):
+            bad, last = middle, cut
+        else:
+            good = middle
+    return replace(found, radius=good, limit="undercut", cam_angle=last.worst[1])
 
 
 def _hopeless(rules: dict[Limit, Rule], excess: Real, pressure_angle_deg: float) -> DesignError:

@@ -42,8 +42,7 @@ def tip_margin(
     radii, angles = side_angles(still)
     # The tip's corner meets the other's circle of tips, and through the space leaves it again, within this angle.
     mine = abs(edges[-1])
-    reach = still.root_radius if still.is_ring else still.tip_radius
-    cosine = (distance**2 + mine**2 - reach**2) / (2 * distance * mine)
+    cosine = (distance**2 + mine**2 - still.tip_radius**2) / (2 * distance * mine)
     if still.is_ring:
         cosine = -cosine
     span = np.arccos(np.clip(cosine, -1, 1)) + np.pi / moving.teeth

@@ -105,6 +105,26 @@ def test_the_family_of_sine_constant_cosine_holds_harmonic_and_cycloidal_too():
     assert sine_constant_cosine(0.5, 0, 0.5)(x)[:, clear] == pytest.approx(LAWS["cycloidal"](x)[:, clear], abs=1e-12)
 
 
+@pytest.mark.parametrize("shares", [(0, 1, 0), (0.2, 0.5, 0.3), (0.3, 0.1, 0.6), (0.4, 0.6, 0)])
+def test_any_law_of_sine_constant_cosine_has_the_acceleration_that_its_shares_draw(shares):
+    """Of one height from the first sine's top to the last one's, and each row the sum of the next in small steps."""
+    ramp, constant, swing = shares
+    law, n = sine_constant_cosine(*shares), 4000
+    x = (np.arange(n) + 0.5) / n
+    _, slope, acceleration, jerk = law(x)
+    ends = np.cumsum([ramp / 2, constant / 2, swing, constant / 2, ramp / 2])
+    up, down = (np.sin(pi * y / (ramp or 1)) for y in (x, 1 - x))
+    turning = np.cos(pi * (x - ends[1]) / (swing or 1))
+    drawn = np.select([x < ends[0], x < ends[1], x < ends[2], x < ends[3]], [up, 1, turning, -1], -down)
+    assert np.abs(acceleration - acceleration.max() * drawn).max() < 1e-12 * acceleration.max()
+    edges = law(np.arange(n + 1) / n)
+    assert edges[0, [0, -1]] == pytest.approx([0, 1], abs=1e-12)
+    assert np.abs(edges[0] - np.append(0, np.cumsum(slope)) / n).max() < 1e-6
+    assert np.abs(edges[1] - np.append(0, np.cumsum(acceleration)) / n).max() < 2e-6
+    inside = np.min(np.abs(x[:, None] - ends), axis=1) > 2 / n
+    assert np.abs(jerk - np.gradient(acceleration, x))[inside].max() < 1e-4 * (1 + np.abs(jerk).max())
+
+
 @pytest.mark.parametrize(
     ("law", "before", "after"),
     [("parabolic", (4, 0), (-4, 0)), ("modified-trapezoid", (4.888123762813258, 61.42597481), (4.888123762813258, 0))],

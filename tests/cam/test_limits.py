@@ -160,6 +160,12 @@ def test_an_arm_that_would_lean_too_much_on_any_cam_is_refused():
 def test_a_velocity_that_jumps_down_undercuts_a_cam_of_any_size():
     with pytest.raises(gk.DesignError, match="at 180 deg the velocity jumps"):
         least_base_circle(TranslatingFlat(), programme(10, laws=("uniform", "cycloidal")))
+    with pytest.raises(
+        gk.DesignError, match="^program: at 180 deg the velocity jumps, .*; give a law of motion without"
+    ):
+        least_base_circle(
+            OscillatingRoller(2, 200, 190), programme(2, True, laws=("uniform", "cycloidal")), pressure_angle_deg=90
+        )
     # A knife edge leaves the corner as it is.
     assert least_base_circle(TranslatingRoller(0), programme(10, laws=("uniform", "cycloidal"))).radius > 0
 
@@ -192,7 +198,16 @@ def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     found = least_base_circle(follower, program, pressure_angle_deg=60)
     assert found.limit == "undercut"
     assert not undercut(gk.Cam(follower, program, found.radius)).found
-    assert undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6))).found
+    smaller = undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6)))
+    assert smaller.found and found.cam_angle == pytest.approx(smaller.worst[1], abs=1e-3)
+
+
+@pytest.mark.parametrize("degrees", [60, 89, 89.5])
+def test_a_hill_between_samples_limits_the_least_base_radius_too(degrees):
+    """A knife edge on half a cosine of amplitude A, whose steepest place sin(alpha) = A / (R + A) ever nears the foot."""
+    program = gk.Program((gk.Rise("harmonic", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360)))
+    found = least_base_circle(TranslatingRoller(0.0), program, pressure_angle_deg=degrees)
+    assert found.radius == pytest.approx(10 / np.sin(np.radians(degrees)) - 10, rel=1e-8)
 
 
 @pytest.mark.parametrize("tried", [100, 121, 150])

@@ -237,6 +237,24 @@ def test_where_a_neighbour_has_the_peak_the_least_jerk_decides():
     assert optimum.jerk_coefficient == pytest.approx(jerk * angle**3 / 3, rel=1e-7)
 
 
+@pytest.mark.parametrize("ends", [(0.0, 8.0, 0.0, 0.0), (0.5, -9.0, 0.0, 1.0), (0.0, 0.0, 0.3, -7.5)])
+def test_a_spline_beside_the_peak_has_the_least_jerk_of_all_found_by_a_scan(ends):
+    """Of five intervals with two accelerations free: the other two follow from slope and lift at the end."""
+    optimum = optimal_spline(5, 1.0, ends[:2], ends[2:], None)
+    highest = max(abs(ends[1]), abs(ends[3]))
+    assert optimum.peak_acceleration == pytest.approx(highest, rel=1e-8)
+    free = np.linspace(-highest, highest, 401)
+    one, two = (a.ravel() for a in np.meshgrid(free, free))
+    # By trapezoids: a knot adds a fifth to the slope, and that times the way that is left to the lift.
+    missing = [ends[2] - ends[0] - 0.1 * (ends[1] + ends[3]) - 0.2 * (one + two),
+               1 - ends[0] - ends[1] * (0.1 - 1 / 150) - ends[3] / 150 - 0.2 * (0.8 * one + 0.6 * two)]  # fmt: skip
+    three, four = np.linalg.solve([[0.2, 0.2], [0.2 * 0.4, 0.2 * 0.2]], missing)
+    knots = np.stack([0 * one + ends[1], one, two, three, four, 0 * one + ends[3]])
+    steepest = 5 * np.abs(np.diff(knots, axis=0)).max(axis=0)[np.abs(knots).max(axis=0) <= highest * (1 + 1e-9)]
+    step = 5 * (free[1] - free[0])
+    assert steepest.min() - 6 * step < optimum.peak_jerk < steepest.min() + 1e-6
+
+
 def test_a_fall_is_a_rise_upside_down_and_an_arm_a_follower_in_radians():
     program = Program(
         [
@@ -310,3 +328,15 @@ def test_a_small_change_of_velocity_is_proven_to_its_own_bound(degree, faster):
     assert abs(faster) < found.peak_acceleration < 2.5 * abs(faster)
     assert found.bound == pytest.approx(found.peak_acceleration, rel=1e-8)
     assert np.abs(found.law(X)[2]).max() == pytest.approx(found.peak_acceleration, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "segment", [OptimisedPolynomial(9, rise=0, end_deg=220), OptimisedSpline(30, rise=0, end_deg=220)]
+)
+def test_a_hill_that_ends_where_it_began_has_its_peaks_and_no_share_of_a_rise(segment):
+    up, down = gk.Rise("uniform", rise=5, end_deg=140), gk.Return("uniform", end_deg=360)
+    optimum = Program([up, segment, down]).optima[1]
+    acceleration, jerk = peaks(Program([up, segment, down]), 140, 220)
+    assert optimum.peak_acceleration == pytest.approx(acceleration, rel=1e-4) and optimum.gap < 2e-9
+    assert optimum.peak_jerk == pytest.approx(jerk, rel=1e-3)
+    assert np.isnan(optimum.acceleration_coefficient) and np.isnan(optimum.jerk_coefficient)

@@ -74,6 +74,7 @@ def test_a_flat_follower_is_its_bar_and_its_stem(face, tilt_deg):
     with pytest.raises(gk.DesignError, match=f"give more than {least:.4g} mm") as refused:
         stemmed_face(face, tilt, width, least * (1 - 1e-9))
     assert refused.value.field == "stock.stem_length"
+    assert refused.value.problem == f"found {least:g} mm with a bar 10 mm wide along the face"
 
 
 @pytest.mark.parametrize("tau", [1, -1])
@@ -91,6 +92,7 @@ def test_an_arm_is_its_bar_behind_the_face_and_its_boss(offset, tau):
     with pytest.raises(gk.DesignError, match="the face must start") as refused:
         faced_arm((start - 1e-6, reach), offset, width, tau)
     assert refused.value.field == "stock.bar_width" and f"reaches to {start:.4g} mm" in refused.value.problem
+    assert f"found 10 mm, but the face must start {start - 1e-6:.4g} mm from" in refused.value.problem
 
 
 def test_corners_are_rounded_where_they_look_out_and_no_farther_than_their_edges_go():

@@ -19,19 +19,35 @@ def test_the_shift_just_avoids_undercut(teeth, rack):
         assert not gk.SpurGear(teeth, 2, 0, rack).is_undercut
 
 
+@pytest.mark.parametrize("rack", [gk.gear.RackCutter(), gk.gear.RackCutter(25, 0.8, 1.0, 0.2)])
 @pytest.mark.parametrize(("first", "second", "total"), [(15, 40, 0.0), (20, 20, 0.0), (12, 24, 0.96), (18, 90, 0.3)])
-def test_balanced_gears_slide_equally_at_both_ends_of_contact(first, second, total):
-    one, two = gk.gear.balanced_shifts(first, second, total=total)
+def test_balanced_gears_slide_equally_at_both_ends_of_contact(first, second, total, rack):
+    one, two = gk.gear.balanced_shifts(first, second, rack, total)
     assert one + two == pytest.approx(total)
-    pair = gk.GearPair(gk.SpurGear(first, 2, one), gk.SpurGear(second, 2, two))
+    pair = gk.GearPair(gk.SpurGear(first, 2, one, rack), gk.SpurGear(second, 2, two, rack))
     start, end = pair.contact_lengths
     assert float(pair.sliding(start)[0]) == pytest.approx(float(pair.sliding(end)[1]), rel=1e-9)
     if first != second:
-        plain = gk.GearPair(gk.SpurGear(first, 2, total / 2), gk.SpurGear(second, 2, total / 2))
+        plain = gk.GearPair(gk.SpurGear(first, 2, total / 2, rack), gk.SpurGear(second, 2, total / 2, rack))
         worst = [min(np.min(p.sliding(np.array(p.contact_lengths))) for _ in (0,)) for p in (pair, plain)]
         assert worst[0] > worst[1]
+    assert gk.gear.balanced_shifts(second, first, rack, total) == pytest.approx((two, one), abs=1e-9)
+
+
+@pytest.mark.parametrize(("first", "second", "total"), [(60, 10, 0.9), (10, 60, 0.9), (200, 12, 1.2), (30, 14, 0.6)])
+def test_gears_that_most_shifts_would_undercut_are_balanced_too(first, second, total):
+    """By looking at all shifts a hundredth apart: those before slide worse on one gear, those behind on the other."""
+    chosen = gk.gear.balanced_shifts(first, second, total=total)[0]
+    slower = []
+    for shift in chosen + np.array([-0.01, 0.01]):
+        pair = gk.GearPair(gk.SpurGear(first, 2, shift), gk.SpurGear(second, 2, total - shift, pointed="cut"))
+        start, end = pair.contact_lengths
+        slower.append(float(pair.sliding(start)[0]) - float(pair.sliding(end)[1]))
+    assert slower[0] < 0 < slower[1]
 
 
 def test_what_cannot_be_balanced_is_refused():
-    with pytest.raises(gk.DesignError):
+    with pytest.raises(gk.DesignError, match="^teeth: found 4 and 5: at no profile shifts both gears keep contact"):
         gk.gear.balanced_shifts(4, 5)
+    with pytest.raises(gk.DesignError, match="^total: found -2, with which the teeth cannot mesh; give more"):
+        gk.gear.balanced_shifts(20, 20, total=-2)

@@ -50,7 +50,8 @@ class ToothRun:
     def touch(self, t: Real) -> TangentPoint:
         """The curve itself; at a cusp with the tangent just inside."""
         v = self.curve.velocity(t)
-        still, inner = np.abs(v) == 0, t
+        # Just before a cusp at 0 it is less than a number tells in full.
+        still, inner = np.abs(v) < np.finfo(float).tiny, t
         if still.any():
             b = self.breaks
             k = np.clip(np.searchsorted(b, t, side="right") - 1, 0, len(b) - 2)

@@ -139,7 +139,7 @@ class Swept:
         curve, step = self.curves[k], 1 if start == 0 else -1
         t, far = self.grids[k][::step], 1e-3 * self.size
         beyond = np.flatnonzero(np.abs(self.points[k][::step] - place) > far)
-        if not len(beyond) or beyond[0] == 0:
+        if not len(beyond):
             return complex(curve.point(t[-1])) - place
         # All at one distance: curves that leave together part by less than a step of their grids.
         at = first_change(lambda x: np.abs(curve.point(x) - place) - far, t[beyond[0] - 1], t[beyond[0]])

@@ -201,12 +201,6 @@ class StraightSidedGear(AbstractFlankGear):
                 f"found {self.addendum:g}, but the flanks meet {largest:.4g} modules above the pitch circle",
                 f"give at most {rounded_down(largest)}, or a smaller flank_angle_deg",
             )
-        if self.dedendum >= self.teeth / 2:
-            raise DesignError(
-                "dedendum",
-                f"found {self.dedendum:g} with {self.teeth} teeth",
-                f"give less than {self.teeth / 2:g}, or more teeth",
-            )
         half = np.arctan2(self.root_thickness / 2, self.pitch_radius - self.dedendum * self.module)
         if half > np.pi / self.teeth:
             raise DesignError(
