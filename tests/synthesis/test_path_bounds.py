@@ -1,0 +1,124 @@
+"""Bounds of path searches in the search's own units, and what is ranked as one linkage."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.synthesis.path import search
+from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
+from geomkin.synthesis.path.least_squares import _solved
+from geomkin.synthesis.path.results import PathFound
+
+PLACES = {"coupler_point_x": 4, "coupler_point_y": 5, "origin_x": 6, "origin_y": 7}
+ANGLES = {"ground_angle_deg": 8, "start_deg": 9}
+LINKS = {"ground": 0, "crank": 1, "coupler": 2, "rocker": 3}
+SLIDER = {"offset": 0, "crank": 1, "coupler": 2}
+MIDDLE, SIZE = 30 - 70j, 4.0
+
+
+@pytest.mark.parametrize("slides", [False, True])
+def test_bounds_are_told_in_the_units_of_the_search(slides):
+    plain = np.array(bounds_of(None, slides, True, MIDDLE, SIZE))
+    wide = [[-LONGEST, LONGEST]] * 10
+    wide[0:4] = [[SHORTEST, LONGEST]] * 4
+    wide[8:] = [[-FREE, FREE]] * 2
+    if slides:
+        wide[0], wide[3] = [-LONGEST, LONGEST], [1, 1]
+    assert plain.T.tolist() == wide
+    for name, k in {**(SLIDER if slides else LINKS), **PLACES, **ANGLES}.items():
+        low, high = bounds_of({name: (10, 34)}, slides, True, MIDDLE, SIZE)
+        shift = {"origin_x": MIDDLE.real, "origin_y": MIDDLE.imag}.get(name, 0.0)
+        unit = 180 / np.pi if name in ANGLES else SIZE
+        assert [low[k] * unit + shift, high[k] * unit + shift] == pytest.approx([10, 34])
+        others = np.arange(10) != k
+        assert (low[others] == plain[0, others]).all() and (high[others] == plain[1, others]).all()
+        # From below the least, or to beyond the greatest that there is: that stays.
+        low, high = bounds_of({name: (-9e8, 9e8)}, slides, True, MIDDLE, SIZE)
+        if name not in ANGLES:
+            assert [low[k], high[k]] == plain[:, k].tolist()
+    # One value may be told, too, and one in each direction of a place; a length has to be above 0.
+    for name in ("offset" if slides else "coupler_point_x", "origin_y", "ground_angle_deg"):
+        for value in (0, -3):
+            low, high = bounds_of({name: (value, value)}, slides, False, MIDDLE, SIZE)
+            assert (low == high).sum() == 1 + slides
+    for name in ("crank", "coupler") if slides else LINKS:
+        with pytest.raises(gk.DesignError, match=f"{name} is at most 0 mm; give a length above 0"):
+            bounds_of({name: (-1, 0)}, slides, False, MIDDLE, SIZE)
+        low, _ = bounds_of({name: (0, 1e-3)}, slides, False, MIDDLE, SIZE)
+        assert low[SLIDER[name] if slides else LINKS[name]] == SHORTEST
+        with pytest.raises(gk.DesignError, match=f"{name} is far from all 4 mm that the points are wide"):
+            bounds_of({name: (1e-9, 1e-7)}, slides, False, MIDDLE, SIZE)
+
+
+def test_links_are_bounded_when_each_is():
+    four, two = dict.fromkeys(LINKS, (1, 2)), dict.fromkeys(("crank", "coupler"), (1, 2))
+    assert bound_all_links(four, False) and bound_all_links(two, True)
+    assert not bound_all_links(two, False) and not bound_all_links(None, True) and not bound_all_links({}, False)
+    for name in LINKS:
+        assert not bound_all_links({n: pair for n, pair in four.items() if n != name}, False)
+    assert not bound_all_links({"offset": (0, 0), "crank": (1, 2)}, True)
+
+
+def found_of(linkage, branch=1):
+    return PathFound(
+        linkage=linkage, branch=branch, drive=np.zeros(3), transmission_angle_deg=40.0, defects=(),
+        points=np.zeros(3), square_error=0.0, largest_distance=0.0,
+    )  # fmt: skip
+
+
+def test_linkages_are_alike_that_differ_by_less_than_a_thousandth():
+    bar = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j)
+    slider = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j)
+    for one in (bar, slider):
+        assert search._alike(found_of(one), found_of(one))
+        for name in (
+            "crank",
+            "coupler",
+            "coupler_point",
+            "origin",
+            *(["offset"] if one is slider else ["ground", "rocker"]),
+        ):
+            value = getattr(one, name)
+            for share, alike in ((0.9e-3, True), (-0.9e-3, True), (1.2e-3, False), (-1.2e-3, False)):
+                other = dataclasses.replace(one, **{name: value * (1 + share)})
+                assert search._alike(found_of(one), found_of(other)) is alike
+                assert search._alike(found_of(other), found_of(one)) is alike
+        # What is 0 of both but for rounding is alike; a crank's thousandth of a thousandth is not nothing.
+        moved = [dataclasses.replace(one, origin=at) for at in (0, 2e-5j, 4e-5j)]
+        assert [search._alike(found_of(moved[0]), found_of(other)) for other in moved] == [True, True, False]
+    # A slide line may be named from its other end, a four-bar's other branch is another linkage.
+    assert search._alike(found_of(slider), found_of(dataclasses.replace(slider, offset=-12), -1))
+    assert not search._alike(found_of(bar), found_of(bar, -1))
+
+
+def test_usable_is_what_has_no_defect_and_keeps_both_limits():
+    good = dataclasses.replace(found_of(gk.FourBar(90, 9, 80, 85, 40 + 45j)), transmission_angle_deg=30.0)
+    assert good.ratio == pytest.approx(10) and good.is_usable and good.usable is good and good.coupler_point == 40 + 45j
+    assert dataclasses.replace(good, transmission_angle_deg=30 - 2e-5).is_usable
+    long = gk.FourBar(90.001, 9, 80, 85)
+    for worse in ({"transmission_angle_deg": 29.99}, {"linkage": long}, {"defects": ("order",)}):
+        other = dataclasses.replace(good, **worse)
+        assert not other.is_usable and other.usable is None
+        assert dataclasses.replace(other, again=lambda: good).usable is good
+    told = dataclasses.replace(good, square_error=1.23456789e-3, largest_distance=0.0123456789).summary()
+    assert (told["square_error_mm2"], told["largest_distance_mm"]) == (1.23457e-3, 0.0123457)
+    assert dataclasses.replace(good, drive=np.array([0, np.pi / 2, 7])).drive_deg == pytest.approx([0, 90, 401.0704566])
+
+
+def test_one_singular_system_spoils_no_other():
+    rng = np.random.default_rng(9)
+    half = rng.normal(size=(5, 3, 3))
+    systems = half @ np.swapaxes(half, 1, 2) * np.array([1, 1e-8, 1e8, 1, 1])[:, None, None]
+    wanted = rng.normal(size=(5, 3))
+    right = np.einsum("spq,sq->sp", systems, wanted)
+    assert _solved(systems.copy(), right) == pytest.approx(wanted, rel=1e-6)
+    # All alike: what is taken for firm rounds to the rest, and no elimination gets on.
+    systems[3] = 1.0 + 1e-15
+    systems[3][np.diag_indices(3)] = 1.0
+    systems[4, 0, 1] = np.nan
+    right[3] = 6.0
+    found = _solved(systems, right)
+    assert found[:3] == pytest.approx(wanted[:3], rel=1e-6) and found[3] == pytest.approx([2, 2, 2])
+    assert (found[4] == 0).all()
