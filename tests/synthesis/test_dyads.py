@@ -8,6 +8,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis import circle_of_sliders, dyads_through, image_poles, poles
 from geomkin.synthesis.guidance.constraint import Pairs, sharpened
+from geomkin.synthesis.guidance.dyads import _straightened
 from tests.synthesis.known import apart, known_linkages
 
 
@@ -285,3 +286,28 @@ def test_a_pair_that_is_a_little_off_is_brought_onto_its_circle():
         length = np.abs(z + u * pairs.moving[:, None] - pairs.fixed[:, None])
         gained += list(np.ptp(length, axis=1))
     assert len(gained) >= 8 and np.median(gained) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_pivots_far_away_are_told_as_slides_where_a_line_does_as_well(size):
+    rng, never = np.random.default_rng(14), np.zeros(4, dtype=bool)
+    u, way = np.exp(1j * rng.uniform(-3, 3, 5)), np.exp(0.6j)
+    pin, along = size * (0.3 - 0.8j), size * rng.normal(size=5)
+    # The pin runs along a line of the ground; the same seen from the other side.
+    z = size * (2 + 1j) + way * along - u * pin
+    pivots = z[0] + np.array([1e9 * size * 1j * way, 1e9 * size * way, 20 * size, 1e4j * size * way])
+    pins = np.array([pin, pin + 0.1 * size, pin, pin])
+    for swapped in (False, True):
+        found = Pairs(pivots, pins, never, never)
+        if swapped:
+            told = _straightened(-np.conj(u) * z, np.conj(u), found.swapped).swapped
+        else:
+            told = _straightened(z, u, found)
+        # The second pin is on no line, the others' pivots are near enough to be true ones.
+        assert told.fixed_far.tolist() == [True, False, False, False] and not told.moving_far.any()
+        assert abs((told.fixed[0] / way).imag) < 1e-9 and abs(told.fixed[0]) == pytest.approx(1)
+        assert told.fixed[1:].tolist() == pivots[1:].tolist() and told.moving.tolist() == pins.tolist()
+    # One that is told as a slide already stays so.
+    slide = Pairs(np.array([way, pivots[2]]), pins[[0, 2]], np.array([True, False]), never[:2])
+    told = _straightened(z, u, slide)
+    assert told.fixed.tolist() == slide.fixed.tolist() and told.fixed_far.tolist() == [True, False]

@@ -203,3 +203,16 @@ def test_many_precision_points_are_refused():
     assert len(chebyshev_points((0, 1), 100)) == 100
     with pytest.raises(gk.DesignError, match="count: found 101; give at most 100"):
         chebyshev_points((0, 1), 101)
+
+
+def test_the_output_may_go_as_far_as_a_refusal_says():
+    wanted = module.wanted_function("sin(x)", (0, 3))
+    with pytest.raises(gk.DesignError, match="output_deg: found -90, with which the output would go 637.7") as refusal:
+        module._refuse_turns(wanted, -90)
+    most = float(refusal.value.remedy.split("give at most ")[1].split(" ")[0])
+    # From nought to 1 and back to sin 3.
+    assert most == pytest.approx(359 * np.sin(3), rel=1e-4)
+    for sign in (1, -1):
+        module._refuse_turns(wanted, sign * most)
+        with pytest.raises(gk.DesignError, match="output_deg"):
+            module._refuse_turns(wanted, sign * 1.001 * most)

@@ -216,3 +216,45 @@ def test_starts_are_near_the_points_and_the_best_come_first(asked, monkeypatch):
     assert told == sorted(told) and told[0] == 0 and 0.1 < told[-1] < 0.3
     late = starts.timed_starts(task, rng, Watch(0, "")) if timed else starts.free_starts(task, rng, Watch(0, ""))
     assert [len(rows) for rows in late] == [0] * len(late)
+
+
+def test_no_two_lines_of_a_tour_are_better_the_other_way_about():
+    rng = np.random.default_rng(10)
+    for n in (9, 16, 30):
+        points = rng.normal(size=n) + 1j * rng.normal(size=n)
+
+        def length(order, points=points):
+            return np.abs(np.diff(points[np.append(order, order[0])])).sum()
+
+        order = starts.short_tour(points)
+        assert sorted(order.tolist()) == list(range(n)) and length(order) < 0.9 * length(np.arange(n))
+        for i in range(n):
+            for j in range(i + 1, n):
+                other = np.concatenate([order[: i + 1], order[i + 1 : j + 1][::-1], order[j + 1 :]])
+                assert length(other) >= length(order) - 1e-8
+        # In that order they stay, and so do those that lie round a circle.
+        assert starts.short_tour(points[order]).tolist() == list(range(n))
+
+
+def test_a_closed_path_is_one_turn_and_an_open_one_no_more_in_either_sense(monkeypatch):
+    seen = {}
+    monkeypatch.setattr(starts, "TRIED", 1000)
+    monkeypatch.setattr(starts, "TRIED_AT_ONCE", 1000)
+    for name in ("_closed", "_open"):
+
+        def watched(task, x, path, *cranks, name=name, plain=getattr(starts, name)):
+            seen[name] = path, *cranks
+            return plain(task, x, path, *cranks)
+
+        monkeypatch.setattr(starts, name, watched)
+    wanted = at(CROSSING, np.linspace(0, 5, 12))
+    for closed in (True, False):
+        starts.free_starts(task_of(wanted, closed=closed), np.random.default_rng(3), Watch(60, ""))
+    path, (_, cranks) = seen["_closed"][0], seen["_open"]
+    assert path[:, 0] == pytest.approx(path[:, -1])
+    # From one end to the other no place is come by twice but by crossing itself.
+    assert np.abs(np.diff(path, axis=1)).min(axis=1).max() > 0 and (np.abs(path[:, 32] - path[:, 0]) > 1e-9).all()
+    way = cranks[:, -1] - cranks[:, 0]
+    assert np.abs(way).max() <= 2 * np.pi and way.min() < -5 and way.max() > 5 and np.abs(way).min() > 0.2
+    start = cranks[:, 0] % (2 * np.pi)
+    assert np.histogram(start, 4, (0, 2 * np.pi))[0].min() > 0.1 * len(start)
