@@ -279,13 +279,14 @@ def test_a_pair_that_is_a_little_off_is_brought_onto_its_circle():
         if any(known.fixed_far) or any(known.moving_far):
             continue
         z, u = (np.array(row) for row in zip(*((place, np.exp(1j * angle)) for place, angle in known.poses)))
-        off = 1e-6 * np.exp(1j * rng.uniform(0, 2 * np.pi, (2, 2)))
+        # Two of Newton's steps square what is off twice.
+        off = 1e-4 * np.exp(1j * rng.uniform(0, 2 * np.pi, (2, 2)))
         never = np.zeros(2, dtype=bool)
         pairs = sharpened(z, u, Pairs(np.array(known.fixed) + off[0], np.array(known.moving) + off[1], never, never))
         # How far the distance between the two varies over the poses, told by itself.
         length = np.abs(z + u * pairs.moving[:, None] - pairs.fixed[:, None])
         gained += list(np.ptp(length, axis=1))
-    assert len(gained) >= 8 and np.median(gained) < 1e-12
+    assert len(gained) >= 8 and np.median(gained) < 1e-13
 
 
 @pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])

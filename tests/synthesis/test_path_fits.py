@@ -9,6 +9,7 @@ import geomkin as gk
 from geomkin.progress import Watch
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PASSED, PathTask, nearest, polished, refined, sorted_out, squares
+from geomkin.synthesis.path.search import _for_all, _settled
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
 # Its coupler point crosses its own path.
@@ -143,3 +144,28 @@ def test_the_best_come_first_and_what_is_outside_goes_or_is_brought_back_by_a_ha
     assert found[0, 1] == 1 and found[0, 0] < 3
     task.low[0] = 3
     assert len(sorted_out(task, x[:1], np.zeros((1, 8)), np.ones(1))[0]) == 0
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed):
+    rng = np.random.default_rng(6)
+    drive = 0.2 + np.linspace(0, 5.8, 61)
+    path = at(CROSSING, drive)
+    off = 0.01 * (rng.normal(size=61) + 1j * rng.normal(size=61))
+    task, x, branch = task_of(path + off, closed=closed), CROSSING[None], np.ones(1)
+    found = _settled(task, x, drive[None] + 0.05 * rng.normal(size=(1, 61)), branch)
+    # Brute force around each; nothing is left along the path.
+    near = drive[:, None] + np.linspace(-0.15, 0.15, 3001)
+    looked = np.abs(at(CROSSING, near.ravel()).reshape(near.shape) - (path + off)[:, None])
+    assert found[0] == pytest.approx(near[np.arange(61), looked.argmin(axis=1)], abs=2e-4)
+    ahead, behind = (np.abs(at(CROSSING, found[0] + side * 1e-4) - path - off) ** 2 for side in (1, -1))
+    assert np.abs(ahead - behind).max() < 1e-9
+    # From cranks of a few of the points: by their places along the path of an open one, by looks of a closed one.
+    few = task.thinned(16)
+    chosen = [int(np.flatnonzero(task.wanted == place)[0]) for place in few.wanted]
+    t = _for_all(task, few, x, found[:, chosen], branch)
+    more = np.abs(at(CROSSING, t[0]) - path - off) - looked.min(axis=1)
+    # Where two parts of the path are near a point alike, either is taken of a closed one.
+    assert t.shape == (1, 61) and more.max() < 0.01 and (more < 1e-6).mean() > (0.9 if closed else 0.999)
+    assert closed or t[0] == pytest.approx(found[0], abs=1e-3)
+    assert not _for_all(dataclasses.replace(task, turns=drive - 0.2), few, x, found[:, chosen], branch).any()
