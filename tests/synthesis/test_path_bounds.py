@@ -1,4 +1,4 @@
-"""Bounds of path searches in the search's own units, and what is ranked as one linkage."""
+"""Path searches in their own units and in mm: bounds, what is made of a row of numbers, what is ranked as one."""
 
 import dataclasses
 
@@ -10,6 +10,8 @@ from geomkin.synthesis.path import search
 from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
 from geomkin.synthesis.path.least_squares import _solved
 from geomkin.synthesis.path.results import PathFound
+from geomkin.synthesis.path.way import way_through
+from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
 PLACES = {"coupler_point_x": 4, "coupler_point_y": 5, "origin_x": 6, "origin_y": 7}
 ANGLES = {"ground_angle_deg": 8, "start_deg": 9}
@@ -122,3 +124,72 @@ def test_one_singular_system_spoils_no_other():
     found = _solved(systems, right)
     assert found[:3] == pytest.approx(wanted[:3], rel=1e-6) and found[3] == pytest.approx([2, 2, 2])
     assert (found[4] == 0).all()
+
+
+def search_of(task, **changed):
+    asked = {"points": task.wanted * 4 + MIDDLE, "middle": MIDDLE, "size": SIZE, "task": task, "bounded": frozenset()}
+    return search.PathSearch(**asked | {"all_nine": False, "seed": 0, "seconds": 60.0} | changed)
+
+
+@pytest.mark.parametrize(
+    ("slides", "timed", "most"), [(False, False, 9), (False, True, 5), (True, False, 8), (True, True, 4)]
+)
+def test_as_many_points_can_be_met_as_a_linkage_has_numbers(slides, timed, most):
+    for count, more in ((most, False), (most + 1, True)):
+        turns = np.linspace(0, 2, count) if timed else None
+        assert search_of(task_of(np.ones(count), turns=turns, slides=slides)).more_than_can_be_met is more
+
+
+@pytest.mark.parametrize("slides", [False, True])
+@pytest.mark.parametrize("asked", ["open", "closed", "timed"])
+def test_what_is_made_of_a_row_is_that_linkage_in_mm(asked, slides):
+    x = CROSSING.copy()
+    x[[0, 6, 7, 8, 9]] = 0.3 if slides else 3.0, 0.5, -2.0, 3.5, -7.0
+    drive = np.linspace(0, 4.0, 6) - 7
+    wanted = at(x, drive, 1.0, slides) + 0.01j
+    task = task_of(wanted, closed=asked == "closed", turns=drive + 7 if asked == "timed" else None, slides=slides)
+    found = search_of(task).made(x, drive, np.ones(6, dtype=int))
+    assert isinstance(found.linkage, gk.SliderCrank if slides else gk.FourBar) and not found.defects
+    # A ground angle within half a turn, unless bounds say where it is; a drive that begins in the first turn likewise.
+    assert found.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5) - 360)
+    told = search_of(task, bounded=frozenset({"ground_angle_deg", "start_deg"})).made(x, drive, np.ones(6, dtype=int))
+    assert told.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5))
+    if asked == "closed":
+        assert found.drive == pytest.approx(drive % (2 * np.pi)) and told.drive == pytest.approx(found.drive)
+    else:
+        assert found.drive == pytest.approx(drive + 4 * np.pi) and told.drive == pytest.approx(drive)
+    places = gk.move(found.linkage, found.drive, found.branch).point("coupler_point").position
+    assert places == pytest.approx(found.points - 0.04j) and found.points == pytest.approx(SIZE * wanted + MIDDLE)
+    assert found.square_error == pytest.approx(6 * 0.04**2) and found.largest_distance == pytest.approx(0.04)
+    span = (0, 2 * np.pi) if asked == "closed" else (drive[0], drive[-1])
+    least = gk.least_transmission_angle(gk.move(found.linkage, np.linspace(*span, 5001)))
+    assert found.transmission_angle_deg == pytest.approx(np.degrees(least), abs=1e-3) and found.at_limits == ()
+    # What is no linkage in mm is none.
+    x[1] = 1e-20
+    assert search_of(task).made(x, drive, np.ones(6, dtype=int)) is None
+
+
+def test_limits_that_are_stood_on_are_told_and_those_passed_keep_a_linkage_out():
+    task, drive = task_of(np.ones(4)), np.array([0.3, 1, 2, 2.5])
+    way = way_through(task, CROSSING, drive, np.ones(4, dtype=int))
+    ratio = 3.0
+    for angle, most, told in (
+        (0.999 * way.transmission, 1.001 * ratio, ()),
+        (
+            0.99995 * way.transmission,
+            1.001 * ratio,
+            (f"a transmission angle of {np.degrees(0.99995 * way.transmission):g} deg",),
+        ),
+        (0.999 * way.transmission, 1.00005 * ratio, ("a ratio of links of 3.00015",)),
+        (
+            way.transmission,
+            ratio,
+            (f"a transmission angle of {np.degrees(way.transmission):g} deg", "a ratio of links of 3"),
+        ),
+    ):
+        held = search_of(dataclasses.replace(task, least_transmission=angle, largest_ratio=most))
+        assert held.limits_of(CROSSING, way) == told
+    plain = found_of(gk.FourBar(90, 30, 80, 70))
+    for angle, most, fits in ((39.9, 3.1, True), (40.1, 3.1, False), (39.9, 2.9, False)):
+        held = search_of(dataclasses.replace(task, least_transmission=np.radians(angle), largest_ratio=most))
+        assert held.is_within(plain) is fits and held.is_within(dataclasses.replace(plain, defects=("order",)))
