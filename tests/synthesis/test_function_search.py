@@ -216,3 +216,32 @@ def test_the_output_may_go_as_far_as_a_refusal_says():
         module._refuse_turns(wanted, sign * most)
         with pytest.raises(gk.DesignError, match="output_deg"):
             module._refuse_turns(wanted, sign * 1.001 * most)
+
+
+@pytest.mark.parametrize(
+    ("call", "starts"), [(gk.function_generator, (77.7, -20.3)), (slider_function_generator, (-20.3, 61.7))]
+)
+def test_starts_that_are_given_are_told_as_they_were_given(call, starts, monkeypatch):
+    # What is found need not be the best.
+    for name in ("FOLLOWED_FITS", "FOLLOWED_SPREAD", "ROUNDS", "STEPS"):
+        monkeypatch.setattr(search, name, 1)
+    monkeypatch.setattr(search, "FITS", 100)
+    monkeypatch.setattr(search, "SPREAD", 1000)
+    for given in ((starts[0], None), (None, starts[1])):
+        kept = {
+            "input_start_deg": given[0],
+            ("output_start_deg" if call is gk.function_generator else "output_start_mm"): given[1],
+        }
+        found = call("log10(x)", (1, 2), **kept, method="points")
+        told = found.starts_deg if call is gk.function_generator else (found.start_deg, found.start_mm)
+        assert [one for one, asked in zip(told, given) if asked is not None] == [
+            one for one in given if one is not None
+        ]
+        assert abs(told[0]) <= 180 and found.drive[0] == pytest.approx(np.radians(told[0]))
+        # There the linkage stands at the start of the function, but for its error.
+        motion = gk.move(found.linkage, found.drive[:1], found.branch)
+        if call is gk.function_generator:
+            out = np.degrees(np.angle(motion.rocker.direction[0])) - told[1]
+            assert abs((out + 180) % 360 - 180) == pytest.approx(abs(found.error(1.0)), abs=1e-9)
+        else:
+            assert motion.slider.origin.position.real[0] - told[1] == pytest.approx(found.error(1.0), abs=1e-9)

@@ -210,6 +210,10 @@ def test_starts_are_near_the_points_and_the_best_come_first(asked, monkeypatch):
         x, t, branch = starts.free_starts(task, rng, Watch(60, ""))
     off = squares(task, x, t, branch)
     assert x.shape == (len(off), 10) and t.shape == (len(off), 20) and set(branch.tolist()) == {1, -1}
+    if asked == "open":
+        # From end to end in one sense, wherever else the path comes near to the points.
+        steps = np.diff(t, axis=1)
+        assert ((steps > 0).all(axis=1) | (steps < 0).all(axis=1)).all()
     # No worse than all points in one place, and the first of them far better.
     assert 20 < len(off) <= starts.IMPROVED and (off < 20 + 1e-6).all() and off[:3].max() < 0.3 * 20
     assert np.median(off[:10]) < np.median(off[-10:])
