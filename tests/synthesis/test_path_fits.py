@@ -7,6 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.progress import Watch
+from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PASSED, PathTask, nearest, polished, refined, sorted_out, squares
 from geomkin.synthesis.path.search import _for_all, _settled
@@ -147,7 +148,7 @@ def test_the_best_come_first_and_what_is_outside_goes_or_is_brought_back_by_a_ha
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed):
+def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, monkeypatch):
     rng = np.random.default_rng(6)
     drive = 0.2 + np.linspace(0, 5.8, 61)
     path = at(CROSSING, drive)
@@ -169,3 +170,6 @@ def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed):
     assert t.shape == (1, 61) and more.max() < 0.01 and (more < 1e-6).mean() > (0.9 if closed else 0.999)
     assert closed or t[0] == pytest.approx(found[0], abs=1e-3)
     assert not _for_all(dataclasses.replace(task, turns=drive - 0.2), few, x, found[:, chosen], branch).any()
+    monkeypatch.setattr(search, "_settled", lambda task, x, t, branch: t)
+    t = _for_all(task, few, x, found[:, chosen], branch)
+    assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
