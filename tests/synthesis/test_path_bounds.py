@@ -193,3 +193,23 @@ def test_limits_that_are_stood_on_are_told_and_those_passed_keep_a_linkage_out()
     for angle, most, fits in ((39.9, 3.1, True), (40.1, 3.1, False), (39.9, 2.9, False)):
         held = search_of(dataclasses.replace(task, least_transmission=np.radians(angle), largest_ratio=most))
         assert held.is_within(plain) is fits and held.is_within(dataclasses.replace(plain, defects=("order",)))
+
+
+def test_what_is_usable_is_searched_for_within_its_own_limits(monkeypatch):
+    good = dataclasses.replace(found_of(gk.FourBar(90, 30, 80, 70)), transmission_angle_deg=35.0)
+    poor, asked = dataclasses.replace(good, defects=("order",)), []
+    comes = {"one": (good,), "best": (good, poor), "poor": (poor, good), "none": ()}
+    for told, (angle, ratio) in zip(comes, ((20, 15.0), (45, 15.0), (20, 4.0), (0.1, np.inf))):
+
+        def ranked(self, number, told=told):
+            asked.append((round(np.degrees(self.task.least_transmission), 9), self.task.largest_ratio, self.all_nine))
+            assert number > 0
+            return comes[told], False
+
+        monkeypatch.setattr(search.PathSearch, "ranked", ranked)
+        task = task_of(np.ones(9), least_transmission=np.radians(angle), largest_ratio=ratio)
+        found = search_of(task, all_nine=True).usable()
+        assert asked.pop() == (max(angle, 30), min(ratio, 10), False)
+        assert (
+            found is None if told in ("poor", "none") else found.ranked == comes[told] and found.linkage == good.linkage
+        )

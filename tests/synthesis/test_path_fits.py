@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
-from geomkin.synthesis.path.fits import PASSED, PathTask, nearest, polished, refined, sorted_out, squares
+from geomkin.synthesis.path.fits import PASSED, Fit, PathTask, nearest, polished, refined, sorted_out, squares
 from geomkin.synthesis.path.search import _for_all, _settled
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
@@ -173,3 +173,24 @@ def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, mo
     monkeypatch.setattr(search, "_settled", lambda task, x, t, branch: t)
     t = _for_all(task, few, x, found[:, chosen], branch)
     assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
+
+
+def test_settled_cranks_are_those_of_the_nearest_places_and_no_crank_goes_far_at_once():
+    rng = np.random.default_rng(7)
+    drive = np.linspace(0.2, 5.5, 12)
+    x, sides = np.stack([CROSSING, CROSSING]), np.array([-1.0, 1, 1])
+    x[1, 6] = 0.05
+    wanted = at(CROSSING, drive)
+    task, start = task_of(wanted), drive + rng.uniform(-0.04, 0.04, (2, 12))
+    fit, which = Fit(task, sides), np.array([1, 2])
+    # Free cranks have no start, and a row of which is left out is taken for 0.
+    t = start
+    for _ in range(9):
+        t, before = fit.settled(which, x[:, :9], t), t
+        assert np.abs(t - before).max() <= 0.2
+    assert t[0] == pytest.approx(drive, abs=1e-9)
+    below, here, above = (np.abs(at(x[1], t[1] + side) - wanted) for side in (-1e-3, 0, 1e-3))
+    settled = np.abs(t[1] - before[1]) < 1e-4
+    assert settled.sum() > 8 and (here <= np.minimum(below, above))[settled].all() and here.max() > 0.01
+    timed = Fit(dataclasses.replace(task, turns=drive), sides)
+    assert timed.settled(which, x, start) is start

@@ -247,14 +247,15 @@ def test_a_closed_path_is_one_turn_and_an_open_one_no_more_in_either_sense(monke
     for name in ("_closed", "_open"):
 
         def watched(task, x, path, *cranks, name=name, plain=getattr(starts, name)):
-            seen[name] = path, *cranks
+            seen[name] = x, path, *cranks
             return plain(task, x, path, *cranks)
 
         monkeypatch.setattr(starts, name, watched)
     wanted = at(CROSSING, np.linspace(0, 5, 12))
     for closed in (True, False):
-        starts.free_starts(task_of(wanted, closed=closed), np.random.default_rng(3), Watch(60, ""))
-    path, (_, cranks) = seen["_closed"][0], seen["_open"]
+        task = task_of(wanted, closed=closed, least_transmission=np.radians(30), largest_ratio=8.0)
+        starts.free_starts(task, np.random.default_rng(3), Watch(60, ""))
+    path, (x, _, cranks) = seen["_closed"][1], seen["_open"]
     assert path[:, 0] == pytest.approx(path[:, -1])
     # From one end to the other no place is come by twice but by crossing itself.
     assert np.abs(np.diff(path, axis=1)).min(axis=1).max() > 0 and (np.abs(path[:, 32] - path[:, 0]) > 1e-9).all()
@@ -262,3 +263,8 @@ def test_a_closed_path_is_one_turn_and_an_open_one_no_more_in_either_sense(monke
     assert np.abs(way).max() <= 2 * np.pi and way.min() < -5 and way.max() > 5 and np.abs(way).min() > 0.2
     start = cranks[:, 0] % (2 * np.pi)
     assert np.histogram(start, 4, (0, 2 * np.pi))[0].min() > 0.1 * len(start)
+    # All of them close, and nearly keep the limits, on their way; coupler points are on all sides of the coupler.
+    assert (task.passed(x, cranks) < 0.05).all()
+    arms = x[:, 4:6] / x[:, 2:3]
+    assert np.abs(np.corrcoef(arms.T)[0, 1]) < 0.2 and arms.mean(axis=0) == pytest.approx([0.5, 0], abs=0.15)
+    assert arms.std(axis=0) == pytest.approx([1, 1], abs=0.15)
