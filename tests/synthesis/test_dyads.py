@@ -312,3 +312,18 @@ def test_pivots_far_away_are_told_as_slides_where_a_line_does_as_well(size):
     slide = Pairs(np.array([way, pivots[2]]), pins[[0, 2]], np.array([True, False]), never[:2])
     told = _straightened(z, u, slide)
     assert told.fixed.tolist() == slide.fixed.tolist() and told.fixed_far.tolist() == [True, False]
+    # So does one whose pin is far away, wherever the ground is seen from the body.
+    flat, ones = way * along + 3, np.ones(5, dtype=complex)
+    far_pin = Pairs(np.array([way]), np.array([1e9 * size + 0j]), np.array([True]), never[:1])
+    told = _straightened(flat, ones, far_pin)
+    assert told.moving.tolist() == far_pin.moving.tolist() and not told.moving_far.any()
+
+
+def test_slides_are_left_as_they_are_by_what_sharpens_pins():
+    rng = np.random.default_rng(15)
+    z, u = rng.normal(size=5) + 1j * rng.normal(size=5), np.exp(1j * rng.uniform(-3, 3, 5))
+    places_, ways = rng.normal(size=40) + 1j * rng.normal(size=40), np.exp(1j * rng.uniform(-3, 3, 40))
+    far = np.arange(40) % 2 == 0
+    slides = Pairs(np.where(far, ways, places_), np.where(far, places_, ways), far, ~far)
+    told = sharpened(z, u, slides)
+    assert (told.fixed == slides.fixed).all() and (told.moving == slides.moving).all()

@@ -245,3 +245,11 @@ def test_starts_that_are_given_are_told_as_they_were_given(call, starts, monkeyp
             assert abs((out + 180) % 360 - 180) == pytest.approx(abs(found.error(1.0)), abs=1e-9)
         else:
             assert motion.slider.origin.position.real[0] - told[1] == pytest.approx(found.error(1.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "points", [6, 2, True, [1, 1.5], [1, 1.2, 1.4, 1.6, 1.8, 2], "abc", None, [[1, 1.5, 2]], [1, np.nan, 2], [1j, 2, 3]]
+)
+def test_what_are_no_precision_points_is_refused(points):
+    with pytest.raises(gk.DesignError, match="points: found .*; give 3, 4 or 5, or a row of so many places x"):
+        gk.function_generator(**WISH, method="points", points=points)

@@ -11,6 +11,7 @@ from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_lin
 from geomkin.synthesis.path.least_squares import _solved
 from geomkin.synthesis.path.results import PathFound
 from geomkin.synthesis.path.way import way_through
+from tests.synthesis.test_nine_points import POINTS, THREE
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
 PLACES = {"coupler_point_x": 4, "coupler_point_y": 5, "origin_x": 6, "origin_y": 7}
@@ -213,3 +214,12 @@ def test_what_is_usable_is_searched_for_within_its_own_limits(monkeypatch):
         assert (
             found is None if told in ("poor", "none") else found.ranked == comes[told] and found.linkage == good.linkage
         )
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_only_what_meets_nine_points_is_told_to_do_so_at_any_size(size, monkeypatch):
+    first = np.tile([POINTS[0].real, POINTS[0].imag], 4)
+    rows = THREE[[0, 1, 1, 2]] + np.array([0, 1e-7, 1e-5, 0])[:, None] + first
+    monkeypatch.setattr(search, "through_nine", lambda wanted, rng, watch: rows)
+    found = search_of(task_of(POINTS), size=size).through_nine(None, None)
+    assert len(found) == 2 and all(one.largest_distance < 1e-8 * size for one in found)
