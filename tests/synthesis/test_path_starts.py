@@ -268,3 +268,21 @@ def test_a_closed_path_is_one_turn_and_an_open_one_no_more_in_either_sense(monke
     arms = x[:, 4:6] / x[:, 2:3]
     assert np.abs(np.corrcoef(arms.T)[0, 1]) < 0.2 and arms.mean(axis=0) == pytest.approx([0.5, 0], abs=0.15)
     assert arms.std(axis=0) == pytest.approx([1, 1], abs=0.15)
+
+
+@pytest.mark.parametrize("bounds", [(-1e3, 1e3), (2.0, 2.5), (-0.5, 0.5)])
+def test_timed_starts_are_tried_at_all_cranks_that_bounds_allow(bounds, monkeypatch):
+    for name, value in {"SCORED": 1000, "SCORED_AT_ONCE": 500}.items():
+        monkeypatch.setattr(starts, name, value)
+    seen, plain = [], starts.linear_fit
+    monkeypatch.setattr(starts, "linear_fit", lambda task, x, *ways: (seen.append(x), plain(task, x, *ways))[1])
+    turns = np.linspace(0, 0.5, 8)
+    low, high = task_of([0]).low.copy(), task_of([0]).high.copy()
+    low[9], high[9] = bounds
+    starts.timed_starts(
+        task_of(at(CROSSING, turns), turns=turns, low=low, high=high), np.random.default_rng(1), Watch(60, "")
+    )
+    begun = np.concatenate(seen)[:, 9]
+    span = (0, 2 * np.pi) if bounds[1] > 9 else bounds
+    assert len(begun) > 300 and np.histogram(begun % (2 * np.pi) if bounds[1] > 9 else begun, 5, span)[0].min() > 30
+    assert bounds[0] <= begun.min() and begun.max() <= bounds[1]
