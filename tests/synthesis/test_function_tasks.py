@@ -57,8 +57,11 @@ def test_slopes_are_those_of_central_differences(task):
     assert (slopes[..., 5] == 0).all()
 
 
+@pytest.mark.parametrize("way", [1, 4.0])
 @tasks
-def test_limits_are_kept_where_the_motion_keeps_them(task):
+def test_limits_are_kept_where_the_motion_keeps_them(task, way):
+    # Four times as far they come by both angles in line, or square, on the way.
+    task = dataclasses.replace(task, swing=np.sign(task.swing) * min(abs(way * task.swing), 5.6))
     loose = dataclasses.replace(task, least_transmission=np.radians(2), largest_ratio=30.0)
     seen = set()
     for p in some(loose):
