@@ -1,5 +1,6 @@
 """The search of function generators part by part: the least mean square, what is kept of it, and what is refused."""
 
+import dataclasses
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from geomkin.synthesis.function import function as module
 from geomkin.synthesis.function import search
 from geomkin.synthesis.function.mean_square import fit
 from geomkin.synthesis.function.minimax import AbstractTask
+from geomkin.synthesis.function.peaks import peaks
 from geomkin.synthesis.function.search import Optimum
 
 WISH = {"function": "log10(x)", "span": (1, 2)}
@@ -253,3 +255,43 @@ def test_starts_that_are_given_are_told_as_they_were_given(call, starts, monkeyp
 def test_what_are_no_precision_points_is_refused(points):
     with pytest.raises(gk.DesignError, match="points: found .*; give 3, 4 or 5, or a row of so many places x"):
         gk.function_generator(**WISH, method="points", points=points)
+
+
+@pytest.mark.parametrize(
+    ("call", "function", "way"), [(gk.function_generator, "exp(x)", 90), (slider_function_generator, "x**3", -20)]
+)
+def test_multipliers_of_limits_are_how_fast_the_error_falls_with_them(call, function, way, monkeypatch):
+    for name, value in {"FITS": 400, "SPREAD": 1000, "FOLLOWED_FITS": 1, "FOLLOWED_SPREAD": 1}.items():
+        monkeypatch.setattr(search, name, value)
+    found = call(function, (0, 1), 60, way, largest_ratio=3.0, least_transmission_angle_deg=40.0)
+    assert found.active_limits and found.certificate < 1e-6
+    unit, step = found.largest / np.abs(found.task.error(found.unknowns[None], S)).max(), 1e-4
+    # An optimum nearby, where the limit is a little wider.
+    monkeypatch.setattr(search, "ROUNDS", 3)
+    for name in ("transmission angle", "ratio"):
+        if name == "ratio":
+            task = dataclasses.replace(found.task, largest_ratio=3.0 * np.exp(step))
+        else:
+            task = dataclasses.replace(found.task, least_transmission=np.arccos(np.cos(np.radians(40)) + step))
+        p = search._finished(task, found.unknowns[None].copy())
+        _, errors, _ = peaks(task, p, search.PEAKS, search.LOOKS)
+        falls = (found.largest - unit * np.abs(errors).max()) / step
+        assert falls == pytest.approx(found.active_limits.get(name, 0.0), rel=2e-2, abs=2e-3 * found.largest)
+
+
+def test_those_that_are_distinct_are_the_best_of_their_likes_whole_turns_apart_or_not():
+    rng, task = np.random.default_rng(3), SimpleNamespace(angles=[3, 4])
+    p = rng.uniform(-1, 1, (60, 6))
+    p[30:] = p[:30] + rng.uniform(-0.05, 0.05, (30, 6))
+    p[30:, 3:5] += 2 * np.pi * rng.integers(-2, 3, (30, 2))
+    p[45:, 2] += 2 * np.pi
+    value = rng.permutation(60).astype(float)
+    value[[3, 40]] = np.inf, np.nan
+    kept = []
+    for k in np.argsort(value):
+        gap = np.abs(p[kept] - p[k])
+        gap[:, 3:5] = np.abs(np.angle(np.exp(1j * gap[:, 3:5])))
+        if np.isfinite(value[k]) and (gap.max(axis=1, initial=0) > 0.3).all():
+            kept.append(int(k))
+    assert 25 < len(kept) < 50 and search._distinct(task, p, value, 60, 0.3) == kept
+    assert search._distinct(task, p, value, 7, 0.3) == kept[:7]
