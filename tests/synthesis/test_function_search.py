@@ -286,7 +286,7 @@ def test_those_that_are_distinct_are_the_best_of_their_likes_whole_turns_apart_o
     p[30:, 3:5] += 2 * np.pi * rng.integers(-2, 3, (30, 2))
     p[45:, 2] += 2 * np.pi
     value = rng.permutation(60).astype(float)
-    value[[3, 40]] = np.inf, np.nan
+    value[[3, 40]], p[3], p[40] = [np.inf, np.nan], 50.0, -50.0
     kept = []
     for k in np.argsort(value):
         gap = np.abs(p[kept] - p[k])

@@ -192,5 +192,7 @@ def test_settled_cranks_are_those_of_the_nearest_places_and_no_crank_goes_far_at
     below, here, above = (np.abs(at(x[1], t[1] + side) - wanted) for side in (-1e-3, 0, 1e-3))
     settled = np.abs(t[1] - before[1]) < 1e-4
     assert settled.sum() > 8 and (here <= np.minimum(below, above))[settled].all() and here.max() > 0.01
+    far = np.abs(fit.settled(which, x[:, :9], start + 1.2) - start - 1.2)
+    assert far.max() <= 0.2 and (far < 1e-12).sum() > 5
     timed = Fit(dataclasses.replace(task, turns=drive), sides)
     assert timed.settled(which, x, start) is start
