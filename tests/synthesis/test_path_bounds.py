@@ -9,6 +9,7 @@ import geomkin as gk
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
 from geomkin.synthesis.path.least_squares import _solved
+from geomkin.synthesis.path.nine_points import reached, with_cognates
 from geomkin.synthesis.path.results import PathFound
 from geomkin.synthesis.path.way import way_through
 from tests.synthesis.test_nine_points import POINTS, THREE
@@ -223,3 +224,45 @@ def test_only_what_meets_nine_points_is_told_to_do_so_at_any_size(size, monkeypa
     monkeypatch.setattr(search, "through_nine", lambda wanted, rng, watch: rows)
     found = search_of(task_of(POINTS), size=size).through_nine(None, None)
     assert len(found) == 2 and all(one.largest_distance < 1e-8 * size for one in found)
+
+
+def test_ranked_are_the_sound_by_their_error_then_by_their_angle_and_each_once(monkeypatch):
+    """Cognates, which are equally near, others that are less near, one out of order, each told twice."""
+    rows, cranks, sides = [], [], []
+    first = np.tile([POINTS[0].real, POINTS[0].imag], 4)
+    for x in with_cognates(THREE[0] + first, complex(POINTS[0])):
+        drive, side = reached(x, POINTS)
+        # So much larger that it is off by more, and its like but for a hair.
+        for share, swapped in ((1.0, False), (1 + 1e-6, False), (1.01, False), (1.02, False), (1.0, True)):
+            rows.append(x * np.where(np.arange(10) < 6, share, 1.0))
+            cranks.append(np.append(drive[1::-1], drive[2:]) if swapped else drive)
+            sides.append(side[0])
+    mixed = np.random.default_rng(4).permutation(len(rows))
+    told = tuple(np.array(each, dtype=float)[mixed] for each in (rows, cranks, sides))
+    monkeypatch.setattr(search.PathSearch, "searched", lambda self, rng, watch: told)
+    found, cut = search_of(task_of(POINTS)).ranked(0)
+    assert not cut and not any(one.cut_short for one in found)
+    order = [
+        (len(one.defects), float(f"{max(one.square_error, 1e-20):.6g}"), one.transmission_angle_deg) for one in found
+    ]
+    sound = [one for one in order if not one[0]]
+    assert [one[:2] for one in order] == sorted(one[:2] for one in order)
+    # Of the two cognates that go through the points in order, each of its own size and of two others.
+    assert len(sound) == 6 and len(order) == 9
+    for one, other in zip(found[:6:2], found[1:6:2]):
+        assert one.transmission_angle_deg == pytest.approx(other.transmission_angle_deg)
+    # Equally near, with the same angle and the same ratio, as cognates have: the branches alone tell which is first.
+    assert found[1].square_error < 1e-15 and [one.branch for one in found[:2]] == [-1, 1]
+    # So many are told at most, and that time was short is told of each.
+    monkeypatch.setattr(search, "RANKED", 4)
+    few, cut = search_of(task_of(POINTS), seconds=0.0).ranked(0)
+    assert [one.linkage for one in few] == [one.linkage for one in found[:4]]
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_crank_that_stays_for_a_point_goes_no_turn_for_it(sense):
+    task = task_of(np.ones(4))
+    for hair in (0.0, 1e-12, -1e-12):
+        cranks = 3 + sense * np.array([-1, 0, hair, 1])
+        way = way_through(task, CROSSING, cranks, np.ones(4, dtype=int))
+        assert way.defects == () and way.drive == pytest.approx(cranks, abs=1e-9)
