@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.guidance.defects import four_bar_defects
+from geomkin.synthesis.guidance.defects import four_bar_defects, slider_crank_defects
 from geomkin.synthesis.guidance.guides import FourBars, SliderCranks, Trammels
 from tests.synthesis import driving
 
@@ -166,3 +166,25 @@ def test_how_near_a_border_is_is_told_of_either_limit(lengths):
     ways = tuple(body.direction[:, None] for body in (motion.crank, motion.coupler, motion.rocker))
     found = four_bar_defects(*(np.array([float(v)]) for v in (ground, crank, coupler, rocker)), ways)
     assert found.margin[0] == pytest.approx(1e-4 / sum(lengths), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "driver"),
+    [
+        ((30, 42 + 1e-4, 12), "slider"),
+        ((42, 30 + 1e-4, -12), "slider"),
+        ((30, 42 + 1e-4, -12), "crank"),
+        ((30, 42 + 1e-4, 12), "crank"),
+    ],
+)
+def test_how_near_a_border_is_is_told_of_slides_too(lengths, driver):
+    """A ten-thousandth of a millimetre from where the ways of a slider, or of a crank, meet."""
+    crank, coupler, offset = lengths
+    known = gk.SliderCrank(crank, coupler, offset)
+    motion = gk.move(known, np.radians([100.0, 110, 125] if crank == 30 and driver == "slider" else [-10.0, 5, 15]))
+    ways = tuple(body.direction[:, None] for body in (motion.crank, motion.coupler))
+    slide = motion.slider.origin.position.real[:, None]
+    found = slider_crank_defects(*(np.array([float(v)]) for v in lengths), ways, slide, driver)
+    near = abs(abs(crank - coupler) - abs(offset)) if driver == "slider" else coupler - crank - abs(offset)
+    assert abs(near) == pytest.approx(1e-4)
+    assert found.margin[0] == pytest.approx(1e-4 / (crank + coupler + abs(offset)), rel=1e-6)

@@ -125,15 +125,15 @@ def test_of_fits_the_resting_are_kept_by_their_mean(monkeypatch):
 
     def given(task, q, exact):
         seen.append((exact, len(q)))
-        # The best is on its way yet, and so is the third; the fifth breaks a limit.
+        # The best is on its way yet, and so is the next; the fifth breaks a limit.
         at = [int(np.argmin(np.abs(p[:, 2] - one))) for one in q[:, 2]]
-        step = np.array([0.0, 1.0, 1e-5, 1e-3, 0.0, 0.0])
+        step = np.array([0.0, 1.0, 1e-3, 1e-5, 0.0, 0.0])
         return q, value[at], step[at]
 
     monkeypatch.setattr(search, "fit", given)
     kept = search._fitted(task, p)
     assert seen == [(False, 6), (True, 5)]
-    assert kept[:, 2].tolist() == [0.1, 0.2, 0.0, 5.0]
+    assert kept[:, 2].tolist() == [0.1, 0.0, 0.3, 5.0]
 
 
 def test_a_least_angle_in_the_way_is_told_with_one_that_works(quick):
