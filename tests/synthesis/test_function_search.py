@@ -117,7 +117,7 @@ def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
 
 
 def test_of_fits_the_resting_are_kept_by_their_mean(monkeypatch):
-    task = SimpleNamespace(limits=lambda q: (q[:, 2:3] - 1, None), angles=[3, 4])
+    task = SimpleNamespace(limits=lambda q: (q[:, [2, 1]] - 1, None), angles=[3, 4])
     p = np.zeros((6, 6))
     p[:, 2] = [0, 0.1, 0.2, 0.3, 5.0, 0.1 + 1e-5]
     value = np.array([3.0, 1.0, 2.0, 4.0, 0.5, 1.1])
