@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.progress import Watch
-from geomkin.synthesis.path import search
+from geomkin.synthesis.path import fits, search
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PASSED, Fit, PathTask, nearest, polished, refined, sorted_out, squares
 from geomkin.synthesis.path.search import _for_all, _settled
@@ -196,3 +196,23 @@ def test_settled_cranks_are_those_of_the_nearest_places_and_no_crank_goes_far_at
     assert far.max() <= 0.2 and (far < 1e-12).sum() > 5
     timed = Fit(dataclasses.replace(task, turns=drive), sides)
     assert timed.settled(which, x, start) is start
+
+
+def test_of_many_starts_the_best_go_on_and_with_no_time_left_none_does(monkeypatch):
+    for name, value in {"ROUNDS": 3, "STEPS": 1, "LAST": 3, "KEPT": {0: 3, 1: 1}}.items():
+        monkeypatch.setattr(fits, name, value)
+    drive = np.linspace(0.2, 5.5, 12)
+    task = task_of(at(CROSSING, drive), turns=drive - 0.2)
+    near = CROSSING + np.array([0, 0, 0, 0, 0, 0, 0, 0, 0, 0.2])
+    shares = np.array([1.2, 1.15, 1.003, 1.25, 1.1])
+    starts = near * np.where(np.arange(10) < 6, shares[:, None], 1.0)
+    told, none = [], np.zeros((5, 12))
+    monkeypatch.setattr(Watch, "tell", lambda self, share: told.append(share))
+    x, t, branch = polished(task, starts, none, np.ones(5), Watch(60, ""))
+    alone = polished(task, starts[2:3], none[:1], np.ones(1), Watch(60, ""))[0]
+    assert len(x) == len(t) == len(branch) == 1 and x == pytest.approx(alone, abs=1e-6)
+    assert np.abs(x - polished(task, starts[:1], none[:1], np.ones(1), Watch(60, ""))[0]).max() > 1e-3
+    assert told[:6] == pytest.approx(2 * [0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0])
+    # What there is is told when time is over, the best first.
+    x, *_ = polished(task, starts, none, np.ones(5), Watch(0, ""))
+    assert x[:, 0] == pytest.approx(3 * np.sort(shares))
