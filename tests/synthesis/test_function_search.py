@@ -295,3 +295,27 @@ def test_those_that_are_distinct_are_the_best_of_their_likes_whole_turns_apart_o
             kept.append(int(k))
     assert 25 < len(kept) < 50 and search._distinct(task, p, value, 60, 0.3) == kept
     assert search._distinct(task, p, value, 7, 0.3) == kept[:7]
+
+
+@dataclass(frozen=True)
+class Made:
+    """What is made of an optimum."""
+
+    worst: float
+    others: tuple = ()
+
+
+def test_others_whose_links_are_too_long_are_left_out(monkeypatch):
+    optima = [Optimum(np.zeros(6), worst, np.zeros(1), np.zeros(1), -1.0) for worst in (0.1, 0.2, 0.3, 0.4)]
+    monkeypatch.setattr(module, "searched", lambda task, squares: tuple(optima))
+
+    def made(optimum):
+        if optimum.worst == 0.3:
+            raise gk.DesignError("ground", "found 9e+08 mm", "give less")
+        return Made(optimum.worst)
+
+    assert module._best(SimpleNamespace(), "minimax", made) == Made(0.1, (Made(0.2), Made(0.4)))
+    # The best itself is told as it is.
+    del optima[:2]
+    with pytest.raises(gk.DesignError, match="ground: found 9e"):
+        module._best(SimpleNamespace(), "minimax", made)

@@ -266,3 +266,27 @@ def test_a_crank_that_stays_for_a_point_goes_no_turn_for_it(sense):
         cranks = 3 + sense * np.array([-1, 0, hair, 1])
         way = way_through(task, CROSSING, cranks, np.ones(4, dtype=int))
         assert way.defects == () and way.drive == pytest.approx(cranks, abs=1e-9)
+
+
+def test_of_both_senses_the_shorter_is_taken_if_it_closes():
+    # A crank that turns fully can go either way; the one of a double rocker only the way that it swings.
+    task, ones = task_of(np.ones(3)), np.ones(3, dtype=int)
+    for cranks, drive in (
+        ([0.2, 1.0, 2.0], [0.2, 1.0, 2.0]),
+        ([0.2, 6.0, 5.0], [0.2, 6.0 - 2 * np.pi, 5.0 - 2 * np.pi]),
+    ):
+        for turned in (0, 2, -4):
+            way = way_through(task, CROSSING, np.array(cranks) + np.array([0, 0, turned * np.pi]), ones)
+            assert way.defects == () and way.drive == pytest.approx(drive)
+    swinging = np.array([3.0, 1.0, 1.9, 1.7, 1.5, -1.6, 0, 0, 0, 0])
+    reach = [q for q in np.linspace(0, 2 * np.pi, 721) if np.isfinite(at(swinging, [q]))[0]]
+    gap = np.argmax(np.diff(reach))
+    # From one end of its range to the other, the long way round, as the short one goes over the gap.
+    ends = np.array([reach[gap] - 0.01, reach[gap] - 0.01, reach[gap + 1] + 0.01 - 2 * np.pi])
+    assert ends[0] - ends[2] > np.pi + 0.3
+    for there in (ends, -ends):
+        way = way_through(task, swinging, there % (2 * np.pi), ones)
+        assert way.defects == () and np.diff(way.drive) == pytest.approx(np.diff(there)) and way.transmission > 0
+    # Where both close the shorter one is taken.
+    for there in ([1.0, 1.0, 0.2], [0.2, 1.0, 1.0], [0.2, 0.2, -0.5]):
+        assert way_through(task, CROSSING, np.array(there), ones).drive == pytest.approx(there)
