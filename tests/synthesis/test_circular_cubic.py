@@ -171,3 +171,14 @@ def test_a_point_beside_a_cubic_is_settled_on_it_with_twice_its_digits():
         beside = place + 1e-5 * (1 - 0.5j), weight, *rates
         before, after = (abs(value(terms, z / w) * w**3) for z, w in (beside[:2], cubic._settled(*beside)[:2]))
         assert before.max() > 1e-6 and after.max() < 1e-8
+
+
+def test_the_line_on_which_a_root_is_at_infinity_is_told():
+    seen = 0
+    for terms in CUBICS[24:]:
+        cubic, _, loops = traced(terms, 3)
+        runs = [cubic.run(loop, np.array(t))[:2] for loop, *_ in loops for t in loop.at(cubic.infinity)]
+        near = [abs(weight) <= 1e-6 * abs(place) for place, weight in runs]
+        assert any(near) or not near
+        seen += any(near)
+    assert seen > 20

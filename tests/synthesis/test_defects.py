@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.guidance.defects import four_bar_defects
+from geomkin.synthesis.guidance.defects import four_bar_defects, slider_crank_defects
 from geomkin.synthesis.guidance.guides import FourBars, SliderCranks, Trammels
 from tests.synthesis import driving
 
@@ -85,27 +85,25 @@ def signs_at(sizes, directions, joint):
 def test_circuits_are_those_of_a_joint_that_is_not_at_the_shortest_link():
     """Of a Grashof four-bar; any other has one circuit (Chase and Mirth 1993)."""
     joints = ("rocker_pin", "rocker_pin", "crank_pivot", "crank_pin")
-    for driver in ("crank", "rocker"):
-        rng = np.random.default_rng(9)
-        first, second, pivots = driving.random_linkages(rng, 3000, 4, "crank")
-        sizes = np.array(
-            [
-                np.abs(pivots[1] - pivots[0]),
-                np.abs(first[0]),
-                np.abs(second[0] - first[0]),
-                np.abs(second[0] - pivots[1]),
-            ]
-        )
-        ways = [first / sizes[1], (second - first) / sizes[2], (second - pivots[1]) / sizes[3]]
-        found = four_bar_defects(*sizes, tuple(ways), driver)
-        spare = sizes.sum(axis=0) - 2 * sizes.min(axis=0) - 2 * sizes.max(axis=0)
-        signs = np.array([signs_at(sizes, ways, joint) for joint in joints])
-        told = np.take_along_axis(signs, sizes.argmin(axis=0)[None, None], axis=0)[0]
-        assert (found.circuit == ((told != told[0]).any(axis=0) & (spare > 0))).all() and found.circuit.any()
-        # And which branch: the joint opposite the driver, of places that are on one circuit.
-        side = signs_at(sizes, ways, "rocker_pin" if driver == "crank" else "crank_pin")
-        one = ~found.circuit
-        assert (found.branch[one] == (side != side[0]).any(axis=0)[one]).all() and found.branch.any()
+    first, second, pivots = driving.random_linkages(np.random.default_rng(9), 3000, 4, "crank")
+    sizes = np.array(
+        [
+            np.abs(pivots[1] - pivots[0]),
+            np.abs(first[0]),
+            np.abs(second[0] - first[0]),
+            np.abs(second[0] - pivots[1]),
+        ]
+    )
+    ways = [first / sizes[1], (second - first) / sizes[2], (second - pivots[1]) / sizes[3]]
+    found = four_bar_defects(*sizes, tuple(ways))
+    spare = sizes.sum(axis=0) - 2 * sizes.min(axis=0) - 2 * sizes.max(axis=0)
+    signs = np.array([signs_at(sizes, ways, joint) for joint in joints])
+    told = np.take_along_axis(signs, sizes.argmin(axis=0)[None, None], axis=0)[0]
+    assert (found.circuit == ((told != told[0]).any(axis=0) & (spare > 0))).all() and found.circuit.any()
+    # And which branch: the joint opposite the driver, of places that are on one circuit.
+    side = signs_at(sizes, ways, "rocker_pin")
+    one = ~found.circuit
+    assert (found.branch[one] == (side != side[0]).any(axis=0)[one]).all() and found.branch.any()
 
 
 def at_places(linkage, places):
@@ -166,3 +164,25 @@ def test_how_near_a_border_is_is_told_of_either_limit(lengths):
     ways = tuple(body.direction[:, None] for body in (motion.crank, motion.coupler, motion.rocker))
     found = four_bar_defects(*(np.array([float(v)]) for v in (ground, crank, coupler, rocker)), ways)
     assert found.margin[0] == pytest.approx(1e-4 / sum(lengths), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "driver"),
+    [
+        ((30, 42 + 1e-4, 12), "slider"),
+        ((42, 30 + 1e-4, -12), "slider"),
+        ((30, 42 + 1e-4, -12), "crank"),
+        ((30, 42 + 1e-4, 12), "crank"),
+    ],
+)
+def test_how_near_a_border_is_is_told_of_slides_too(lengths, driver):
+    """A ten-thousandth of a millimetre from where the ways of a slider, or of a crank, meet."""
+    crank, coupler, offset = lengths
+    known = gk.SliderCrank(crank, coupler, offset)
+    motion = gk.move(known, np.radians([100.0, 110, 125] if crank == 30 and driver == "slider" else [-10.0, 5, 15]))
+    ways = tuple(body.direction[:, None] for body in (motion.crank, motion.coupler))
+    slide = motion.slider.origin.position.real[:, None]
+    found = slider_crank_defects(*(np.array([float(v)]) for v in lengths), ways, slide, driver)
+    near = abs(abs(crank - coupler) - abs(offset)) if driver == "slider" else coupler - crank - abs(offset)
+    assert abs(near) == pytest.approx(1e-4)
+    assert found.margin[0] == pytest.approx(1e-4 / (crank + coupler + abs(offset)), rel=1e-6)

@@ -297,7 +297,9 @@ def test_a_length_that_is_the_same_in_all_is_told(wish, name):
     assert getattr(double_rocker(*wish, 100, **{other: 1234.5}).linkage, name) == pytest.approx(told, rel=1e-6)
 
 
-@pytest.mark.parametrize("wish", [(60, 60, -30, 60), (60, 80, -20, 40), (-90, 180, 330, -250), (-30, 60, 70, 40)])
+@pytest.mark.parametrize(
+    "wish", [(-120, 60, -40, -70), (60, 60, -30, 60), (60, 80, -20, 40), (-90, 180, 330, -250), (-30, 60, 70, 40)]
+)
 def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
     with pytest.raises(gk.DesignError, match="no lengths above 0 fit both swings") as caught:
         double_rocker(*wish)

@@ -80,6 +80,15 @@ def test_lines_are_told_by_their_direction_and_what_fits_many_circles_by_none():
     assert far.tolist() == [False, False, False, True]
 
 
+def test_a_place_in_the_middle_of_the_others_is_one_of_them():
+    way = np.exp(0.7j)
+    # Along a line, and of a cross of which the circle through the ends is as good as any other about its middle.
+    found, far = fitted_circles(np.array([3 + way * np.array([-1, 0, 1]), 3 + way * np.array([-2, 0, 2])]))
+    assert far.all() and np.abs((found / way).imag).max() < 1e-9
+    found, far = fitted_circles(np.array([[5 + 2, 5 - 1 + 3j, 5 - 1 - 3j, 5]]))
+    assert not far.any() and abs(found[0] - 5) > 1
+
+
 def test_least_squares_are_found_from_every_start_by_itself():
     """The valley of Rosenbrock from many starts; a line's two numbers; and one that has its least at infinity."""
     starts = np.array([[-1.2, 1.0], [3.0, -2.0], [0.0, 0.0], [1.0, 1.0]])

@@ -8,6 +8,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis import circle_of_sliders, dyads_through, image_poles, poles
 from geomkin.synthesis.guidance.constraint import Pairs, sharpened
+from geomkin.synthesis.guidance.dyads import _straightened
 from tests.synthesis.known import apart, known_linkages
 
 
@@ -278,10 +279,51 @@ def test_a_pair_that_is_a_little_off_is_brought_onto_its_circle():
         if any(known.fixed_far) or any(known.moving_far):
             continue
         z, u = (np.array(row) for row in zip(*((place, np.exp(1j * angle)) for place, angle in known.poses)))
-        off = 1e-6 * np.exp(1j * rng.uniform(0, 2 * np.pi, (2, 2)))
+        # Two of Newton's steps square what is off twice.
+        off = 1e-4 * np.exp(1j * rng.uniform(0, 2 * np.pi, (2, 2)))
         never = np.zeros(2, dtype=bool)
         pairs = sharpened(z, u, Pairs(np.array(known.fixed) + off[0], np.array(known.moving) + off[1], never, never))
         # How far the distance between the two varies over the poses, told by itself.
         length = np.abs(z + u * pairs.moving[:, None] - pairs.fixed[:, None])
         gained += list(np.ptp(length, axis=1))
-    assert len(gained) >= 8 and np.median(gained) < 1e-12
+    assert len(gained) >= 8 and np.median(gained) < 1e-13
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_pivots_far_away_are_told_as_slides_where_a_line_does_as_well(size):
+    rng, never = np.random.default_rng(14), np.zeros(4, dtype=bool)
+    u, way = np.exp(1j * rng.uniform(-3, 3, 5)), np.exp(0.6j)
+    pin, along = size * (0.3 - 0.8j), size * rng.normal(size=5)
+    # The pin runs along a line of the ground; the same seen from the other side.
+    z = size * (2 + 1j) + way * along - u * pin
+    pivots = z[0] + np.array([1e9 * size * 1j * way, 1e9 * size * way, 20 * size, 1e4j * size * way])
+    pins = np.array([pin, pin + 0.1 * size, pin, pin])
+    for swapped in (False, True):
+        found = Pairs(pivots, pins, never, never)
+        if swapped:
+            told = _straightened(-np.conj(u) * z, np.conj(u), found.swapped).swapped
+        else:
+            told = _straightened(z, u, found)
+        # The second pin is on no line, the others' pivots are near enough to be true ones.
+        assert told.fixed_far.tolist() == [True, False, False, False] and not told.moving_far.any()
+        assert abs((told.fixed[0] / way).imag) < 1e-9 and abs(told.fixed[0]) == pytest.approx(1)
+        assert told.fixed[1:].tolist() == pivots[1:].tolist() and told.moving.tolist() == pins.tolist()
+    # One that is told as a slide already stays so.
+    slide = Pairs(np.array([way, pivots[2]]), pins[[0, 2]], np.array([True, False]), never[:2])
+    told = _straightened(z, u, slide)
+    assert told.fixed.tolist() == slide.fixed.tolist() and told.fixed_far.tolist() == [True, False]
+    # So does one whose pin is far away, wherever the ground is seen from the body.
+    flat, ones = way * along + 3, np.ones(5, dtype=complex)
+    far_pin = Pairs(np.array([way]), np.array([1e9 * size + 0j]), np.array([True]), never[:1])
+    told = _straightened(flat, ones, far_pin)
+    assert told.moving.tolist() == far_pin.moving.tolist() and not told.moving_far.any()
+
+
+def test_slides_are_left_as_they_are_by_what_sharpens_pins():
+    rng = np.random.default_rng(15)
+    z, u = rng.normal(size=5) + 1j * rng.normal(size=5), np.exp(1j * rng.uniform(-3, 3, 5))
+    places_, ways = rng.normal(size=40) + 1j * rng.normal(size=40), np.exp(1j * rng.uniform(-3, 3, 40))
+    far = np.arange(40) % 2 == 0
+    slides = Pairs(np.where(far, ways, places_), np.where(far, places_, ways), far, ~far)
+    told = sharpened(z, u, slides)
+    assert (told.fixed == slides.fixed).all() and (told.moving == slides.moving).all()

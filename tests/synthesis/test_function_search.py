@@ -1,5 +1,6 @@
 """The search of function generators part by part: the least mean square, what is kept of it, and what is refused."""
 
+import dataclasses
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from geomkin.synthesis.function import function as module
 from geomkin.synthesis.function import search
 from geomkin.synthesis.function.mean_square import fit
 from geomkin.synthesis.function.minimax import AbstractTask
+from geomkin.synthesis.function.peaks import peaks
 from geomkin.synthesis.function.search import Optimum
 
 WISH = {"function": "log10(x)", "span": (1, 2)}
@@ -115,7 +117,7 @@ def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
 
 
 def test_of_fits_the_resting_are_kept_by_their_mean(monkeypatch):
-    task = SimpleNamespace(limits=lambda q: (q[:, 2:3] - 1, None), angles=[3, 4])
+    task = SimpleNamespace(limits=lambda q: (q[:, [2, 1]] - 1, None), angles=[3, 4])
     p = np.zeros((6, 6))
     p[:, 2] = [0, 0.1, 0.2, 0.3, 5.0, 0.1 + 1e-5]
     value = np.array([3.0, 1.0, 2.0, 4.0, 0.5, 1.1])
@@ -123,15 +125,15 @@ def test_of_fits_the_resting_are_kept_by_their_mean(monkeypatch):
 
     def given(task, q, exact):
         seen.append((exact, len(q)))
-        # The best is on its way yet, and so is the third; the fifth breaks a limit.
+        # The best is on its way yet, and so is the next; the fifth breaks a limit.
         at = [int(np.argmin(np.abs(p[:, 2] - one))) for one in q[:, 2]]
-        step = np.array([0.0, 1.0, 1e-5, 1e-3, 0.0, 0.0])
+        step = np.array([0.0, 1.0, 1e-3, 1e-5, 0.0, 0.0])
         return q, value[at], step[at]
 
     monkeypatch.setattr(search, "fit", given)
     kept = search._fitted(task, p)
     assert seen == [(False, 6), (True, 5)]
-    assert kept[:, 2].tolist() == [0.1, 0.2, 0.0, 5.0]
+    assert kept[:, 2].tolist() == [0.1, 0.0, 0.3, 5.0]
 
 
 def test_a_least_angle_in_the_way_is_told_with_one_that_works(quick):
@@ -203,3 +205,117 @@ def test_many_precision_points_are_refused():
     assert len(chebyshev_points((0, 1), 100)) == 100
     with pytest.raises(gk.DesignError, match="count: found 101; give at most 100"):
         chebyshev_points((0, 1), 101)
+
+
+def test_the_output_may_go_as_far_as_a_refusal_says():
+    wanted = module.wanted_function("sin(x)", (0, 3))
+    with pytest.raises(gk.DesignError, match="output_deg: found -90, with which the output would go 637.7") as refusal:
+        module._refuse_turns(wanted, -90)
+    most = float(refusal.value.remedy.split("give at most ")[1].split(" ")[0])
+    # From nought to 1 and back to sin 3.
+    assert most == pytest.approx(359 * np.sin(3), rel=1e-4)
+    for sign in (1, -1):
+        module._refuse_turns(wanted, sign * most)
+        with pytest.raises(gk.DesignError, match="output_deg"):
+            module._refuse_turns(wanted, sign * 1.001 * most)
+
+
+@pytest.mark.parametrize(
+    ("call", "starts"), [(gk.function_generator, (277.7, 340.3)), (slider_function_generator, (339.7, 61.7))]
+)
+def test_starts_that_are_given_are_told_as_they_were_given(call, starts, monkeypatch):
+    # What is found need not be the best.
+    for name in ("FOLLOWED_FITS", "FOLLOWED_SPREAD", "ROUNDS", "STEPS"):
+        monkeypatch.setattr(search, name, 1)
+    monkeypatch.setattr(search, "FITS", 100)
+    monkeypatch.setattr(search, "SPREAD", 1000)
+    for given in ((starts[0], None), (None, starts[1])):
+        kept = {
+            "input_start_deg": given[0],
+            ("output_start_deg" if call is gk.function_generator else "output_start_mm"): given[1],
+        }
+        found = call("log10(x)", (1, 2), **kept, method="points")
+        told = found.starts_deg if call is gk.function_generator else (found.start_deg, found.start_mm)
+        assert [one for one, asked in zip(told, given) if asked is not None] == [
+            one for one in given if one is not None
+        ]
+        assert (given[0] or abs(told[0]) <= 180) and found.drive[0] == pytest.approx(np.radians(told[0]))
+        # There the linkage stands at the start of the function, but for its error.
+        motion = gk.move(found.linkage, found.drive[:1], found.branch)
+        if call is gk.function_generator:
+            out = np.degrees(np.angle(motion.rocker.direction[0])) - told[1]
+            assert abs((out + 180) % 360 - 180) == pytest.approx(abs(found.error(1.0)), abs=1e-9)
+        else:
+            assert motion.slider.origin.position.real[0] - told[1] == pytest.approx(found.error(1.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "points", [6, 2, True, [1, 1.5], [1, 1.2, 1.4, 1.6, 1.8, 2], "abc", None, [[1, 1.5, 2]], [1, np.nan, 2], [1j, 2, 3]]
+)
+def test_what_are_no_precision_points_is_refused(points):
+    with pytest.raises(gk.DesignError, match="points: found .*; give 3, 4 or 5, or a row of so many places x"):
+        gk.function_generator(**WISH, method="points", points=points)
+
+
+@pytest.mark.parametrize(
+    ("call", "function", "way"), [(gk.function_generator, "exp(x)", 90), (slider_function_generator, "x**3", -20)]
+)
+def test_multipliers_of_limits_are_how_fast_the_error_falls_with_them(call, function, way, monkeypatch):
+    for name, value in {"FITS": 400, "SPREAD": 1000, "FOLLOWED_FITS": 1, "FOLLOWED_SPREAD": 1}.items():
+        monkeypatch.setattr(search, name, value)
+    found = call(function, (0, 1), 60, way, largest_ratio=3.0, least_transmission_angle_deg=40.0)
+    assert found.active_limits and found.certificate < 1e-6
+    unit, step = found.largest / np.abs(found.task.error(found.unknowns[None], S)).max(), 1e-4
+    # An optimum nearby, where the limit is a little wider.
+    monkeypatch.setattr(search, "ROUNDS", 3)
+    for name in ("transmission angle", "ratio"):
+        if name == "ratio":
+            task = dataclasses.replace(found.task, largest_ratio=3.0 * np.exp(step))
+        else:
+            task = dataclasses.replace(found.task, least_transmission=np.arccos(np.cos(np.radians(40)) + step))
+        p = search._finished(task, found.unknowns[None].copy())
+        _, errors, _ = peaks(task, p, search.PEAKS, search.LOOKS)
+        falls = (found.largest - unit * np.abs(errors).max()) / step
+        assert falls == pytest.approx(found.active_limits.get(name, 0.0), rel=2e-2, abs=2e-3 * found.largest)
+
+
+def test_those_that_are_distinct_are_the_best_of_their_likes_whole_turns_apart_or_not():
+    rng, task = np.random.default_rng(3), SimpleNamespace(angles=[3, 4])
+    p = rng.uniform(-1, 1, (60, 6))
+    p[30:] = p[:30] + rng.uniform(-0.05, 0.05, (30, 6))
+    p[30:, 3:5] += 2 * np.pi * rng.integers(-2, 3, (30, 2))
+    p[45:, 2] += 2 * np.pi
+    value = rng.permutation(60).astype(float)
+    value[[3, 40]], p[3], p[40] = [np.inf, np.nan], 50.0, -50.0
+    kept = []
+    for k in np.argsort(value):
+        gap = np.abs(p[kept] - p[k])
+        gap[:, 3:5] = np.abs(np.angle(np.exp(1j * gap[:, 3:5])))
+        if np.isfinite(value[k]) and (gap.max(axis=1, initial=0) > 0.3).all():
+            kept.append(int(k))
+    assert 25 < len(kept) < 50 and search._distinct(task, p, value, 60, 0.3) == kept
+    assert search._distinct(task, p, value, 7, 0.3) == kept[:7]
+
+
+@dataclass(frozen=True)
+class Made:
+    """What is made of an optimum."""
+
+    worst: float
+    others: tuple = ()
+
+
+def test_others_whose_links_are_too_long_are_left_out(monkeypatch):
+    optima = [Optimum(np.zeros(6), worst, np.zeros(1), np.zeros(1), -1.0) for worst in (0.1, 0.2, 0.3, 0.4)]
+    monkeypatch.setattr(module, "searched", lambda task, squares: tuple(optima))
+
+    def made(optimum):
+        if optimum.worst == 0.3:
+            raise gk.DesignError("ground", "found 9e+08 mm", "give less")
+        return Made(optimum.worst)
+
+    assert module._best(SimpleNamespace(), "minimax", made) == Made(0.1, (Made(0.2), Made(0.4)))
+    # The best itself is told as it is.
+    del optima[:2]
+    with pytest.raises(gk.DesignError, match="ground: found 9e"):
+        module._best(SimpleNamespace(), "minimax", made)

@@ -3,6 +3,8 @@ by central differences; and what they start from.
 """
 
 import dataclasses
+import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis.function.four_bar_generator import FourBarGenerator
 from geomkin.synthesis.function.generators import evenly
-from geomkin.synthesis.function.minimax import _least_return, certified
+from geomkin.synthesis.function.minimax import _least_return, _newton, certified
 from geomkin.synthesis.function.slider_generator import SliderGenerator
 
 S = np.linspace(0, 1, 41)
@@ -55,8 +57,11 @@ def test_slopes_are_those_of_central_differences(task):
     assert (slopes[..., 5] == 0).all()
 
 
+@pytest.mark.parametrize("way", [1, 4.0])
 @tasks
-def test_limits_are_kept_where_the_motion_keeps_them(task):
+def test_limits_are_kept_where_the_motion_keeps_them(task, way):
+    # Four times as far they come by both angles in line, or square, on the way.
+    task = dataclasses.replace(task, swing=np.sign(task.swing) * min(abs(way * task.swing), 5.6))
     loose = dataclasses.replace(task, least_transmission=np.radians(2), largest_ratio=30.0)
     seen = set()
     for p in some(loose):
@@ -117,6 +122,43 @@ def test_a_linkage_is_among_the_fits_of_what_it_does_itself(task):
         near = found[found[:, 5] == side][0]
         assert near[:3] == pytest.approx(p[:3], rel=1e-5, abs=1e-5)
         assert np.abs(own.error(near[None], S[None])).max() < 1e-6
+
+
+@tasks
+def test_fits_are_least_squares_of_the_output_to_first_order(task):
+    """What a linkage does itself, and a wave that none does: at the fit no size has a slope left in the true error."""
+    wave, turning = 3e-4 * np.sin(9 * S), isinstance(task, FourBarGenerator)
+    way_of = task.out if turning else task.sense
+    for side, which in itertools.product((1, -1), (0, 3, 6)):
+        p = [row for row in some(task) if row[5] == side][which]
+        way = np.unwrap(task.error(p[None], S[None])[0] + way_of * share(S)) + wave
+        swung = way[-1] - way[0]
+        swing = {"out": swung} if turning else {"sense": 1.0}
+        own = dataclasses.replace(
+            task, starts=(p[3], p[4] + way[0]), **swing,
+            share=lambda s, way=way, swung=swung: np.interp(s, S, way - way[0]) / (swung if turning else 1),
+        )  # fmt: skip
+        near = next(row for row in own.fitted(1, S) if row[5] == side)
+        error, slopes = own.error(near[None], S[None])[0], own.slopes(near[None], S[None])[0][:, :3]
+        assert 1e-5 < np.abs(error).max() < 1e-3
+        step = np.linalg.lstsq(slopes, -error)[0]
+        assert np.sum((slopes @ step) ** 2) < 1e-2 * np.sum(error**2)
+
+
+@tasks
+def test_fits_are_tried_from_as_many_starts_as_are_asked_for(task, monkeypatch):
+    """Whichever of the starts are free; each is another, and a start that is given stays."""
+    module = sys.modules[type(task).__module__]
+    plain, seen = module.linear_fits, []
+    monkeypatch.setattr(module, "linear_fits", lambda terms, *rest: (seen.append(terms), plain(terms, *rest))[1])
+    for starts, tried in (((np.nan, np.nan), 144), ((0.3, np.nan), 144), ((np.nan, 0.3), 144), ((0.3, 0.3), 1)):
+        found = dataclasses.replace(task, starts=starts).fitted(144, S)
+        half = len(found) // 2
+        assert (found[:half, :5] == found[half:, :5]).all()
+        assert (found[:half, 5] == 1).all() and (found[half:, 5] == -1).all()
+        assert len(np.unique(np.round(seen[-1].reshape(len(seen[-1]), -1), 9), axis=0)) == tried == len(seen.pop())
+        for k in (0, 1):
+            assert np.isnan(starts[k]) or (found[:, 3 + k] == 0.3).all()
 
 
 @pytest.mark.parametrize("size", [1, 3, 4])
@@ -199,3 +241,33 @@ def test_what_brings_rows_back_is_the_shortest_step():
         scale = np.array([1, 1, 1, 100, 100])
         least = scale * (np.linalg.pinv(rows[mask] * scale) @ wrong[mask])
         assert step == pytest.approx(least[:3], rel=5e-3, abs=1e-4)
+
+
+def test_rows_that_tell_nothing_bring_nothing_back():
+    held, paid = np.random.default_rng(5).normal(size=(2, 5, 5)), np.ones((2, 5), dtype=bool)
+    assert np.abs(_least_return(held, paid, 3)).min() > 0
+    held[1, 2] = 0
+    back = _least_return(held, paid, 3)
+    assert back.shape == (2, 3, 5) and (back == 0).all()
+
+
+def test_newtons_step_ends_where_slopes_balance_on_the_rows_that_hold():
+    rng = np.random.default_rng(6)
+    half = rng.normal(size=(3, 3, 3))
+    curvature, cost = half @ np.swapaxes(half, 1, 2) + np.eye(3), np.array([0, 0, 0, 1.0, 30])
+    held, paid = rng.normal(size=(3, 5, 5)), np.array([[True, True, False, True, True]] * 3)
+    # The largest error and what is broken: in each row less one of either, as in the programme.
+    held[:, :3, 3:], held[:, 3:, 3:] = [-1, 0], [0, -1]
+    held[~paid] = 0
+    right = 0.01 * rng.normal(size=(3, 5)) * paid
+    step = _newton(held, paid, right, curvature, cost)
+    assert step.shape == (3, 3) and (np.abs(step) <= 1).all() and (np.abs(step).max(axis=1) < 1).any()
+    for k in np.flatnonzero(np.abs(step).max(axis=1) < 1):
+        # Along every direction that keeps the rows nothing is gained: with the last two unknowns that the rows tell.
+        rows = held[k][paid[k]]
+        point, *_ = np.linalg.lstsq(rows[:, 3:], right[k][paid[k]] - rows[:, :3] @ step[k])
+        full = np.append(step[k], point)
+        assert rows @ full == pytest.approx(right[k][paid[k]], abs=1e-9)
+        slope = np.append(curvature[k] @ step[k], 0 * point) + cost
+        along = np.linalg.svd(rows)[2][len(rows) :]
+        assert along @ slope == pytest.approx(np.zeros(len(along)), abs=1e-9)

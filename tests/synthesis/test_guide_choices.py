@@ -134,6 +134,8 @@ def test_a_circle_of_sliders_is_drawn_whole_or_as_a_line():
         about = SliderCircle(3 + 1j, 1.0, 0j, level)
         assert (about.centre, about.radius) == (3 + 1j, radius) and abs(about.foot - about.centre) == radius
         assert about.direction == 1j
+    with pytest.raises(gk.DesignError, match="poses: found 4; give 3 of them"):
+        circle_of_sliders([*THREE, (7j, 2.0)])
     with pytest.raises(gk.DesignError, match="poses: all three are parallel; turn one of them"):
         circle_of_sliders([(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.2 + 2 * np.pi)])
 

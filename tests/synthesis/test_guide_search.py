@@ -210,3 +210,13 @@ def test_a_climb_begins_with_the_best_of_all_pairs_that_were_tried(monkeypatch):
     assert len(kept) > 5 and (good == every[best][kept]).all()
     wrong = every[fits & ~guides.defects.none]
     assert len(bad) and all((wrong == pair).all(axis=1).any() for pair in bad)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_of_three_parallel_poses_all_points_slide_or_none(size):
+    z = size * (np.arange(5) - 2 + 3j)
+    for way in np.exp(1j * np.linspace(0, 3, 7)):
+        straight = [(size * (0.3 - 0.1j + way * t), 0.4) for t in (0, 1.1, 2.7)]
+        assert body_of(straight).onto_sliders(z) == pytest.approx(z)
+        bent = [*straight[:2], (straight[2][0] + 1e-3j * size * way, 0.4)]
+        assert np.isnan(body_of(bent).onto_sliders(z)).all()

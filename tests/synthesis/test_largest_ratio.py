@@ -58,6 +58,7 @@ def test_the_length_that_a_refusal_names_is_the_last_that_keeps_all_links_within
     with pytest.raises(gk.DesignError, match=f"{name}: found 9.9e.08 mm, which makes a link of") as caught:
         gk.crank_rocker(50, 200, **{name: 9.9e8})
     most = float(caught.value.remedy.split()[1])
+    assert float(caught.value.problem.split()[-2]) / 1e9 == pytest.approx(9.9e8 / most, rel=1e-4)
     assert max(gk.crank_rocker(50, 200, **{name: most}).lengths.values()) == pytest.approx(1e9, rel=1e-6)
     with pytest.raises(gk.DesignError, match="which makes a link of"):
         gk.crank_rocker(50, 200, **{name: 1.000001 * most})
@@ -70,6 +71,7 @@ def test_a_link_that_would_be_too_short_is_refused_with_the_length_that_works(na
     ) as caught:
         gk.crank_rocker(50, 200, **{name: 1.1e-12})
     least = float(caught.value.remedy.split()[-2])
+    assert float(caught.value.problem.split()[-2]) / 1e-12 == pytest.approx(1.1e-12 / least, rel=1e-4)
     assert min(gk.crank_rocker(50, 200, **{name: least}).lengths.values()) == pytest.approx(1e-12, rel=1e-6)
     with pytest.raises(gk.DesignError, match="which makes a link of"):
         gk.crank_rocker(50, 200, **{name: 0.999999 * least})

@@ -52,27 +52,21 @@ def four_bar_defects(
     coupler: Real,
     rocker: Real,
     directions: tuple[Complex, Complex, Complex],
-    driver: Literal["crank", "rocker"] = "crank",
 ) -> Defects:
-    """Defects of four-bars, lengths (linkages,), at places where crank, coupler and rocker have these `directions`.
+    """Defects of four-bars that the crank drives, lengths (linkages,), at places where its links have `directions`.
 
-    directions: unit, (places, linkages), from the ground line. The driver is blocked about the direction in which it
-    lies folded on the ground where |ground - driver| < |coupler - driven|, and about that in which it is stretched
-    where ground + driver > coupler + driven; so it turns fully, or has one range, or two. A circuit is then one side
-    of the joint opposite the driver, or all there is, or one range. That is the rule of Grashof's joints (Chase and
-    Mirth, Circuits and branches of single-degree-of-freedom planar linkages, Journal of Mechanical Design 115, 1993),
-    written so that ranges are known as well; derived here. A change point counts as a limit.
+    directions: of crank, coupler and rocker, unit, (places, linkages), from the ground line. The crank is blocked about
+    the direction in which it lies folded on the ground where |ground - crank| < |coupler - rocker|, and about that in
+    which it is stretched where ground + crank > coupler + rocker; so it turns fully, or has one range, or two. A
+    circuit is then one side of the rocker pin, or all there is, or one range. That is the rule of Grashof's joints
+    (Chase and Mirth, Circuits and branches of single-degree-of-freedom planar linkages, Journal of Mechanical Design
+    115, 1993), written so that ranges are known as well; derived here. A change point counts as a limit.
     """
     at_crank, at_coupler, at_rocker = directions
-    if driver == "crank":
-        driving, driven, ahead, side = crank, rocker, at_crank, cross(at_coupler, at_rocker)
-    else:
-        driving, driven, ahead, side = rocker, crank, -at_rocker, cross(at_coupler, at_crank)
     size = ground + crank + coupler + rocker
-    folded = (np.abs(ground - driving) - np.abs(coupler - driven)) / size
-    stretched = (coupler + driven - ground - driving) / size
-    found = _of_turning(ahead, side, folded, stretched)
-    return found if driver == "crank" else _turned(found, np.pi)
+    folded = (np.abs(ground - crank) - np.abs(coupler - rocker)) / size
+    stretched = (coupler + rocker - ground - crank) / size
+    return _of_turning(at_crank, cross(at_coupler, at_rocker), folded, stretched)
 
 
 def slider_crank_defects(

@@ -109,7 +109,7 @@ class Displacements:
             found = z - way * value / (square * (1 + root))
         level = max(float(np.abs(np.prod(self.ways[1:]))), np.finfo(float).tiny)
         # Poses that are all parallel: either all points slide, or none.
-        still = np.where(abs(value) <= 1e-12 * level, z, np.nan) if abs(a) + abs(b) == 0 else found
+        still = np.where(abs(value) <= 1e-12 * level, z, np.nan) if self.translated else found
         return np.asarray(still + self.origins[0])
 
     def crank(self, z: Complex) -> tuple[Complex, Complex]:

@@ -251,7 +251,7 @@ def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
             break
         # What stands on a bound stays there.
         by = by[outside] * ((x[:9] > low[:9]) & (x[:9] < high[:9]))
-        aim = np.where(passed > 0, passed + 1e-12, 0.0)[outside]
+        aim = passed[outside] + 1e-12
         x = x.copy()
         x[:9] = np.clip(x[:9] - np.linalg.lstsq(by, aim, rcond=1e-9)[0], low[:9], high[:9])
     return x

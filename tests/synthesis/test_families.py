@@ -1,0 +1,100 @@
+"""The best of a family, wherever it is; what is told of members and of turns; sizes as they are told."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.sizes import FARTHEST, SMALLEST
+from geomkin.synthesis.found import Found, ten_digits
+from geomkin.synthesis.rockers.families import MEMBERS, highest, members, the_choice, within_sizes
+from geomkin.synthesis.rockers.full_turn import _once
+
+LOW, HIGH, TOP = 0.2, 3.4, 1.2345678912345
+
+
+@pytest.mark.parametrize(
+    ("f", "top", "near"),
+    [
+        # Round tops, whose place values alone tell to half of the digits.
+        (lambda x: np.cos(x - TOP), TOP, 2e-9),
+        (lambda x: 1e-3 * np.exp(-((x - TOP) ** 2)) + 7, TOP, 1e-7),
+        (lambda x: -((x - TOP) ** 2) - 0.3 * (x - TOP) ** 3, TOP, 2e-9),
+        # Corners, steps, ends, and what is out of question to one side.
+        (lambda x: -np.abs(x - TOP), TOP, 1e-12),
+        (lambda x: np.where(x <= TOP, x, -1.0), TOP, 1e-12),
+        (lambda x: np.where(x < TOP, -np.inf, -x), TOP, 1e-12),
+        (lambda x: x, HIGH, 0),
+        (lambda x: -x, LOW, 0),
+        (lambda x: -((x - HIGH - 1e-4) ** 2), HIGH, 0),
+        (lambda x: -((x - LOW + 1e-4) ** 2), LOW, 0),
+        # A narrow peak beside a broad one.
+        (lambda x: np.exp(-((x - 2.9) ** 2)) + 2 * np.exp(-(((x - TOP) / 0.01) ** 2)), TOP, 1e-4),
+    ],
+)
+def test_the_highest_place_is_found(f, top, near):
+    found = highest(f, LOW, HIGH)
+    assert LOW <= found <= HIGH and abs(found - top) <= near
+    fine = np.linspace(LOW, HIGH, 20_001)
+    assert f(np.array([found]))[0] >= f(fine).max() - 1e-13
+
+
+def test_a_round_top_is_told_in_digits_that_are_sure():
+    """Nine of them, the same whatever rounding does to the values."""
+    rng = np.random.default_rng(0)
+    told = {
+        highest(lambda x: np.cos(x - TOP) * (1 + 2e-16 * rng.integers(-1, 2, x.shape)), LOW, HIGH) for _ in range(9)
+    }
+    assert told == {float(f"{TOP:.9g}")}
+
+
+def test_members_are_within_their_ends_and_within_what_a_linkage_may_have():
+    told = members(LOW, HIGH)
+    assert len(told) == MEMBERS and told[0] > LOW and told[-1] < HIGH
+    assert np.diff(np.concatenate([[LOW], told, [HIGH]])) == pytest.approx((HIGH - LOW) / (MEMBERS + 1))
+    one = np.array([1.0, FARTHEST, 1.01 * FARTHEST, SMALLEST, 0.99 * SMALLEST, np.nan, 1.0])
+    assert within_sizes(one, np.ones(7)).tolist() == [True, True, False, True, False, False, True]
+    other = within_sizes(np.ones(7), one, np.array([1, 1, 1, 1, 1, 1, np.inf]))
+    assert other.tolist() == [True, True, False, True, False, False, False]
+
+
+def test_one_thing_is_chosen_and_no_two():
+    assert the_choice({"crank": None, "rocker": None}) is None
+    assert the_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
+    with pytest.raises(gk.DesignError, match="rocker: is given besides crank; give one of them: the others follow"):
+        the_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
+
+
+def test_angles_on_the_circle_are_told_once():
+    turns = [3.0, 1e-9, -1e-9, 2 * np.pi, 1.0, 1.0 + 2 * np.pi, -2.0, 1.1]
+    for shift in (0.0, 2.0, 5.5):
+        found = _once(np.array(turns) + shift)
+        wanted = np.sort(np.mod(np.array([0, 1, 1.1, 3, -2]) + shift, 2 * np.pi))
+        assert len(found) == 5 and np.abs(np.exp(1j * np.sort(found % 6.2831853)) - np.exp(1j * wanted)).max() < 1e-6
+    assert len(_once(np.array([1.0, 1.0 + 2e-6]))) == 2 and _once(np.zeros(0)).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("linkage", "told"),
+    [
+        (
+            gk.FourBar(100, 1 / 3, 90, 70, 1 / 7 - 2j, origin=3 + 1j, ground_angle_deg=20),
+            {"ground": 100, "crank": 0.3333333333, "coupler": 90, "rocker": 70, "coupler_point_mm": [0.1428571429, -2],
+             "origin_mm": [3, 1], "ground_angle_deg": 20},
+        ),
+        (
+            gk.SliderCrank(30, 60, -12.5, 4j, origin=1j),
+            {"crank": 30, "coupler": 60, "offset": -12.5, "coupler_point_mm": [0, 4], "origin_mm": [0, 1],
+             "ground_angle_deg": 0},
+        ),
+        (
+            gk.EllipticTrammel(60, 2 + 1j, 70.0, ground_angle_deg=-5),
+            {"rod": 60, "rod_point_mm": [2, 1], "origin_mm": [0, 0], "ground_angle_deg": -5, "angle_deg": 70},
+        ),
+    ],
+)  # fmt: skip
+def test_a_summary_tells_all_sizes_in_ten_digits(linkage, told):
+    found = Found(linkage=linkage, branch=-1, drive=np.zeros(2), transmission_angle_deg=np.nan, defects=("order",))
+    links = [size for name, size in found.lengths.items() if name != "offset"]
+    assert found.ratio == max(links) / min(links) and len(links) == len(found.lengths) - ("offset" in told)
+    rest = {"branch": -1, "transmission_angle_deg": None, "ratio": ten_digits(found.ratio), "defects": ["order"]}
+    assert found.summary() == told | rest

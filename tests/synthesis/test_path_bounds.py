@@ -1,0 +1,292 @@
+"""Path searches in their own units and in mm: bounds, what is made of a row of numbers, what is ranked as one."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.synthesis.path import search
+from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
+from geomkin.synthesis.path.least_squares import _solved
+from geomkin.synthesis.path.nine_points import reached, with_cognates
+from geomkin.synthesis.path.results import PathFound
+from geomkin.synthesis.path.way import way_through
+from tests.synthesis.test_nine_points import POINTS, THREE
+from tests.synthesis.test_path_fits import CROSSING, at, task_of
+
+PLACES = {"coupler_point_x": 4, "coupler_point_y": 5, "origin_x": 6, "origin_y": 7}
+ANGLES = {"ground_angle_deg": 8, "start_deg": 9}
+LINKS = {"ground": 0, "crank": 1, "coupler": 2, "rocker": 3}
+SLIDER = {"offset": 0, "crank": 1, "coupler": 2}
+MIDDLE, SIZE = 30 - 70j, 4.0
+
+
+@pytest.mark.parametrize("slides", [False, True])
+def test_bounds_are_told_in_the_units_of_the_search(slides):
+    plain = np.array(bounds_of(None, slides, True, MIDDLE, SIZE))
+    wide = [[-LONGEST, LONGEST]] * 10
+    wide[0:4] = [[SHORTEST, LONGEST]] * 4
+    wide[8:] = [[-FREE, FREE]] * 2
+    if slides:
+        wide[0], wide[3] = [-LONGEST, LONGEST], [1, 1]
+    assert plain.T.tolist() == wide
+    for name, k in {**(SLIDER if slides else LINKS), **PLACES, **ANGLES}.items():
+        low, high = bounds_of({name: (10, 34)}, slides, True, MIDDLE, SIZE)
+        shift = {"origin_x": MIDDLE.real, "origin_y": MIDDLE.imag}.get(name, 0.0)
+        unit = 180 / np.pi if name in ANGLES else SIZE
+        assert [low[k] * unit + shift, high[k] * unit + shift] == pytest.approx([10, 34])
+        others = np.arange(10) != k
+        assert (low[others] == plain[0, others]).all() and (high[others] == plain[1, others]).all()
+        # From below the least, or to beyond the greatest that there is: that stays.
+        low, high = bounds_of({name: (-9e8, 9e8)}, slides, True, MIDDLE, SIZE)
+        if name not in ANGLES:
+            assert [low[k], high[k]] == plain[:, k].tolist()
+    # One value may be told, too, and one in each direction of a place; a length has to be above 0.
+    for name in ("offset" if slides else "coupler_point_x", "origin_y", "ground_angle_deg"):
+        for value in (0, -3):
+            low, high = bounds_of({name: (value, value)}, slides, False, MIDDLE, SIZE)
+            assert (low == high).sum() == 1 + slides
+    for name in ("crank", "coupler") if slides else LINKS:
+        with pytest.raises(gk.DesignError, match=f"{name} is at most 0 mm; give a length above 0"):
+            bounds_of({name: (-1, 0)}, slides, False, MIDDLE, SIZE)
+        low, _ = bounds_of({name: (0, 1e-3)}, slides, False, MIDDLE, SIZE)
+        assert low[SLIDER[name] if slides else LINKS[name]] == SHORTEST
+        with pytest.raises(gk.DesignError, match=f"{name} is far from all 4 mm that the points are wide"):
+            bounds_of({name: (1e-9, 1e-7)}, slides, False, MIDDLE, SIZE)
+
+
+def test_links_are_bounded_when_each_is():
+    four, two = dict.fromkeys(LINKS, (1, 2)), dict.fromkeys(("crank", "coupler"), (1, 2))
+    assert bound_all_links(four, False) and bound_all_links(two, True)
+    assert not bound_all_links(two, False) and not bound_all_links(None, True) and not bound_all_links({}, False)
+    for name in LINKS:
+        assert not bound_all_links({n: pair for n, pair in four.items() if n != name}, False)
+    assert not bound_all_links({"offset": (0, 0), "crank": (1, 2)}, True)
+
+
+def found_of(linkage, branch=1):
+    return PathFound(
+        linkage=linkage, branch=branch, drive=np.zeros(3), transmission_angle_deg=40.0, defects=(),
+        points=np.zeros(3), square_error=0.0, largest_distance=0.0,
+    )  # fmt: skip
+
+
+def test_linkages_are_alike_that_differ_by_less_than_a_thousandth():
+    bar = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j)
+    slider = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j)
+    for one in (bar, slider):
+        assert search._alike(found_of(one), found_of(one))
+        for name in (
+            "crank",
+            "coupler",
+            "coupler_point",
+            "origin",
+            *(["offset"] if one is slider else ["ground", "rocker"]),
+        ):
+            value = getattr(one, name)
+            for share, alike in ((0.9e-3, True), (-0.9e-3, True), (1.2e-3, False), (-1.2e-3, False)):
+                other = dataclasses.replace(one, **{name: value * (1 + share)})
+                assert search._alike(found_of(one), found_of(other)) is alike
+                assert search._alike(found_of(other), found_of(one)) is alike
+        # What is 0 of both but for rounding is alike; a crank's thousandth of a thousandth is not nothing.
+        moved = [dataclasses.replace(one, origin=at) for at in (0, 2e-5j, 4e-5j)]
+        assert [search._alike(found_of(moved[0]), found_of(other)) for other in moved] == [True, True, False]
+    # A slide line may be named from its other end, a four-bar's other branch is another linkage.
+    assert search._alike(found_of(slider), found_of(dataclasses.replace(slider, offset=-12), -1))
+    assert not search._alike(found_of(bar), found_of(bar, -1))
+
+
+def test_usable_is_what_has_no_defect_and_keeps_both_limits():
+    good = dataclasses.replace(found_of(gk.FourBar(90, 9, 80, 85, 40 + 45j)), transmission_angle_deg=30.0)
+    assert good.ratio == pytest.approx(10) and good.is_usable and good.usable is good and good.coupler_point == 40 + 45j
+    assert dataclasses.replace(good, transmission_angle_deg=30 - 2e-5).is_usable
+    long = gk.FourBar(90.001, 9, 80, 85)
+    for worse in ({"transmission_angle_deg": 29.99}, {"linkage": long}, {"defects": ("order",)}):
+        other = dataclasses.replace(good, **worse)
+        assert not other.is_usable and other.usable is None
+        assert dataclasses.replace(other, again=lambda: good).usable is good
+    told = dataclasses.replace(good, square_error=1.23456789e-3, largest_distance=0.0123456789).summary()
+    assert (told["square_error_mm2"], told["largest_distance_mm"]) == (1.23457e-3, 0.0123457)
+    assert dataclasses.replace(good, drive=np.array([0, np.pi / 2, 7])).drive_deg == pytest.approx([0, 90, 401.0704566])
+
+
+def test_one_singular_system_spoils_no_other():
+    rng = np.random.default_rng(9)
+    half = rng.normal(size=(5, 3, 3))
+    systems = half @ np.swapaxes(half, 1, 2) * np.array([1, 1e-8, 1e8, 1, 1])[:, None, None]
+    wanted = rng.normal(size=(5, 3))
+    right = np.einsum("spq,sq->sp", systems, wanted)
+    assert _solved(systems.copy(), right) == pytest.approx(wanted, rel=1e-6)
+    # All alike: what is taken for firm rounds to the rest, and no elimination gets on.
+    systems[3] = 1.0 + 1e-15
+    systems[3][np.diag_indices(3)] = 1.0
+    systems[4, 0, 1] = np.nan
+    right[3] = 6.0
+    found = _solved(systems, right)
+    assert found[:3] == pytest.approx(wanted[:3], rel=1e-6) and found[3] == pytest.approx([2, 2, 2])
+    assert (found[4] == 0).all()
+
+
+def search_of(task, **changed):
+    asked = {"points": task.wanted * 4 + MIDDLE, "middle": MIDDLE, "size": SIZE, "task": task, "bounded": frozenset()}
+    return search.PathSearch(**asked | {"all_nine": False, "seed": 0, "seconds": 60.0} | changed)
+
+
+@pytest.mark.parametrize(
+    ("slides", "timed", "most"), [(False, False, 9), (False, True, 5), (True, False, 8), (True, True, 4)]
+)
+def test_as_many_points_can_be_met_as_a_linkage_has_numbers(slides, timed, most):
+    for count, more in ((most, False), (most + 1, True)):
+        turns = np.linspace(0, 2, count) if timed else None
+        assert search_of(task_of(np.ones(count), turns=turns, slides=slides)).more_than_can_be_met is more
+
+
+@pytest.mark.parametrize("slides", [False, True])
+@pytest.mark.parametrize("asked", ["open", "closed", "timed"])
+def test_what_is_made_of_a_row_is_that_linkage_in_mm(asked, slides):
+    x = CROSSING.copy()
+    x[[0, 6, 7, 8, 9]] = 0.3 if slides else 3.0, 0.5, -2.0, 3.5, -7.0
+    drive = np.linspace(0, 4.0, 6) - 7
+    wanted = at(x, drive, 1.0, slides) + 0.01j
+    task = task_of(wanted, closed=asked == "closed", turns=drive + 7 if asked == "timed" else None, slides=slides)
+    found = search_of(task).made(x, drive, np.ones(6, dtype=int))
+    assert isinstance(found.linkage, gk.SliderCrank if slides else gk.FourBar) and not found.defects
+    # A ground angle within half a turn, unless bounds say where it is; a drive that begins in the first turn likewise.
+    assert found.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5) - 360)
+    told = search_of(task, bounded=frozenset({"ground_angle_deg", "start_deg"})).made(x, drive, np.ones(6, dtype=int))
+    assert told.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5))
+    if asked == "closed":
+        assert found.drive == pytest.approx(drive % (2 * np.pi)) and told.drive == pytest.approx(found.drive)
+    else:
+        assert found.drive == pytest.approx(drive + 4 * np.pi) and told.drive == pytest.approx(drive)
+    places = gk.move(found.linkage, found.drive, found.branch).point("coupler_point").position
+    assert places == pytest.approx(found.points - 0.04j) and found.points == pytest.approx(SIZE * wanted + MIDDLE)
+    assert found.square_error == pytest.approx(6 * 0.04**2) and found.largest_distance == pytest.approx(0.04)
+    span = (0, 2 * np.pi) if asked == "closed" else (drive[0], drive[-1])
+    least = gk.least_transmission_angle(gk.move(found.linkage, np.linspace(*span, 5001)))
+    assert found.transmission_angle_deg == pytest.approx(np.degrees(least), abs=1e-3) and found.at_limits == ()
+    # What is no linkage in mm is none.
+    x[1] = 1e-20
+    assert search_of(task).made(x, drive, np.ones(6, dtype=int)) is None
+
+
+def test_limits_that_are_stood_on_are_told_and_those_passed_keep_a_linkage_out():
+    task, drive = task_of(np.ones(4)), np.array([0.3, 1, 2, 2.5])
+    way = way_through(task, CROSSING, drive, np.ones(4, dtype=int))
+    ratio = 3.0
+    for angle, most, told in (
+        (0.999 * way.transmission, 1.001 * ratio, ()),
+        (
+            0.99995 * way.transmission,
+            1.001 * ratio,
+            (f"a transmission angle of {np.degrees(0.99995 * way.transmission):g} deg",),
+        ),
+        (0.999 * way.transmission, 1.00005 * ratio, ("a ratio of links of 3.00015",)),
+        (
+            way.transmission,
+            ratio,
+            (f"a transmission angle of {np.degrees(way.transmission):g} deg", "a ratio of links of 3"),
+        ),
+    ):
+        held = search_of(dataclasses.replace(task, least_transmission=angle, largest_ratio=most))
+        assert held.limits_of(CROSSING, way) == told
+    plain = found_of(gk.FourBar(90, 30, 80, 70))
+    for angle, most, fits in ((39.9, 3.1, True), (40.1, 3.1, False), (39.9, 2.9, False)):
+        held = search_of(dataclasses.replace(task, least_transmission=np.radians(angle), largest_ratio=most))
+        assert held.is_within(plain) is fits and held.is_within(dataclasses.replace(plain, defects=("order",)))
+
+
+def test_what_is_usable_is_searched_for_within_its_own_limits(monkeypatch):
+    good = dataclasses.replace(found_of(gk.FourBar(90, 30, 80, 70)), transmission_angle_deg=35.0)
+    poor, asked = dataclasses.replace(good, defects=("order",)), []
+    comes = {"one": (good,), "best": (good, poor), "poor": (poor, good), "none": ()}
+    for told, (angle, ratio) in zip(comes, ((20, 15.0), (45, 15.0), (20, 4.0), (0.1, np.inf))):
+
+        def ranked(self, number, told=told):
+            asked.append((round(np.degrees(self.task.least_transmission), 9), self.task.largest_ratio, self.all_nine))
+            assert number > 0
+            return comes[told], False
+
+        monkeypatch.setattr(search.PathSearch, "ranked", ranked)
+        task = task_of(np.ones(9), least_transmission=np.radians(angle), largest_ratio=ratio)
+        found = search_of(task, all_nine=True).usable()
+        assert asked.pop() == (max(angle, 30), min(ratio, 10), False)
+        assert (
+            found is None if told in ("poor", "none") else found.ranked == comes[told] and found.linkage == good.linkage
+        )
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_only_what_meets_nine_points_is_told_to_do_so_at_any_size(size, monkeypatch):
+    first = np.tile([POINTS[0].real, POINTS[0].imag], 4)
+    rows = THREE[[0, 1, 1, 2]] + np.array([0, 1e-7, 1e-5, 0])[:, None] + first
+    monkeypatch.setattr(search, "through_nine", lambda wanted, rng, watch: rows)
+    found = search_of(task_of(POINTS), size=size).through_nine(None, None)
+    assert len(found) == 2 and all(one.largest_distance < 1e-8 * size for one in found)
+
+
+def test_ranked_are_the_sound_by_their_error_then_by_their_angle_and_each_once(monkeypatch):
+    """Cognates, which are equally near, others that are less near, one out of order, each told twice."""
+    rows, cranks, sides = [], [], []
+    first = np.tile([POINTS[0].real, POINTS[0].imag], 4)
+    for x in with_cognates(THREE[0] + first, complex(POINTS[0])):
+        drive, side = reached(x, POINTS)
+        # So much larger that it is off by more, and its like but for a hair.
+        for share, swapped in ((1.0, False), (1 + 1e-6, False), (1.01, False), (1.02, False), (1.0, True)):
+            rows.append(x * np.where(np.arange(10) < 6, share, 1.0))
+            cranks.append(np.append(drive[1::-1], drive[2:]) if swapped else drive)
+            sides.append(side[0])
+    mixed = np.random.default_rng(4).permutation(len(rows))
+    told = tuple(np.array(each, dtype=float)[mixed] for each in (rows, cranks, sides))
+    monkeypatch.setattr(search.PathSearch, "searched", lambda self, rng, watch: told)
+    found, cut = search_of(task_of(POINTS)).ranked(0)
+    assert not cut and not any(one.cut_short for one in found)
+    order = [
+        (len(one.defects), float(f"{max(one.square_error, 1e-20):.6g}"), one.transmission_angle_deg) for one in found
+    ]
+    sound = [one for one in order if not one[0]]
+    assert [one[:2] for one in order] == sorted(one[:2] for one in order)
+    # Of the two cognates that go through the points in order, each of its own size and of two others.
+    assert len(sound) == 6 and len(order) == 9
+    for one, other in zip(found[:6:2], found[1:6:2]):
+        assert one.transmission_angle_deg == pytest.approx(other.transmission_angle_deg)
+    # Equally near, with the same angle and the same ratio, as cognates have: the branches alone tell which is first.
+    assert found[1].square_error < 1e-15 and [one.branch for one in found[:2]] == [-1, 1]
+    # So many are told at most, and that time was short is told of each.
+    monkeypatch.setattr(search, "RANKED", 4)
+    few, cut = search_of(task_of(POINTS), seconds=0.0).ranked(0)
+    assert [one.linkage for one in few] == [one.linkage for one in found[:4]]
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_crank_that_stays_for_a_point_goes_no_turn_for_it(sense):
+    task = task_of(np.ones(4))
+    for hair in (0.0, 1e-12, -1e-12):
+        cranks = 3 + sense * np.array([-1, 0, hair, 1])
+        way = way_through(task, CROSSING, cranks, np.ones(4, dtype=int))
+        assert way.defects == () and way.drive == pytest.approx(cranks, abs=1e-9)
+
+
+def test_of_both_senses_the_shorter_is_taken_if_it_closes():
+    # A crank that turns fully can go either way; the one of a double rocker only the way that it swings.
+    task, ones = task_of(np.ones(3)), np.ones(3, dtype=int)
+    for cranks, drive in (
+        ([0.2, 1.0, 2.0], [0.2, 1.0, 2.0]),
+        ([0.2, 6.0, 5.0], [0.2, 6.0 - 2 * np.pi, 5.0 - 2 * np.pi]),
+    ):
+        for turned in (0, 2, -4):
+            way = way_through(task, CROSSING, np.array(cranks) + np.array([0, 0, turned * np.pi]), ones)
+            assert way.defects == () and way.drive == pytest.approx(drive)
+    swinging = np.array([3.0, 1.0, 1.9, 1.7, 1.5, -1.6, 0, 0, 0, 0])
+    reach = [q for q in np.linspace(0, 2 * np.pi, 721) if np.isfinite(at(swinging, [q]))[0]]
+    gap = np.argmax(np.diff(reach))
+    # From one end of its range to the other, the long way round, as the short one goes over the gap.
+    ends = np.array([reach[gap] - 0.01, reach[gap] - 0.01, reach[gap + 1] + 0.01 - 2 * np.pi])
+    assert ends[0] - ends[2] > np.pi + 0.3
+    for there in (ends, -ends):
+        way = way_through(task, swinging, there % (2 * np.pi), ones)
+        assert way.defects == () and np.diff(way.drive) == pytest.approx(np.diff(there)) and way.transmission > 0
+    # Where both close the shorter one is taken.
+    for there in ([1.0, 1.0, 0.2], [0.2, 1.0, 1.0], [0.2, 0.2, -0.5]):
+        assert way_through(task, CROSSING, np.array(there), ones).drive == pytest.approx(there)

@@ -1,0 +1,218 @@
+"""What fits of paths are held within, and how they are brought to it: limits against linkages that are moved finely."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.progress import Watch
+from geomkin.synthesis.path import fits, search
+from geomkin.synthesis.path.coupler_paths import points_of
+from geomkin.synthesis.path.fits import PASSED, Fit, PathTask, nearest, polished, refined, sorted_out, squares
+from geomkin.synthesis.path.search import _for_all, _settled
+
+WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
+# Its coupler point crosses its own path.
+CROSSING = np.array([3.0, 1, 3, 2.5, 1.5, -1.6, 0, 0, 0.4, 0])
+
+
+def task_of(wanted, **changed):
+    plain = PathTask(np.asarray(wanted, dtype=complex), None, False, False, np.radians(0.1), np.inf, *WIDE)
+    return dataclasses.replace(plain, **changed)
+
+
+def at(x, cranks, branch=1.0, slides=False):
+    return points_of(x[None], np.asarray(cranks)[None], np.array([branch]), slides)[0]
+
+
+def linkage_of(x, slides):
+    lengths = {"crank": x[1], "coupler": x[2], "coupler_point": complex(x[4], x[5])}
+    return gk.SliderCrank(offset=x[0], **lengths) if slides else gk.FourBar(ground=x[0], rocker=x[3], **lengths)
+
+
+@pytest.mark.parametrize("asked", ["open", "closed", "timed"])
+@pytest.mark.parametrize("slides", [False, True])
+def test_by_how_much_limits_are_passed_is_what_the_motion_shows(slides, asked):
+    """Ways of random linkages, moved finely: whether they close, their least transmission angle, their lengths."""
+    rng, seen = np.random.default_rng(3), []
+    turns = np.array([0, 0.4, 2.0]) * rng.uniform(0.1, 3) if asked == "timed" else None
+    task = task_of(
+        np.ones(3), turns=turns, closed=asked == "closed", slides=slides,
+        least_transmission=np.radians(35), largest_ratio=2.5,
+    )  # fmt: skip
+    for _ in range(60):
+        x = np.array([*np.exp(rng.uniform(-0.7, 0.7, 4)), *rng.normal(size=6)])
+        if slides:
+            x[0], x[2] = rng.uniform(-1, 1), x[2] + 1
+        t = rng.uniform(-7, 7) + rng.uniform(0, 6) * np.array([0.3, 1, 0])
+        cranks = task.cranks(x[None], t[None])
+        assert cranks[0] == pytest.approx(t if turns is None else x[9] + turns)
+        span = (0, 2 * np.pi) if asked == "closed" else (cranks.min(), cranks.max())
+        motion = gk.move(linkage_of(x, slides), np.linspace(*span, 2001))
+        lengths = [x[1], x[2]] if slides else x[:4]
+        long = np.log(max(lengths) / min(lengths) / 2.5)
+        passed = float(task.passed(x[None], cranks)[0])
+        if motion.closed.all():
+            folded = np.cos(gk.least_transmission_angle(motion)) - np.cos(task.least_transmission)
+            assert passed == pytest.approx(max(folded, long), abs=1e-5)
+            seen.append("long" if long > folded else "folded")
+        else:
+            # What does not close is beyond the limit by what is missing to a toggle, at least.
+            assert passed > 1 - np.cos(task.least_transmission) - 1e-9
+            seen.append("open")
+    assert len(set(seen)) == 3
+    lost = np.array([[0.0 if slides else 1, 1, 0, 1, 0, 0, 0, 0, 0, 0]])
+    with np.errstate(all="ignore"):
+        assert task.passed(lost, np.zeros((1, 3))) == np.inf
+
+
+def test_fewer_points_are_evenly_chosen_with_their_angles():
+    wanted, turns = np.arange(101) + 0j, 0.01 * np.arange(101)
+    for most in (3, 26, 60, 100):
+        few = task_of(wanted, turns=turns).thinned(most)
+        gaps = np.diff(few.wanted.real)
+        assert len(few.wanted) == most and few.wanted[0] == 0 and few.wanted[-1] == 100
+        assert gaps.max() - gaps.min() <= 1 and few.turns == pytest.approx(0.01 * few.wanted.real)
+        assert task_of(wanted).thinned(most).free
+    whole = task_of(wanted)
+    assert whole.thinned(101) is whole and whole.thinned(200) is whole
+
+
+@pytest.mark.parametrize("brought", [polished, refined])
+def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself(brought):
+    turn = np.linspace(0, 2 * np.pi, 721)[:-1]
+    path = at(CROSSING, turn)
+    apart = np.abs((turn[:, None] - turn + np.pi) % (2 * np.pi) - np.pi) > 0.6
+    here, other = np.unravel_index(np.argmin(np.where(apart, np.abs(path[:, None] - path), np.inf)), apart.shape)
+    assert abs(path[here] - path[other]) < 0.02
+    drive = turn[here] + np.linspace(-0.6, 5.4, 51)
+    # One point beside the crossing lies on the other part of the path, by which an open one comes at another time.
+    wanted, beside = at(CROSSING, drive), np.argmin(np.abs(drive - turn[here])) + 2
+    wanted[beside] = min(path[other + 12], path[other - 12], key=lambda place: abs(place - wanted[beside]))
+    task = task_of(wanted)
+    x, t, _ = brought(task, CROSSING[None], drive[None], np.ones(1), Watch(60, ""))
+    assert t[0] == pytest.approx(drive, abs=0.3)
+    assert squares(task, x, t, np.ones(1)) <= squares(task, CROSSING[None], drive[None], np.ones(1))
+
+
+@pytest.mark.parametrize("brought", [polished, refined])
+def test_points_of_a_closed_path_find_their_places_on_it(brought):
+    drive = np.random.default_rng(4).uniform(0, 2 * np.pi, 40)
+    task = task_of(at(CROSSING, drive), closed=True)
+    # Of a few points the other part of the path is told, which comes near to them, too.
+    start = np.where(np.arange(40) % 10 == 0, drive + 2.5, drive)[None]
+    x, t, branch = brought(task, CROSSING[None] * 1.001, start, np.ones(1), Watch(60, ""))
+    assert x.shape == (1, 10) and squares(task, x, t, branch)[0] < 1e-12
+
+
+def test_the_nearest_crank_of_many_is_taken_where_it_is_nearer():
+    rng, look = np.random.default_rng(5), np.linspace(0, 2 * np.pi, 4001)
+    x = CROSSING * (1 + 0.02 * rng.normal(size=(3, 10)))
+    # The second does not close in a part of its turn.
+    x[1, :4] = 3, 2, 2, 2.5
+    wanted = at(CROSSING, rng.uniform(0, 6, 9)) + 0.1
+    t, task, sides = rng.uniform(0, 6, (3, 9)), task_of(wanted, closed=True), np.array([1.0, 1, -1])
+    path = points_of(x, np.broadcast_to(look, (3, 4001)), sides, False)
+    t[1] = look[np.isfinite(path[1])][100]
+    # One of them stands at its best already, which no look can better.
+    t[0, 0] = look[np.argmin(np.abs(path[0] - wanted[0]))]
+    found = nearest(task, x, t, sides)
+    off, before = (np.abs(points_of(x, q, sides, False) - wanted) for q in (found, t))
+    least = np.nanmin(np.abs(path[:, None] - wanted[:, None]), axis=2)
+    assert found[0, 0] == t[0, 0] and (found != t).sum() > 20
+    assert (off <= before).all() and (off >= least - 1e-9).all() and (off - least).max() < 0.05
+
+
+def test_the_best_come_first_and_what_is_outside_goes_or_is_brought_back_by_a_hair():
+    drive = np.linspace(0.3, 3, 8)
+    wanted = at(CROSSING, drive)
+    ratio = CROSSING[0] / CROSSING[1]
+    task = task_of(wanted, largest_ratio=ratio * (1 - 1e-5), turns=drive - 0.3)
+    x = np.tile(CROSSING, (5, 1))
+    x[:, 9] = 0.3
+    # By a hair outside, far outside, open, and two within of which the first is the worse.
+    x[1, 1], x[2, 1] = 0.9, 9
+    x[3:, 1], x[3, 6], x[4, 6] = 1.01, 0.3, 0.1
+    found, t, branch = sorted_out(task, x, np.zeros((5, 8)), np.ones(5))
+    assert len(found) == len(t) == len(branch) == 3
+    assert found[1:] == pytest.approx(x[[4, 3]]) and np.abs(found[0] - x[0]).max() < 1e-4
+    assert (task.passed(found, task.cranks(found, t)) <= PASSED).all() and found[0, 1] > 1
+    assert (np.diff(squares(task, found, t, branch)) > 0).all()
+    # What stands on a bound stays there.
+    task = dataclasses.replace(task, low=task.low.copy(), high=np.where(np.arange(10) == 1, 1.0, task.high))
+    found, *_ = sorted_out(task, x[:1], np.zeros((1, 8)), np.ones(1))
+    assert found[0, 1] == 1 and found[0, 0] < 3
+    task.low[0] = 3
+    assert len(sorted_out(task, x[:1], np.zeros((1, 8)), np.ones(1))[0]) == 0
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, monkeypatch):
+    rng = np.random.default_rng(6)
+    drive = 0.2 + np.linspace(0, 5.8, 61)
+    path = at(CROSSING, drive)
+    off = 0.01 * (rng.normal(size=61) + 1j * rng.normal(size=61))
+    task, x, branch = task_of(path + off, closed=closed), CROSSING[None], np.ones(1)
+    found = _settled(task, x, drive[None] + 0.05 * rng.normal(size=(1, 61)), branch)
+    # Brute force around each; nothing is left along the path.
+    near = drive[:, None] + np.linspace(-0.15, 0.15, 3001)
+    looked = np.abs(at(CROSSING, near.ravel()).reshape(near.shape) - (path + off)[:, None])
+    assert found[0] == pytest.approx(near[np.arange(61), looked.argmin(axis=1)], abs=2e-4)
+    ahead, behind = (np.abs(at(CROSSING, found[0] + side * 1e-4) - path - off) ** 2 for side in (1, -1))
+    assert np.abs(ahead - behind).max() < 1e-9
+    # From cranks of a few of the points: by their places along the path of an open one, by looks of a closed one.
+    few = task.thinned(16)
+    chosen = [int(np.flatnonzero(task.wanted == place)[0]) for place in few.wanted]
+    t = _for_all(task, few, x, found[:, chosen], branch)
+    more = np.abs(at(CROSSING, t[0]) - path - off) - looked.min(axis=1)
+    # Where two parts of the path are near a point alike, either is taken of a closed one.
+    assert t.shape == (1, 61) and more.max() < 0.01 and (more < 1e-6).mean() > (0.9 if closed else 0.999)
+    assert closed or t[0] == pytest.approx(found[0], abs=1e-3)
+    assert not _for_all(dataclasses.replace(task, turns=drive - 0.2), few, x, found[:, chosen], branch).any()
+    monkeypatch.setattr(search, "_settled", lambda task, x, t, branch: t)
+    t = _for_all(task, few, x, found[:, chosen], branch)
+    assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
+
+
+def test_settled_cranks_are_those_of_the_nearest_places_and_no_crank_goes_far_at_once():
+    rng = np.random.default_rng(7)
+    drive = np.linspace(0.2, 5.5, 12)
+    x, sides = np.stack([CROSSING, CROSSING]), np.array([-1.0, 1, 1])
+    x[1, 6] = 0.05
+    wanted = at(CROSSING, drive)
+    task, start = task_of(wanted), drive + rng.uniform(-0.04, 0.04, (2, 12))
+    fit, which = Fit(task, sides), np.array([1, 2])
+    # Free cranks have no start, and a row of which is left out is taken for 0.
+    t = start
+    for _ in range(9):
+        t, before = fit.settled(which, x[:, :9], t), t
+        assert np.abs(t - before).max() <= 0.2
+    assert t[0] == pytest.approx(drive, abs=1e-9)
+    below, here, above = (np.abs(at(x[1], t[1] + side) - wanted) for side in (-1e-3, 0, 1e-3))
+    settled = np.abs(t[1] - before[1]) < 1e-4
+    assert settled.sum() > 8 and (here <= np.minimum(below, above))[settled].all() and here.max() > 0.01
+    far = np.abs(fit.settled(which, x[:, :9], start + 1.2) - start - 1.2)
+    assert far.max() <= 0.2 and (far < 1e-12).sum() > 5
+    timed = Fit(dataclasses.replace(task, turns=drive), sides)
+    assert timed.settled(which, x, start) is start
+
+
+def test_of_many_starts_the_best_go_on_and_with_no_time_left_none_does(monkeypatch):
+    for name, value in {"ROUNDS": 3, "STEPS": 1, "LAST": 3, "KEPT": {0: 3, 1: 1}}.items():
+        monkeypatch.setattr(fits, name, value)
+    drive = np.linspace(0.2, 5.5, 12)
+    task = task_of(at(CROSSING, drive), turns=drive - 0.2)
+    near = CROSSING + np.array([0, 0, 0, 0, 0, 0, 0, 0, 0, 0.2])
+    shares = np.array([1.2, 1.15, 1.003, 1.25, 1.1])
+    starts = near * np.where(np.arange(10) < 6, shares[:, None], 1.0)
+    told, none = [], np.zeros((5, 12))
+    monkeypatch.setattr(Watch, "tell", lambda self, share: told.append(share))
+    x, t, branch = polished(task, starts, none, np.ones(5), Watch(60, ""))
+    alone = polished(task, starts[2:3], none[:1], np.ones(1), Watch(60, ""))[0]
+    assert len(x) == len(t) == len(branch) == 1 and x == pytest.approx(alone, abs=1e-6)
+    assert np.abs(x - polished(task, starts[:1], none[:1], np.ones(1), Watch(60, ""))[0]).max() > 1e-3
+    assert told[:6] == pytest.approx(2 * [0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0])
+    # What there is is told when time is over, the best first.
+    x, *_ = polished(task, starts, none, np.ones(5), Watch(0, ""))
+    assert x[:, 0] == pytest.approx(3 * np.sort(shares))
