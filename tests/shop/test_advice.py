@@ -1,0 +1,125 @@
+"""Refusals of plates word by word, their figures measured another way, and the numbers that they advise tried."""
+
+import re
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.errors import DesignError
+from geomkin.plane import region
+from geomkin.shop.base import BaseStock
+from geomkin.shop.fasteners import fastener_of
+from geomkin.shop.gear.bases import pair_base, rack_base
+from geomkin.shop.gear.gears import GearStock, Web, gear_parts
+
+WHEEL = gk.SpurGear(40, 2)
+
+
+def refusal(call, *given, **named):
+    with pytest.raises(DesignError) as caught:
+        call(*given, **named)
+    return caught.value.field, caught.value.problem, caught.value.remedy
+
+
+def number(words):
+    return float(re.search(r"(?:than|least|most) (\S+)", words)[1])
+
+
+def wheel(hub, rim, form="spokes", count=5, spoke_width=4.0, bore=10):
+    web = Web(hub=hub, rim=rim, form=form, count=count, spoke_width=spoke_width)
+    return gear_parts(WHEEL, GearStock(bore=bore, web=web))[0]
+
+
+def test_a_hub_is_advised_that_leaves_the_hole_its_wall():
+    assert refusal(wheel, 9, 3) == ("stock.web.hub", "found 9 mm around a hole of 10 mm", "give more than 10 mm")
+    assert len(wheel(10.001, 3, spoke_width=1).holes) == 6
+    assert refusal(wheel, 10, 3)[0] == "stock.web.hub"
+
+
+def test_a_rim_is_advised_that_leaves_room_between_it_and_the_hub():
+    field, problem, remedy = refusal(wheel, 30, 30)
+    assert (field, problem) == ("stock.web.rim", "found 30 mm, which leaves no room between hub and rim")
+    assert number(remedy) == pytest.approx(np.abs(gk.flatten(WHEEL.outline, 1e-4)).min() - 15, abs=1e-3)
+    assert len(wheel(30, number(remedy) - 1e-3).holes) == 6
+    assert refusal(wheel, 30, number(remedy))[0] == "stock.web.rim"
+    # A hub beyond the teeth leaves no rim at all.
+    assert refusal(wheel, 80, 3)[2] == "give a smaller hub"
+
+
+def test_round_openings_are_refused_by_the_wall_between_them():
+    field, problem, remedy = refusal(wheel, 20, 3, "holes", 12)
+    assert field == "stock.web.count" and remedy.startswith("give fewer holes")
+    count, wide, between = (float(word) for word in re.findall(r"-?\d+\.?\d*", problem))
+    assert count == 12 and wide == pytest.approx(24.5)
+    # Holes that run into each other have less than nothing between them.
+    assert between == pytest.approx(abs(np.exp(2j * np.pi / 12) - 1) * (10 + wide / 2) - wide, abs=5e-3)
+    loops = [gk.flatten(hole, 1e-4) for hole in wheel(20, 3, "holes", 4, 0.01).holes[1:]]
+    assert wide == pytest.approx(np.ptp(np.abs(loops[0])), abs=1e-3)
+    gap = region.gap(loops[0], loops[1])
+    assert len(wheel(20, 3, "holes", 4, gap - 0.01).holes) == 5
+    assert refusal(wheel, 20, 3, "holes", 4, gap + 0.01)[0] == "stock.web.count"
+
+
+def test_spokes_are_refused_where_they_meet_outside_the_hub():
+    words = refusal(wheel, 20, 3, "spokes", 8, 9.0)
+    assert words[:2] == ("stock.web.spoke_width", "found 9 mm: 8 spokes meet outside the hub")
+    widths = np.arange(1, 9, 0.02)
+    passes = [_passes(20, 8, width) for width in widths]
+    widest = widths[passes.index(False) - 1]
+    assert not any(passes[passes.index(False) :])
+    # Of the hub's edge next to nothing is left between two of the widest.
+    window = gk.flatten(wheel(20, 3, "spokes", 8, widest).holes[1], 1e-4)
+    edge = window[np.abs(window) < 10 + 1e-3]
+    assert 0 < np.abs(edge[:, None] - edge).max() < 0.2
+    assert _passes(30, 8, widest + 0.5) and _passes(20, 7, widest + 0.5)
+
+
+def _passes(hub, count, width):
+    try:
+        return len(wheel(hub, 3, "spokes", count, width).holes) == 1 + count
+    except DesignError:
+        return False
+
+
+@pytest.mark.parametrize(("apart", "clearance"), [(54.0, 60.0), (45.0, 0.2), (30.0, 6.0)])
+def test_shafts_as_wide_together_as_a_base_says_do_not_meet(apart, clearance):
+    reaches, stock = (20.0, 30.0), BaseStock(clearance=clearance)
+    field, problem, remedy = refusal(pair_base, apart, reaches, (30.0, 70.0), 5.0, stock)
+    wide = 30 + 70 + 2 * clearance
+    assert field == "first_stock.bore"
+    assert f"are {apart:g} mm apart, and {wide:g} mm wide together, so that they meet" in problem
+    if clearance > apart:
+        assert remedy == "move them apart"
+        return
+    most = number(remedy)
+    assert len(pair_base(apart, reaches, (20.0, most - 20 - 1e-3), 5.0, stock).holes) == 6
+    assert refusal(pair_base, apart, reaches, (20.0, most - 20 + 1e-3), 5.0, stock)[0] == "first_stock.bore"
+
+
+@pytest.mark.parametrize(("module", "height"), [(2.5, 4.0), (2.0, 7.0), (4.0, 3.6)])
+def test_a_rack_as_long_as_the_refusal_says_holds_its_two_pins(module, height):
+    def base(teeth):
+        bar = gk.gear.GearRack(teeth, module, height=height)
+        (plate,) = gear_parts(bar, GearStock(), "rack")
+        pair = gk.gear.RackPair(gk.SpurGear(14, module, 0.2), bar)
+        return rack_base(pair, plate, 8.0)
+
+    field, problem, remedy = refusal(base, 2)
+    assert (field, problem) == ("rack.teeth", "found 2, too few for two guide pins")
+    least = int(number(remedy.replace(",", " ")))
+    assert len(base(least)[0].holes) == 2 and refusal(base, least - 1)[2] == remedy
+
+
+def test_a_sheet_that_a_screws_nut_is_too_high_for_is_told_by_how_many():
+    _, problem, remedy = refusal(fastener_of, 4.0, 0.3, "screw", 0.2, None)
+    most = int(re.search(r"at most (\d+) sheets", remedy)[1])
+
+    def sheets(thick):
+        # What stands out of a sheet on the shortest screw that is sold and takes it.
+        bought = fastener_of(4.0, 3.0, "screw", 0.2, None).bill(thick)[0][0]
+        return (float(re.search(r"x (\d+)", bought)[1]) - thick) / thick
+
+    assert f"as high as {sheets(0.3):.0f} sheets" in problem
+    for thick in np.arange(0.3, 0.6, 0.01).round(2).tolist():
+        assert fastener_of(4.0, thick, None, 0.2, None).sort == ("screw" if sheets(thick) <= most else "rod")
