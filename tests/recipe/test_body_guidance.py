@@ -70,6 +70,34 @@ def test_the_poses_are_drawn_with_the_linkage_at_the_first():
         assert np.abs(np.array(centres) - pins.point(pin).position[0]).min() < 1e-9
 
 
+FIVE = [[0, 0, 0], [-40, 25, -30], [-65, 50, -50], [-85, 70, -65], [-105, 85, -75]]
+SEVEN = [[0, 0, 0], [10, 4, 9], [22, 7, 15], [30, 16, 25], [41, 20, 28], [52, 39, 50], [60, 60, 80]]
+
+
+@pytest.mark.parametrize("poses", [[[0, 0, 0], [40, 20, 30], [60, 60, 80]], FIVE, SEVEN], ids=len)
+def test_poses_are_drawn_by_their_numbers_and_up_to_five_their_poles_near_by(poses):
+    goal = recipe(f"poses = {poses}")
+    shown = {curve.label: curve for curve in goal.shown}
+    for k, (x, y, angle) in enumerate(poses):
+        tip, corner, _ = shown[f"pose {k + 1}"].curve.vertices
+        assert corner == complex(x, y) and np.angle(tip - corner, deg=True) == pytest.approx(angle)
+    told = {pair: complex(*place) for pair, place in goal.notes["poles_mm"].items()}
+    assert len(told) == {3: 3, 5: 10, 7: 0}[len(poses)]
+    low, high = (complex(f(goal.seen.real), f(goal.seen.imag)) for f in (np.min, np.max))
+    wide = max((high - low).real, (high - low).imag)
+    near = {pair for pair, place in told.items() if abs(place - (low + high) / 2) <= 1.25 * wide}
+    assert {label.removeprefix("pole of poses ") for label in shown if label.startswith("pole")} == near
+    for pair in near:
+        circle = shown[f"pole of poses {pair}"].curve
+        assert circle.centre == pytest.approx(told[pair]) and circle.radius == pytest.approx(wide / 100)
+    # What three poses' pins are chosen by is drawn and engraved for three alone.
+    chosen = [curve for curve in goal.shown if curve.role == "construction"]
+    (plate,) = [part for part in goal.parts if part.name == "poses"]
+    large = [mark for mark in plate.marks if getattr(mark, "radius", 0) > goal.stock.pin_diameter]
+    assert bool(chosen) == bool(large) == (len(poses) == 3)
+    assert [m.centre for m in large] == [c.curve.centre for c in chosen if "circle" in c.label]
+
+
 def test_the_checks_say_what_is_missed_and_which_defects_there_are():
     by_name = {check.name: check for check in recipe().checks}
     assert by_name["largest distance from a pose"].passed and by_name["defects"].value == 0
