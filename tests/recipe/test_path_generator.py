@@ -1,5 +1,6 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -173,6 +174,18 @@ def test_a_closed_path_is_drawn_by_a_full_turn():
     assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
     assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
     assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
+
+
+def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn():
+    goal = gk.load(FIVE)
+    drawn = goal.parts[-1].marks
+    spoilt = gk.load(FIVE)
+    spoilt.__dict__["found"] = dataclasses.replace(goal.found, defects=("branch",), largest_distance=np.nan)
+    left = spoilt.parts[-1].marks
+    assert [type(mark) for mark in left] == [type(mark) for mark in drawn if not isinstance(mark, CouplerCurve)]
+    assert len(drawn) == len(left) + 1
+    (check,) = (check for check in spoilt.judged if "path" in check.name or "defects" in check.name)
+    assert not check.passed and check.advice == "it has a defect of branch"
 
 
 def test_angles_are_given_one_by_one_or_in_equal_steps():
