@@ -84,6 +84,25 @@ def test_a_copy_stays_on_the_branch_of_the_first_through_change_points():
     assert np.abs(pins[1] - pins[2]).max() < 1e-6 and np.abs(pins[0] + pins[1] - 2 * shaft).max() < 1e-6
 
 
+def test_a_copy_stays_on_the_branch_that_the_first_has_at_its_first_frame():
+    """A frame later, half a turn of the rocker on, the place that tells the branch is nearer to the other one."""
+    bar, drive = gk.FourBar(100, 95, 110, 112), np.radians(np.arange(320, 681, 60))
+    own, other = (gk.move(bar, drive, side).point("rocker_pin").position for side in (1, -1))
+    assert abs(own[0] - other[1]) < abs(own[0] - own[1])
+    recipe = gk.load({
+        "kind": "four-bar",
+        "linkage": {"ground": 100, "crank": 95, "coupler": 110, "rocker": 112},
+        "branches": {"rocker_pin": [own[0].real, own[0].imag]},
+        "drive": {"start_deg": 320, "end_deg": 680, "step_deg": 60},
+        "copies": [{"phase_deg": 90}, {"phase_deg": -100}],
+    })  # fmt: skip
+    found = {body.name: body.direction for body in recipe.scene.bodies}
+    assert found["rocker"] == pytest.approx(gk.move(bar, drive).bodies["rocker"].direction)
+    for name, phase in (("rocker, copy 2", 90), ("rocker, copy 3", -100)):
+        wanted = gk.move(bar, drive + np.radians(phase)).bodies["rocker"].direction
+        assert found[name] == pytest.approx(wanted, abs=1e-9)
+
+
 def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
     alone = gk.load(LEG)
     gk.make(walker.called("walker"), tmp_path, ["dxf", "bom"])
@@ -131,6 +150,9 @@ def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases
     assert all(one.count > 0 for one in recipe.bought)
     told = [step for step in recipe.steps if step.startswith("copies ")]
     assert len(told) == len(phases) and sum("one rod" in step for step in told) == sum(rods.values())
+    assert [one.words for one in recipe.shared] == told
+    for one in recipe.shared:
+        assert bool(one.pin) == (one.length > 0) == ("one rod" in one.words)
     # A rod goes through both stacks and what is kept free between them.
     for one in recipe.bought:
         if one.name.startswith("rod"):

@@ -4,11 +4,13 @@ import re
 
 import numpy as np
 import pytest
+import shapely
 
 import geomkin as gk
 from geomkin.errors import DesignError
 from geomkin.plane import region
 from geomkin.shop.base import BaseStock
+from geomkin.shop.cam_base import _check_shaft
 from geomkin.shop.fasteners import fastener_of
 from geomkin.shop.gear.bases import pair_base, rack_base
 from geomkin.shop.gear.gears import GearStock, Web, gear_parts
@@ -123,3 +125,27 @@ def test_a_sheet_that_a_screws_nut_is_too_high_for_is_told_by_how_many():
     assert f"as high as {sheets(0.3):.0f} sheets" in problem
     for thick in np.arange(0.3, 0.6, 0.01).round(2).tolist():
         assert fastener_of(4.0, thick, None, 0.2, None).sort == ("screw" if sheets(thick) <= most else "rod")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_bar_between_cam_and_base_keeps_off_the_shaft_by_no_more_than_the_refusal_says(seed):
+    rng = np.random.default_rng(seed)
+    along, across = rng.uniform(20, 60), rng.uniform(4, 15)
+    corners = np.array([-along - 1j * across, along - 1j * across, along + 1j * across, -along + 1j * across])
+    away = rng.uniform(0.4, 2.5) * across if seed % 4 else 0.0
+    # It swings by a place where it is level and nearest, beside the shaft but for every fourth.
+    turns = np.exp(1j * np.linspace(-0.3, 0.3, 5))
+    bar = (corners + 1j * (across + away) * np.sign(rng.uniform(-1, 1)) + rng.uniform(-9, 9)) * turns[:, None]
+    polygons = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in bar]
+    middle = shapely.Point(0, 0)
+    inside = any(polygon.contains(middle) for polygon in polygons)
+    room = min(polygon.exterior.distance(middle) for polygon in polygons)
+    if not inside and room > 0.01:
+        _check_shaft(bar, 2 * room - 1e-6)
+    field, problem, remedy = refusal(_check_shaft, bar, 2 * room + 1e-6)
+    assert field == "stock.bar_width" and f"meets the cam shaft of {2 * room + 1e-6:g} mm" in problem
+    if inside or room <= 0.01:
+        assert remedy == "give narrower bars or a larger base_radius"
+    else:
+        assert 0 <= 2 * room - number(remedy) < 1e-3 * room and "narrower bars" in remedy
+        _check_shaft(bar, number(remedy) * (1 - 1e-9))
