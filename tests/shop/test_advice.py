@@ -132,10 +132,14 @@ def test_a_bar_between_cam_and_base_keeps_off_the_shaft_by_no_more_than_the_refu
     rng = np.random.default_rng(seed)
     along, across = rng.uniform(20, 60), rng.uniform(4, 15)
     corners = np.array([-along - 1j * across, along - 1j * across, along + 1j * across, -along + 1j * across])
-    away = rng.uniform(0.4, 2.5) * across if seed % 4 else 0.0
+    away = rng.uniform(0.4, 2.5) * across if seed % 4 else -0.3 * across
     # It swings by a place where it is level and nearest, beside the shaft but for every fourth.
     turns = np.exp(1j * np.linspace(-0.3, 0.3, 5))
-    bar = (corners + 1j * (across + away) * np.sign(rng.uniform(-1, 1)) + rng.uniform(-9, 9)) * turns[:, None]
+    side = 1j * np.sign(rng.uniform(-1, 1))
+    bar = (corners + side * (across + away) + rng.uniform(-9, 9)) * turns[:, None]
+    if not seed % 4:
+        # The shaft is within the bar at the first place alone.
+        bar += 2 * side * across * np.arange(5)[:, None]
     polygons = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in bar]
     middle = shapely.Point(0, 0)
     inside = any(polygon.contains(middle) for polygon in polygons)
