@@ -94,13 +94,19 @@ def test_a_copy_stays_on_the_branch_that_the_first_has_at_its_first_frame():
         "linkage": {"ground": 100, "crank": 95, "coupler": 110, "rocker": 112},
         "branches": {"rocker_pin": [own[0].real, own[0].imag]},
         "drive": {"start_deg": 320, "end_deg": 680, "step_deg": 60},
-        "copies": [{"phase_deg": 90}, {"phase_deg": -100}],
+        "copies": [{"phase_deg": 90}, {"phase_deg": -100}, {"phase_deg": 50, "mirrored": True}],
     })  # fmt: skip
     found = {body.name: body.direction for body in recipe.scene.bodies}
     assert found["rocker"] == pytest.approx(gk.move(bar, drive).bodies["rocker"].direction)
     for name, phase in (("rocker, copy 2", 90), ("rocker, copy 3", -100)):
         wanted = gk.move(bar, drive + np.radians(phase)).bodies["rocker"].direction
         assert found[name] == pytest.approx(wanted, abs=1e-9)
+    # Turned over, it is seen from behind, with its crank as far ahead.
+    pins = {body.name: body.origin for body in recipe.scene.bodies}
+    assert pins["coupler, copy 4"] == pytest.approx(np.exp(1j * np.radians(50)) * pins["coupler"], abs=1e-9)
+    at = np.angle(-np.conj(pins["coupler, copy 4"]))
+    wanted = gk.move(bar, np.unwrap(at)[::-1]).bodies["rocker"].direction[::-1]
+    assert found["rocker, copy 4"] == pytest.approx(np.conj(wanted), abs=1e-9)
 
 
 def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
