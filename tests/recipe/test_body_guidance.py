@@ -1,6 +1,7 @@
 """The recipe of a body through poses: made, and the recipe that it found runs by itself through the poses."""
 
 import csv
+import dataclasses
 import json
 
 import numpy as np
@@ -144,6 +145,18 @@ def test_what_cannot_be_is_refused(tmp_path, wanted, refusal):
         gk.make(recipe(wanted), tmp_path)
     assert refusal in str(caught.value)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("speed", "step"), [(60, 1), (15, 4), (90, 2.5)])
+def test_what_a_slide_drives_goes_there_in_half_a_turn_of_the_drive(speed, step):
+    goal = gk.load("recipes/poses-by-slider.toml")
+    goal = dataclasses.replace(goal, drive=dataclasses.replace(goal.drive, speed_rpm=speed, step_deg=step))
+    way, table = goal.design.stroke, goal.table
+    assert (way.start, way.end) == pytest.approx((min(goal.found.drive), max(goal.found.drive)))
+    # Half a turn takes half a minute by its speed, and as many steps as it has of those asked for.
+    assert table["time"][-1] == pytest.approx(30 / speed)
+    places = table[goal.table.columns[0].header]
+    assert len(places) == 180 / step + 1 and np.diff(places) == pytest.approx((way.end - way.start) * step / 180)
 
 
 def test_one_that_was_not_found_cannot_be_chosen(tmp_path):

@@ -65,7 +65,12 @@ def test_poles_and_slides_are_told(tmp_path):
     gk.make(recipe().called("curves"), tmp_path)
     summary = json.loads((tmp_path / "curves/summary.json").read_text())
     assert all(check["passed"] for check in summary["checks"])
-    assert len(summary["poles_mm"]) == 6
+    assert set(summary["poles_mm"]) == {"1 and 2", "1 and 3", "1 and 4", "2 and 3", "2 and 4", "3 and 4"}
+    for pair, place in summary["poles_mm"].items():
+        # The point of the body that is at one place in both poses.
+        pole, two = complex(*place), [POSES[int(number) - 1] for number in pair.split(" and ")]
+        one, other = ((pole - complex(x, y)) * np.exp(-1j * np.radians(angle)) for x, y, angle in two)
+        assert one == pytest.approx(other, abs=1e-6)
     slide = summary["slides"]["pin_that_slides"]
     pin = complex(*slide["place_mm"])
     places = np.array([x + 1j * y + np.exp(1j * np.radians(a)) * pin for x, y, a in POSES])

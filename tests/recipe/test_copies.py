@@ -189,6 +189,15 @@ def test_room_between_copies_is_what_heads_and_nuts_take_in_whole_sheets():
     assert rods == {"rod 2 mm, cut to 35 mm": (1, ("C",)), "rod 2 mm, cut to 25 mm": (1, ("A",))}
 
 
+@pytest.mark.parametrize("fastener", ["screw", "rod"])
+def test_copies_whose_rods_are_cut_flush_stand_on_each_other(fastener):
+    text = f"{LEG}[[copies]]\nmirrored = true\n[[copies]]\n"
+    stock = re.sub(r"\[stock\]", f'[stock]\nfastener = "{fastener}"', text)
+    rooms = [re.search(r"([\d.]+) mm between", step) for step in gk.load(stock).steps]
+    rooms = [float(found[1]) for found in rooms if found]
+    assert len(rooms) == 2 and all((room == 0) == (fastener == "rod") for room in rooms)
+
+
 def test_copies_lie_over_each_other_along_the_shaft(walker):
     layers = [set(), set(), set()]
     for body in walker.scene.bodies:
