@@ -189,6 +189,33 @@ def test_room_between_copies_is_what_heads_and_nuts_take_in_whole_sheets():
     assert rods == {"rod 2 mm, cut to 35 mm": (1, ("C",)), "rod 2 mm, cut to 25 mm": (1, ("A",))}
 
 
+@pytest.mark.parametrize("points", [("O", "Q", "C"), ("Q", "O", "C"), ("C", "Q", "O")])
+def test_a_shaft_that_another_link_turns_on_by_another_name_is_shared_all_the_same(points):
+    """A six-bar whose output turns about the crank's own pivot, which it calls by a name of its own."""
+    places = {"O": [0, 0], "Q": [0, 0], "C": [100, 0]}
+    bodies = {
+        "ground": {name: places[name] for name in points},
+        "crank": {"O": [0, 0], "A": [30, 0]},
+        "coupler": {"A": [0, 0], "B": [90, 0], "P": [50, 50]},
+        "rocker": {"C": [0, 0], "B": [70, 0]},
+        "link": {"P": [0, 0], "F": [100, 0]},
+        "out": {"Q": [0, 0], "F": [90, 0]},
+    }
+    recipe = gk.load({
+        "kind": "linkage",
+        "linkage": {"driver": "crank", "bodies": bodies},
+        "drive": {"step_deg": 15},
+        "copies": [{"mirrored": True}, {"phase_deg": 180}],
+    })  # fmt: skip
+    pin = next(pin for pin in recipe.stack.pins if {"ground", "crank", "out"} <= set(pin.holes))
+    letter = recipe.stack.letters[pin.name]
+    assert [one.pin for one in recipe.shared] == ["", pin.name]
+    told = recipe.shared[1].words
+    assert "back to back" in told and f"one rod {letter}, " in told and told.endswith("both cranks 180 deg apart")
+    (rod,) = (one for one in recipe.bought if one.name.startswith("rod"))
+    assert rod.count == 1 and rod.joints == (letter,)
+
+
 @pytest.mark.parametrize("fastener", ["screw", "rod"])
 def test_copies_whose_rods_are_cut_flush_stand_on_each_other(fastener):
     text = f"{LEG}[[copies]]\nmirrored = true\n[[copies]]\n"
