@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.kinds.copies_joined import _beyond
+from geomkin.shop.linkage.stack import PinSpan
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 LEG = (RECIPES / "walking-leg.toml").read_text("utf-8").replace('"csv"', '"csv", "bom"')
@@ -187,6 +189,18 @@ def test_room_between_copies_is_what_heads_and_nuts_take_in_whole_sheets():
     # The rods are bought once each; the screws that they replace are not.
     rods = {one.name: (one.count, one.joints) for one in recipe.bought if one.name.startswith("rod")}
     assert rods == {"rod 2 mm, cut to 35 mm": (1, ("C",)), "rod 2 mm, cut to 25 mm": (1, ("A",))}
+
+
+@pytest.mark.parametrize(
+    ("layer", "but", "room"),
+    [(0, "B", 12), (0, "C", 12), (0, "A", 12), (4, "A", 12), (4, "B", 3), (2, "A", 3), (3, "A", 12), (1, "A", 0)],
+)
+def test_pins_of_the_ground_have_their_nuts_below_and_all_others_above(layer, but, room):
+    """M4 in sheets of 3 mm, with 0.2 mm of play: heads 2.4 mm high, nuts and screws 10 mm over 15 mm, 11 over 9."""
+    spans = {"A": (0, 4), "B": (2, 4), "C": (0, 2), "D": (1, 3)}
+    pins = tuple(PinSpan(name, low, high, 3.0 * (high - low + 1), (), ()) for name, (low, high) in spans.items())
+    stack = gk.shop.Stack({}, pins, (), {}, gk.shop.LinkStock().fastener_used)
+    assert _beyond(stack, 3.0, layer, but) == room
 
 
 @pytest.mark.parametrize("points", [("O", "Q", "C"), ("Q", "O", "C"), ("C", "Q", "O")])
