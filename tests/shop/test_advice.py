@@ -45,7 +45,8 @@ def test_a_rim_is_advised_that_leaves_room_between_it_and_the_hub():
     assert number(remedy) == pytest.approx(np.abs(gk.flatten(WHEEL.outline, 1e-4)).min() - 15, abs=1e-3)
     assert len(wheel(30, number(remedy) - 1e-3).holes) == 6
     assert refusal(wheel, 30, number(remedy))[0] == "stock.web.rim"
-    # A hub beyond the teeth leaves no rim at all.
+    # A hub next to the teeth leaves next to none, and one beyond them none at all.
+    assert refusal(wheel, 74, 3)[2] == "give less than 0.5 mm"
     assert refusal(wheel, 80, 3)[2] == "give a smaller hub"
 
 
