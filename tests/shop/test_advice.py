@@ -8,6 +8,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.errors import DesignError
+from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.plane import region
 from geomkin.shop.base import BaseStock
 from geomkin.shop.cam_base import _check_shaft
@@ -154,3 +155,34 @@ def test_a_bar_between_cam_and_base_keeps_off_the_shaft_by_no_more_than_the_refu
     else:
         assert 0 <= 2 * room - number(remedy) < 1e-3 * room and "narrower bars" in remedy
         _check_shaft(bar, number(remedy) * (1 - 1e-9))
+
+
+@pytest.mark.parametrize(("pins", "clearance"), [(12, 0.1), (8, 0.6)])
+def test_a_lantern_s_bore_as_wide_as_the_refusal_says_leaves_its_pins_their_holes(pins, clearance):
+    pinion = gk.gear.LanternPinion(pins, 4, 5)
+    mate = conjugate(pinion.cutter(0.5, 0.0), pins, pinion.pitch_radius, 48, 6.0)
+
+    def disc(bore):
+        return gk.shop.lantern_parts(pinion, mate, gk.shop.LanternStock(bore=bore, clearance=clearance))[0]
+
+    # Round the middle of all pins, whose holes are as wide as they and the clearance together.
+    room = 2 * (min(abs(circle.centre) for circle in pinion.circles) - (5 + clearance) / 2)
+    field, _, remedy = refusal(disc, 60.0)
+    assert field == "stock.bore" and number(remedy.replace("at least 0.01 and ", "")) == pytest.approx(
+        room - clearance, rel=1e-3
+    )
+    holes = [gk.flatten(hole, 1e-4) for hole in disc(room - clearance - 1e-3).holes]
+    assert len(holes) == 1 + pins and all(region.gap(holes[0], hole) > 0 for hole in holes[1:])
+    assert refusal(disc, room - clearance + 1e-3)[0] == "stock.clearance"
+
+
+@pytest.mark.parametrize("bar_width", [6.0, 8.0, 14.0, 20.0])
+def test_the_ground_is_as_large_as_the_face_of_its_motor_or_as_far_about_its_corners_as_bars_are_wide(bar_width):
+    stock = gk.shop.LinkStock(bar_width=bar_width, pin_diameter=3, motor="nema17")
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 61))
+    ground = gk.shop.link_parts(motion, stock)[0]
+    z = gk.flatten(ground.outline, 1e-5)
+    # Corners are as round as half a bar, from places 4 mm within the face at most.
+    beyond = 42.3 / 2 + max(0.0, bar_width / 2 - 4)
+    assert ground.body == "ground"
+    assert (-z.real.min(), -z.imag.min(), z.imag.max()) == pytest.approx((beyond, beyond, beyond), abs=1e-4)
