@@ -1,6 +1,7 @@
 """What a goal says of a linkage that misses what was wanted: the check that fails, by how much, and from where on."""
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
@@ -25,6 +26,11 @@ GOALS = {
 }
 
 
+@cache
+def found(goal):
+    return gk.load(GOALS[goal])
+
+
 @pytest.mark.parametrize(
     ("goal", "size", "wanted", "name", "most"),
     [
@@ -40,7 +46,7 @@ GOALS = {
     ],
 )
 def test_what_is_missed_is_told_in_its_own_unit_and_fails_beyond_the_limit(goal, size, wanted, name, most):
-    met = gk.load(GOALS[goal])
+    met = found(goal)
     assert all(check.passed for check in met.met)
     for missed in (0.5 * most, 2 * most, 0.3):
         for side in (1, -1) if wanted else (1,):

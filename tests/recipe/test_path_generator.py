@@ -176,8 +176,8 @@ def test_a_closed_path_is_drawn_by_a_full_turn():
     assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
 
 
-def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted():
-    goal = gk.load(FIVE)
+def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted(five):
+    goal = five
     at = gk.move(goal.found.linkage, goal.found.drive[:1], goal.found.branch)
     assert abs(at.point("coupler_point").position[0] - goal.wanted.places[0]) < 0.01
     circles = [mark.centre for mark in goal.parts[-1].marks if isinstance(mark, gk.plane.Circle)]
@@ -185,8 +185,8 @@ def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted():
     assert len(circles) == len(pins) and np.abs(np.subtract.outer(pins, circles)).min(axis=1).max() < 1e-9
 
 
-def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn():
-    goal = gk.load(FIVE)
+def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn(five):
+    goal = five
     drawn = goal.parts[-1].marks
     spoilt = gk.load(FIVE)
     spoilt.__dict__["found"] = dataclasses.replace(goal.found, defects=("branch",), largest_distance=np.nan)
