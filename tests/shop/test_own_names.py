@@ -66,3 +66,18 @@ def test_what_a_person_calls_it_changes_nothing_of_what_is_cut(sizes, called):
     assert len({pin.name for pin in stack.pins}) == len(stack.pins) and stack.bought == plain.bought
     spans = [[(pin.first, pin.last, pin.spacers) for pin in each.pins] for each in (stack, plain)]
     assert spans[0] == spans[1] and list(stack.layers.values()) == list(plain.layers.values())
+
+
+def test_a_pin_that_turns_in_no_plate_runs_in_the_slots_of_two():
+    """Two blocks on one pin: it slides in a lever that turns, and along the ground 50 mm over the lever's pivot."""
+    bodies = {"ground": {"O": 0j}, "lever": {"O": 0j, "tip": 70 + 0j}, "one": {"P": 0j}, "two": {"P": 0j}}
+    sliders = (gk.Slider("in_lever", "one", "lever"), gk.Slider("in_ground", "two", "ground", through=50j))
+    motion = gk.move(gk.Linkage(bodies, "lever", sliders), np.radians(np.linspace(60, 120, 61)))
+    stack = gk.shop.stack_links(motion, gk.shop.LinkStock())
+    (pin,) = (pin for pin in stack.pins if pin.slots)
+    assert (pin.holes, set(pin.slots)) == ((), {"lever", "ground"}) and not stack.collisions
+    ground, lever = gk.shop.link_parts(motion, gk.shop.LinkStock(), stack)[:2]
+    wide = [np.ptp(gk.flatten(hole, 1e-4).real) for part in (ground, lever) for hole in part.holes]
+    # Along the ground by twice 50 / tan(60 deg), along the lever from 50 mm to 50 / sin(60 deg).
+    assert max(wide[: len(ground.holes)]) == pytest.approx(100 / np.sqrt(3) + 4.2, abs=0.05)
+    assert max(wide[len(ground.holes) :]) == pytest.approx(50 * (2 / np.sqrt(3) - 1) + 4.2, abs=0.05)
