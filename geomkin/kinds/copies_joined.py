@@ -38,22 +38,20 @@ def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack
     if not copies:
         return
     whole = linkage.linkage
-    pivot = whole.driver_pivot
-    assert pivot is not None
     all_copies = (Copy(0.0), *copies)
     top = max(stack.layers.values())
-    crank = [pin for pin in stack.pins if pin.name in whole.bodies[whole.driver] and pin.name != pivot]
-    common = next((pin for pin in crank if pin.last == top), None)
-    shaft = next(pin for pin in stack.pins if pin.name == pivot)
+    # Of points that fall together the pin has the name of the first, so that holes tell which pins these are.
+    crank = [pin for pin in stack.pins if pin.name in whole.pins and whole.driver in pin.holes]
+    shaft = next(pin for pin in crank if any(stack.plates[name].body == whole.ground for name in pin.holes))
+    common = next((pin for pin in crank if pin is not shaft and pin.last == top), None)
     for k, (one, two) in enumerate(zip(all_copies, all_copies[1:]), 1):
         pair, apart = f"copies {k} and {k + 1}", (two.phase_deg - one.phase_deg) % 360
         if one.mirrored and not two.mirrored and shaft.first == 0:
-            room = 2 * _beyond(stack, thickness, 0, pivot)
+            room = 2 * _beyond(stack, thickness, 0, shaft.name)
             length = 2 * shaft.length + room
-            words = (
-                f"back to back, {room:g} mm between their grounds: one rod {stack.letters[pivot]}, {length:g} mm long"
-            )
-            yield Shared(pivot, length, f"{pair} {words} for both screws, glued into both cranks {apart:g} deg apart")
+            rod = f"one rod {stack.letters[shaft.name]}, {length:g} mm long for both screws, glued into both cranks"
+            words = f"{pair} back to back, {room:g} mm between their grounds: {rod} {apart:g} deg apart"
+            yield Shared(shaft.name, length, words)
         elif two.mirrored and not one.mirrored and common is not None and apart == 0:
             room = 2 * _beyond(stack, thickness, top, common.name)
             length = 2 * common.length + room

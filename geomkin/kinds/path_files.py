@@ -52,21 +52,21 @@ class FileName:
             serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.name),
         )
 
-    def points(self, count: int) -> tuple[Complex, bool]:
-        """The points, of a drawing so many, and whether it closes: what a CSV does not tell."""
+    def points(self, count: int) -> Complex:
+        """The points, of a drawing so many."""
         text = text_beside(self.name, self.folder, "a CSV or an SVG file")
         if self.name.lower().endswith(".svg"):
             found = PATH.search(text)
             if found is None:
                 raise DesignError("file", f"{printable(self.name)} has no path", "give a drawing with a path in it")
             return as_field("file", found.group(1) or found.group(2) or "", count)
-        return _rows(text, printable(self.name)), False
+        return _rows(text, printable(self.name))
 
 
-def as_field(name: str, path: str, count: int) -> tuple[Complex, bool]:
+def as_field(name: str, path: str, count: int) -> Complex:
     """Points of a path's text, refused under the name of the field that holds it."""
     try:
-        return svg_path_points(path, count)
+        return svg_path_points(path, count)[0]
     except DesignError as error:
         raise DesignError(name, f"its path {error.problem}", error.remedy) from None
 

@@ -89,9 +89,9 @@ class WantedPath:
     def places(self) -> Complex:
         """The points, mm."""
         if self.file is not None:
-            return self.file.points(self.count)[0]
+            return self.file.points(self.count)
         if self.svg is not None:
-            return as_field("svg", self.svg, self.count)[0]
+            return as_field("svg", self.svg, self.count)
         return np.array(self.points, dtype=complex)
 
     @property

@@ -113,7 +113,7 @@ class _Touching:
     def first(self) -> float:
         """Turn of the gear at which a tooth begins to touch, rad; 0 where none does."""
         found = self.angle[np.isfinite(self.angle)]
-        return float(found.min(initial=np.inf)) if found.size else 0.0
+        return float(found.min()) if found.size else 0.0
 
     @property
     def pitches(self) -> float:

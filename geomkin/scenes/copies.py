@@ -49,7 +49,7 @@ def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], l
     parts: of one of them. layers: of its stack, by the plates' names; turned over, the lowest is the highest. Names
     of bodies are shown on the first only: on all of them they would hide the plates.
     """
-    high = 1 + max(layers.values(), default=0)
+    high = 1 + max(layers.values())
     bodies: list[SceneBody] = []
     marks: list[SceneMark] = []
     closed = scene.closed

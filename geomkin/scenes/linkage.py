@@ -148,9 +148,8 @@ def drawn_at(scale: float, unit: str) -> str:
 
 
 def _centres(motion: Motion) -> Iterator[SceneMark]:
-    size, joints = float(np.max(motion.linkage.size)), set()
-    for pin, bodies in motion.linkage.pins.items():
-        joints |= {frozenset((one, two)) for one in bodies for two in bodies if one != two} if pin else set()
+    size, pins = float(np.max(motion.linkage.size)), motion.linkage.pins.values()
+    joints = {frozenset(pair) for bodies in pins for pair in combinations(bodies, 2)}
     some = len(motion.bodies) > ALL_CENTRES
     for pair in combinations(motion.bodies, 2):
         if frozenset(pair) in joints or (some and motion.linkage.ground not in pair):

@@ -139,3 +139,25 @@ def test_on_its_other_side_the_last_dyad_alone_is_turned_over_where_places_tell_
     for name in own:
         alike = np.allclose(own[name].direction, other[name].direction, atol=1e-9, equal_nan=True)
         assert alike == (name not in ("link", "out")), name
+
+
+def test_centrodes_are_drawn_on_the_branch_of_the_place_at_the_first_frame():
+    """At the second frame, half a turn of the rocker later, the place is nearer to the other branch."""
+    bar, drive = gk.FourBar(100, 95, 110, 112), np.radians([320, 380])
+    own, other = (gk.move(bar, drive, b).point("rocker_pin").position for b in (1, -1))
+    place = complex(own[0])
+    assert abs(place - other[1]) < abs(place - own[1])
+    recipe = gk.load({
+        "kind": "centrodes",
+        "linkage": {"ground": 100, "crank": 95, "coupler": 110, "rocker": 112},
+        "branches": {"rocker_pin": [place.real, place.imag]},
+        "drive": {"start_deg": 320, "end_deg": 680, "step_deg": 60},
+        "reach": 400,
+    })  # fmt: skip
+    angles = np.radians(recipe.table["drive_angle"])
+    for curves, name in zip(recipe.curves, ("fixed", "moving"), strict=True):
+        told = recipe.table[f"{name}_centrode_x"] + 1j * recipe.table[f"{name}_centrode_y"]
+        assert curves and len(curves) == len(recipe.runs)
+        for (first, last), curve in zip(recipe.runs, curves, strict=True):
+            at = (angles >= first - 1e-9) & (angles <= last + 1e-9)
+            assert at.any() and curve.point(angles[at]) == pytest.approx(told[at], abs=1e-6)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.kinds.burmester_curves import _dashes, _even
 
 POSES = [[0, 0, 0], [15, 21, 25], [36, 30, 60], [55, 20, 105]]
 
@@ -36,11 +37,40 @@ def test_dyads_of_the_file_go_through_all_poses(tmp_path):
     assert np.ptp(steps) < 0.1 * steps.mean()
 
 
+def test_pins_at_the_first_pose_are_those_of_the_body_there():
+    turned = [[x + 7, y - 3, angle + 40] for x, y, angle in POSES]
+    table = recipe(turned, rows=50).table
+    first, moving, fixed = (table[f"{n}_x"] + 1j * table[f"{n}_y"] for n in ("moving_at_first", "moving", "fixed"))
+    assert first == pytest.approx(7 - 3j + np.exp(1j * np.radians(40)) * moving, abs=1e-9)
+    assert table["length"] == pytest.approx(np.abs(first - fixed))
+
+
+@pytest.mark.parametrize("length", [0.6, 3.4, 1e3])
+def test_rows_are_even_along_a_piece_and_dashes_as_long_as_their_gaps(length):
+    small = [[x / 5, y / 5, angle] for x, y, angle in POSES]
+    for piece in gk.synthesis.burmester_curves(recipe(small).wanted.pairs, 16.0).fixed:
+        fine = np.linspace(piece.start, piece.end, 40_001)
+        ways = np.concatenate([[0], np.cumsum(np.abs(np.diff(piece.point(fine))))])
+        shares = np.linspace(0, 1, 12)
+        at = np.interp(_even(piece, shares), fine, ways)
+        assert at == pytest.approx(shares * ways[-1], abs=2e-3 * ways[-1])
+        ends = np.interp([dash.breaks[[0, -1]] for dash in _dashes(piece, length)], fine, ways)
+        # One dash more than gaps, so that the first begins and the last ends with the piece.
+        assert ends[0, 0] == 0 and ends[-1, -1] == pytest.approx(ways[-1])
+        assert np.diff(ends.ravel()) == pytest.approx(ways[-1] / (2 * len(ends) - 1), abs=4e-3 * ways[-1])
+        assert len(ends) - 1 == max(1, round(ways[-1] / (2 * length)))
+
+
 def test_poles_and_slides_are_told(tmp_path):
     gk.make(recipe().called("curves"), tmp_path)
     summary = json.loads((tmp_path / "curves/summary.json").read_text())
     assert all(check["passed"] for check in summary["checks"])
-    assert len(summary["poles_mm"]) == 6
+    assert set(summary["poles_mm"]) == {"1 and 2", "1 and 3", "1 and 4", "2 and 3", "2 and 4", "3 and 4"}
+    for pair, place in summary["poles_mm"].items():
+        # The point of the body that is at one place in both poses.
+        pole, two = complex(*place), [POSES[int(number) - 1] for number in pair.split(" and ")]
+        one, other = ((pole - complex(x, y)) * np.exp(-1j * np.radians(angle)) for x, y, angle in two)
+        assert one == pytest.approx(other, abs=1e-6)
     slide = summary["slides"]["pin_that_slides"]
     pin = complex(*slide["place_mm"])
     places = np.array([x + 1j * y + np.exp(1j * np.radians(a)) * pin for x, y, a in POSES])

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.kinds.copies_joined import _beyond
+from geomkin.shop.linkage.stack import PinSpan
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 LEG = (RECIPES / "walking-leg.toml").read_text("utf-8").replace('"csv"', '"csv", "bom"')
@@ -84,6 +86,31 @@ def test_a_copy_stays_on_the_branch_of_the_first_through_change_points():
     assert np.abs(pins[1] - pins[2]).max() < 1e-6 and np.abs(pins[0] + pins[1] - 2 * shaft).max() < 1e-6
 
 
+def test_a_copy_stays_on_the_branch_that_the_first_has_at_its_first_frame():
+    """A frame later, half a turn of the rocker on, the place that tells the branch is nearer to the other one."""
+    bar, drive = gk.FourBar(100, 95, 110, 112), np.radians(np.arange(320, 681, 60))
+    own, other = (gk.move(bar, drive, side).point("rocker_pin").position for side in (1, -1))
+    assert abs(own[0] - other[1]) < abs(own[0] - own[1])
+    recipe = gk.load({
+        "kind": "four-bar",
+        "linkage": {"ground": 100, "crank": 95, "coupler": 110, "rocker": 112},
+        "branches": {"rocker_pin": [own[0].real, own[0].imag]},
+        "drive": {"start_deg": 320, "end_deg": 680, "step_deg": 60},
+        "copies": [{"phase_deg": 90}, {"phase_deg": -100}, {"phase_deg": 50, "mirrored": True}],
+    })  # fmt: skip
+    found = {body.name: body.direction for body in recipe.scene.bodies}
+    assert found["rocker"] == pytest.approx(gk.move(bar, drive).bodies["rocker"].direction)
+    for name, phase in (("rocker, copy 2", 90), ("rocker, copy 3", -100)):
+        wanted = gk.move(bar, drive + np.radians(phase)).bodies["rocker"].direction
+        assert found[name] == pytest.approx(wanted, abs=1e-9)
+    # Turned over, it is seen from behind, with its crank as far ahead.
+    pins = {body.name: body.origin for body in recipe.scene.bodies}
+    assert pins["coupler, copy 4"] == pytest.approx(np.exp(1j * np.radians(50)) * pins["coupler"], abs=1e-9)
+    at = np.angle(-np.conj(pins["coupler, copy 4"]))
+    wanted = gk.move(bar, np.unwrap(at)[::-1]).bodies["rocker"].direction[::-1]
+    assert found["rocker, copy 4"] == pytest.approx(np.conj(wanted), abs=1e-9)
+
+
 def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
     alone = gk.load(LEG)
     gk.make(walker.called("walker"), tmp_path, ["dxf", "bom"])
@@ -131,6 +158,9 @@ def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases
     assert all(one.count > 0 for one in recipe.bought)
     told = [step for step in recipe.steps if step.startswith("copies ")]
     assert len(told) == len(phases) and sum("one rod" in step for step in told) == sum(rods.values())
+    assert [one.words for one in recipe.shared] == told
+    for one in recipe.shared:
+        assert bool(one.pin) == (one.length > 0) == ("one rod" in one.words)
     # A rod goes through both stacks and what is kept free between them.
     for one in recipe.bought:
         if one.name.startswith("rod"):
@@ -159,6 +189,54 @@ def test_room_between_copies_is_what_heads_and_nuts_take_in_whole_sheets():
     # The rods are bought once each; the screws that they replace are not.
     rods = {one.name: (one.count, one.joints) for one in recipe.bought if one.name.startswith("rod")}
     assert rods == {"rod 2 mm, cut to 35 mm": (1, ("C",)), "rod 2 mm, cut to 25 mm": (1, ("A",))}
+
+
+@pytest.mark.parametrize(
+    ("layer", "but", "room"),
+    [(0, "B", 12), (0, "C", 12), (0, "A", 12), (4, "A", 12), (4, "B", 3), (2, "A", 3), (3, "A", 12), (1, "A", 0)],
+)
+def test_pins_of_the_ground_have_their_nuts_below_and_all_others_above(layer, but, room):
+    """M4 in sheets of 3 mm, with 0.2 mm of play: heads 2.4 mm high, nuts and screws 10 mm over 15 mm, 11 over 9."""
+    spans = {"A": (0, 4), "B": (2, 4), "C": (0, 2), "D": (1, 3)}
+    pins = tuple(PinSpan(name, low, high, 3.0 * (high - low + 1), (), ()) for name, (low, high) in spans.items())
+    stack = gk.shop.Stack({}, pins, (), {}, gk.shop.LinkStock().fastener_used)
+    assert _beyond(stack, 3.0, layer, but) == room
+
+
+@pytest.mark.parametrize("points", [("O", "Q", "C"), ("Q", "O", "C"), ("C", "Q", "O")])
+def test_a_shaft_that_another_link_turns_on_by_another_name_is_shared_all_the_same(points):
+    """A six-bar whose output turns about the crank's own pivot, which it calls by a name of its own."""
+    places = {"O": [0, 0], "Q": [0, 0], "C": [100, 0]}
+    bodies = {
+        "ground": {name: places[name] for name in points},
+        "crank": {"O": [0, 0], "A": [30, 0]},
+        "coupler": {"A": [0, 0], "B": [90, 0], "P": [50, 50]},
+        "rocker": {"C": [0, 0], "B": [70, 0]},
+        "link": {"P": [0, 0], "F": [100, 0]},
+        "out": {"Q": [0, 0], "F": [90, 0]},
+    }
+    recipe = gk.load({
+        "kind": "linkage",
+        "linkage": {"driver": "crank", "bodies": bodies},
+        "drive": {"step_deg": 15},
+        "copies": [{"mirrored": True}, {"phase_deg": 180}],
+    })  # fmt: skip
+    pin = next(pin for pin in recipe.stack.pins if {"ground", "crank", "out"} <= set(pin.holes))
+    letter = recipe.stack.letters[pin.name]
+    assert [one.pin for one in recipe.shared] == ["", pin.name]
+    told = recipe.shared[1].words
+    assert "back to back" in told and f"one rod {letter}, " in told and told.endswith("both cranks 180 deg apart")
+    (rod,) = (one for one in recipe.bought if one.name.startswith("rod"))
+    assert rod.count == 1 and rod.joints == (letter,)
+
+
+@pytest.mark.parametrize("fastener", ["screw", "rod"])
+def test_copies_whose_rods_are_cut_flush_stand_on_each_other(fastener):
+    text = f"{LEG}[[copies]]\nmirrored = true\n[[copies]]\n"
+    stock = re.sub(r"\[stock\]", f'[stock]\nfastener = "{fastener}"', text)
+    rooms = [re.search(r"([\d.]+) mm between", step) for step in gk.load(stock).steps]
+    rooms = [float(found[1]) for found in rooms if found]
+    assert len(rooms) == 2 and all((room == 0) == (fastener == "rod") for room in rooms)
 
 
 def test_copies_lie_over_each_other_along_the_shaft(walker):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import geomkin as gk
 from geomkin.kinds.linkage_tables import BodyList, TriangleCorner
 
 
@@ -16,3 +17,50 @@ def test_a_corner_has_its_distances_and_its_side(lengths, side, size):
     pen = BodyList(bodies, "plate", (corner,)).linkage.bodies["plate"]["pen"]
     assert [abs(pen - one), abs(pen - two)] == pytest.approx([length * size for length in lengths], rel=1e-12)
     assert np.sign(np.imag(np.conj(two - one) * (pen - one))) == (1 if side == "left" else -1)
+
+
+@pytest.mark.parametrize(("base", "lengths"), [(90.0, (50.0, 10.0)), (90.0, (20.0, 110.5)), (12.5, (40.0, 53.0))])
+def test_lengths_that_make_no_triangle_are_refused_and_those_that_are_advised_do(base, lengths):
+    bodies = {"ground": {"O": 0j}, "plate": {"O": 0j, "A": 3 + 4j, "B": 3 + 4j + 1j * base}}
+
+    def pen(lengths):
+        corners = (
+            TriangleCorner("plate", "q", ("O", "A"), (5.0, 6.0)),
+            TriangleCorner("plate", "p", ("A", "B"), lengths),
+        )
+        return BodyList(bodies, "plate", corners).linkage.bodies["plate"]["p"]
+
+    with pytest.raises(gk.DesignError) as caught:
+        pen(lengths)
+    one, other = lengths
+    assert str(caught.value) == (
+        f"corners.2: {one:g} and {other:g} mm make no triangle on the {base:g} mm from A to B; give two lengths that "
+        f"differ by less than {base:g} mm and together exceed it"
+    )
+    # As little within both limits as beyond them.
+    longer = max(lengths)
+    for good, bad in (
+        ((longer, longer + base - 1e-6), (longer, longer + base + 1e-6)),
+        ((base / 3, base * 2 / 3 + 1e-6), (base / 3, base * 2 / 3 - 1e-6)),
+        ((longer + base - 1e-6, longer), (longer + base + 1e-6, longer)),
+    ):
+        assert abs(pen(good) - (3 + 4j)) == pytest.approx(good[0])
+        with pytest.raises(gk.DesignError, match="no triangle"):
+            pen(bad)
+
+
+def test_a_corner_stands_on_points_that_its_body_has():
+    bodies = {"ground": {"O": 0j}, "plate": {"O": 0j, "A": 30 + 0j}}
+    for base, lacking in ((("O", "X"), "X"), (("Y", "A"), "Y"), (("Y", "X"), "Y")):
+        with pytest.raises(gk.DesignError) as caught:
+            BodyList(bodies, "plate", (TriangleCorner("plate", "p", base, (20.0, 20.0)),))
+        assert str(caught.value) == f"corners.1: plate has no point {lacking}; give it under bodies.plate"
+    # One corner may stand on another that comes before it.
+    corners = (
+        TriangleCorner("plate", "p", ("O", "A"), (20.0, 20.0)),
+        TriangleCorner("plate", "q", ("p", "A"), (9.0, 15.0)),
+    )
+    q = BodyList(bodies, "plate", corners).linkage.bodies["plate"]["q"]
+    assert abs(q - (15 + 1j * np.sqrt(175))) == pytest.approx(9) and abs(q - 30) == pytest.approx(15)
+    with pytest.raises(gk.DesignError, match="plate has no point p"):
+        BodyList(bodies, "plate", corners[::-1])

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import re
 
 import pytest
@@ -140,3 +141,33 @@ def test_a_corner_s_wrong_name_is_told_by_the_corner_s_number(key, value):
     text = text.split("[[linkage.corners]]")[0] + f"[[linkage.corners]]\n{good}\n[[linkage.corners]]\n{bad}\n"
     with pytest.raises(gk.RecipeError, match=rf"linkage\.corners\.2\.{key}"):
         parse(text)
+
+
+@pytest.mark.parametrize("follower", [gk.FourBar(100, 30, 90, 70), gk.Dwell(end_deg=60)])
+def test_an_object_that_is_none_of_the_tables_is_refused_like_a_table(follower):
+    with pytest.raises(
+        gk.RecipeError, match=r"cam\.follower\.kind: (is missing|found 'dwell').*; give 'translating-roller' or"
+    ):
+        gk.load({"kind": "disk-cam", "cam": {"base_radius": 40, "follower": follower, "program": []}})
+
+
+def test_shifts_that_balance_sliding_keep_their_sum_and_slide_alike():
+    teeth = {
+        "first": {"teeth": 14, "module": 3, "profile_shift": 0.5},
+        "second": {"teeth": 35, "module": 3, "profile_shift": 0.1},
+    }
+    given, balanced, free = (
+        gk.load({"kind": "gear-pair", "shifts": shifts, **teeth})
+        for shifts in ("given", "balance-sliding", "avoid-undercut")
+    )
+    assert (given.design.first.profile_shift, given.design.second.profile_shift) == (0.5, 0.1)
+    pair = balanced.design
+    assert pair.first.profile_shift + pair.second.profile_shift == pytest.approx(0.6)
+    # Each slides most where the tip of the other touches it.
+    one, other = balanced.notes["pair"]["largest_specific_sliding"]
+    assert one == pytest.approx(other, abs=1e-6) and given.notes["pair"]["largest_specific_sliding"][
+        0
+    ] != pytest.approx(given.notes["pair"]["largest_specific_sliding"][1], abs=1e-3)
+    # The least shift of 14 teeth is 1 - 14 sin(20 deg)^2 / 2; 35 teeth need none, and may have less.
+    least = [gear.profile_shift for gear in (free.design.first, free.design.second)]
+    assert least[0] == pytest.approx(1 - 7 * math.sin(math.radians(20)) ** 2, abs=1e-3) and least[1] <= 0

@@ -1,5 +1,6 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -173,6 +174,27 @@ def test_a_closed_path_is_drawn_by_a_full_turn():
     assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
     assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
     assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
+
+
+def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted(five):
+    goal = five
+    at = gk.move(goal.found.linkage, goal.found.drive[:1], goal.found.branch)
+    assert abs(at.point("coupler_point").position[0] - goal.wanted.places[0]) < 0.01
+    circles = [mark.centre for mark in goal.parts[-1].marks if isinstance(mark, gk.plane.Circle)]
+    pins = [complex(at.point(pin).position[0]) for pin in at.linkage.pins]
+    assert len(circles) == len(pins) and np.abs(np.subtract.outer(pins, circles)).min(axis=1).max() < 1e-9
+
+
+def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn(five):
+    goal = five
+    drawn = goal.parts[-1].marks
+    spoilt = gk.load(FIVE)
+    spoilt.__dict__["found"] = dataclasses.replace(goal.found, defects=("branch",), largest_distance=np.nan)
+    left = spoilt.parts[-1].marks
+    assert [type(mark) for mark in left] == [type(mark) for mark in drawn if not isinstance(mark, CouplerCurve)]
+    assert len(drawn) == len(left) + 1
+    (check,) = (check for check in spoilt.judged if "path" in check.name or "defects" in check.name)
+    assert not check.passed and check.advice == "it has a defect of branch"
 
 
 def test_angles_are_given_one_by_one_or_in_equal_steps():

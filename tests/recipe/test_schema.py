@@ -9,6 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from geomkin.kinds import KINDS
+from geomkin.recipe.template import _plain
 from tests.texts import schema_of_all, template_of
 
 GALLERY = sorted((Path(__file__).parents[2] / "recipes").glob("*.toml"))
@@ -105,3 +106,16 @@ def test_an_editor_is_offered_nothing_that_toml_does_not_have(marks):
     assert not any(isinstance(node, dict) and "oneOf" in node for node in nodes)
     # What stands there for readers of the code.
     assert not any(isinstance(node, str) and "\nSource" in node for node in nodes)
+
+
+def test_a_default_stands_as_a_recipe_has_it():
+    """A point as its two numbers, a plain value as it is; nothing of a whole table, and nothing of what is left out."""
+    point = {"type": "array", "items": {"type": "number"}, "default": "(30-4.5j)"}
+    assert _plain(point)["default"] == [30.0, -4.5]
+    for default in (3, 0, "", "left", False, [1, 2]):
+        assert _plain({"default": default})["default"] == default
+    left_out = {"anyOf": [{"type": "number"}, {"type": "null"}], "default": None, "description": "a length"}
+    assert _plain(left_out) == {"type": "number", "description": "a length"}
+    assert _plain({"default": {"teeth": 12}, "examples": [{"teeth": 7}], "type": "object"}) == {"type": "object"}
+    either = {"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "null"}]}
+    assert len(_plain(either)["anyOf"]) == 3

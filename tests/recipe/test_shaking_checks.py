@@ -1,5 +1,6 @@
 """The counterbalance that is judged where nothing, or next to nothing, is left to balance."""
 
+import numpy as np
 import pytest
 
 import geomkin as gk
@@ -42,3 +43,25 @@ def test_the_quotient_is_that_of_the_largest_forces(judged):
     # The best product takes the outer peak, 2 r (1 + 1/3), down until it meets a peak elsewhere.
     best = gk.linkage.best_counterbalance(gk.SliderCrank(30, 90), gk.linkage.SliderCrankMasses(slider=2)).largest
     assert check.value == pytest.approx(2 * 30 * (1 + 1 / 3) * 1e-3 / best, rel=1e-9)
+
+
+def test_a_table_that_starts_anywhere_tells_the_time_since_and_the_force_of_that_angle():
+    def table(start, end):
+        masses = {"slider": 2, "crank": 0.5, "crank_centre": [10, 3]}
+        drive = {"start_deg": start, "end_deg": end, "step_deg": 30, "speed_rpm": 120}
+        linkage = {"crank": 30, "coupler": 90, "offset": 8}
+        recipe = {"kind": "shaking-force", "linkage": linkage, "masses": masses, "counterbalance": 7, "drive": drive}
+        return gk.load(recipe).table
+
+    whole, later = table(0, 360), table(90, 450)
+    assert later["time"] == pytest.approx(np.linspace(0, 0.5, 13)) == whole["time"]
+    for name in ("none", "given", "best"):
+        sizes = [table[f"force_{name}"] for table in (whole, later)]
+        assert np.roll(sizes[0][:-1], -3) == pytest.approx(sizes[1][:-1])
+        x, y = later[f"force_{name}_x"], later[f"force_{name}_y"]
+        assert np.hypot(x, y) == pytest.approx(sizes[1])
+    # The best leaves the least at its worst, and what is given is a product of 7 kg mm at 4 pi rad/s off none.
+    worst = {name: whole[f"force_{name}"].max() for name in ("none", "given", "best")}
+    assert worst["best"] < worst["given"] < worst["none"]
+    along = whole["force_none_x"] - whole["force_given_x"] + 1j * (whole["force_none_y"] - whole["force_given_y"])
+    assert along == pytest.approx(7e-3 * (4 * np.pi) ** 2 * np.exp(1j * np.radians(whole["crank_angle"])), abs=1e-9)

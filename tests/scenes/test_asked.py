@@ -134,8 +134,16 @@ def test_of_a_body_with_one_pin_nothing_is_constructed():
 
 def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longer():
     """Drawn at a round scale: the longer side of the box about each lies between a half and all of what there is."""
-    for linkage in (gk.SliderCrank(30, 90, 0), gk.FourBar(100, 30, 90, 70), gk.FourBar(100, 80, 90, 95)):
-        motion = gk.move(linkage, np.linspace(0, 2 * np.pi, 37), 1, 2 * np.pi)
+    turn = np.linspace(0, 2 * np.pi, 37)
+    for linkage, drive in (
+        (gk.SliderCrank(30, 90, 0), turn),
+        (gk.FourBar(100, 30, 90, 70), turn),
+        (gk.FourBar(100, 80, 90, 95), turn),
+        # Tall and narrow, wide and low.
+        (gk.FourBar(100, 30, 90, 70), turn[:3] / 5),
+        (gk.SliderCrank(30, 90, 0), 1.5 + turn[:3] / 5),
+    ):
+        motion = gk.move(linkage, drive, 1, 2 * np.pi)
         scene = gk.scenes.polygons_scene(motion, gk.linkage.motion_table(motion))
         plain = gk.scenes.linkage_scene(motion, gk.linkage.motion_table(motion))
         low, high = plain.box

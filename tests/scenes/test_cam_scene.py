@@ -66,6 +66,20 @@ def test_limits_of_the_checks_are_lines_in_the_plots():
     assert lines["curvature of the pitch curve"] == [1 / recipe("roller-cam").cam.follower.roller_radius]
 
 
+@pytest.mark.parametrize(("name", "steepest"), [("flat-cam", 30), ("flat-rocker-cam", 45)])
+def test_faces_have_the_sharpest_edge_of_the_check_for_a_line(name, steepest):
+    scene = recipe(name).scene
+    lines = {plot.title: [(limit.value, limit.label) for limit in plot.limits] for plot in scene.plots}
+    (sharpest,) = (check for check in recipe(name).judged if check.name == "least convex radius of the profile")
+    ((line, label),) = lines["curvature of the profile"]
+    assert line * sharpest.limit == pytest.approx(1) and label == "sharper edges wear"
+    # What the check finds is the highest point under that line.
+    assert np.nanmax(scene.table["profile_curvature"]) == pytest.approx(1 / sharpest.value, rel=1e-2)
+    words = f"at most {steepest} deg"
+    assert lines["pressure angle"] == [(steepest, words), (-steepest, words)]
+    assert not lines.get("curvature of the pitch curve")
+
+
 @pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
 def test_a_knife_edge_has_a_scene_too(kind):
     fitted = DiskCamRecipe.fit({"cam.follower": kind})

@@ -40,6 +40,7 @@ def test_pins_lie_where_the_regions_allow_them():
     for line in lines:
         middle, way = (line.start + line.end) / 2, line.end - line.start
         assert middle == pytest.approx(pins["rocker_pin"], abs=1e-6)
+        assert abs(way) == pytest.approx(recipe("three-poses").extent)
         sides.append(np.sign(np.imag(np.conj(way) * (pins["crank_pin"] - middle))))
     assert abs(sum(sides)) == 3
     # At the first pose the driven link lies along the first of them.

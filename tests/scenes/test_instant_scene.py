@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from geomkin.linkage.instant.curvature import path_curvature
+from geomkin.linkage.instant.inflection import inflection_circle
 from geomkin.linkage.instant.polygons import velocity_polygon
 
 from .gallery import marks, named, recipe
@@ -44,6 +46,34 @@ def test_pins_of_the_inflection_circle_go_straight():
     (bend,) = marks(scene, "line", "radius of curvature")
     told, known = scene.table["path_curvature"], np.isfinite(bend.vector)
     np.testing.assert_allclose(np.abs(bend.vector[known]) * np.abs(told[known]), 1, rtol=1e-9)
+
+
+def test_what_is_farther_than_three_sizes_is_left_out_and_bends_farther_than_one():
+    own = recipe("inflection-circle")
+    scene, size = own.scene, float(np.max(own.linkage.linkage.size))
+    circle = inflection_circle(own.motion, "coupler")
+    path = path_curvature(own.motion, "coupler", own.linkage.coupler_point)
+    for sort, label, place, far in (
+        ("point", "instant centre of the coupler", circle.instant_centre.position, 3 * size),
+        ("point", "inflection pole", circle.pole, 3 * size),
+        ("point", "centre of curvature", path.centre, size),
+    ):
+        (mark,) = marks(scene, sort, label)
+        with np.errstate(invalid="ignore"):
+            near = np.abs(place - path.position) < far
+        assert 0 < near.sum() < len(near) and np.array_equal(np.isfinite(mark.place), near)
+        assert np.abs(mark.place - place)[near].max() < 1e-9
+    tangent, normal = marks(scene, "line", "centrode tangent")[0], marks(scene, "line", "centrode normal")[0]
+    seen = np.isfinite(tangent.vector) & np.isfinite(normal.vector)
+    assert np.abs(tangent.vector[seen]) == pytest.approx(1.5 * size) and seen.any()
+    assert (tangent.place + tangent.vector / 2)[seen] == pytest.approx(normal.place[seen])
+    across = np.real(tangent.vector * np.conj(normal.vector))[seen]
+    assert np.abs(across).max() < 1e-6 * size**2
+    # In plots, too: lengths that run off are gaps, and rates and angles are as they are.
+    for column in scene.table.columns:
+        values = np.asarray(own.table[column.header])
+        kept = np.abs(values) < 3 * size if column.unit == "mm" else np.isfinite(values)
+        assert np.array_equal(np.isfinite(column.values), kept & np.isfinite(values)), column.header
 
 
 def test_the_construction_of_bobillier_is_drawn_from_lines_that_meet_and_angles_that_are_equal():

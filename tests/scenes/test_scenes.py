@@ -70,6 +70,18 @@ def test_what_moves_with_a_body_is_not_fixed():
     weight, crank = named(scene, "counterweight"), named(scene, "crank")
     assert not weight.fixed and np.array_equal(weight.direction, crank.direction)
     assert named(scene, "ground").fixed
+    # It turns below the ground, under all plates of the stack.
+    layers = {body.name: body.layer for body in scene.bodies}
+    assert layers["counterweight"] == layers["ground"] == 0 < layers["crank"] < layers["coupler"]
+
+
+def test_plates_without_a_stack_lie_in_one_layer_and_those_of_one_in_its_layers():
+    recipe = gk.load("""kind = "four-bar"
+linkage = { ground = 30, crank = 100, coupler = 90, rocker = 70 }""")
+    plain = gk.scenes.linkage_scene(recipe.motion, recipe.table, recipe.parts)
+    assert {body.layer for body in plain.bodies} == {0} and len(plain.bodies) == 5
+    assert {body.name: body.layer for body in recipe.scene.bodies} == recipe.stack.layers
+    assert recipe.stack.layers["bridge"] == max(recipe.stack.layers.values()) > 1
 
 
 def test_many_linkages_or_no_frames_are_refused():

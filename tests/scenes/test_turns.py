@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import geomkin as gk
+
 from .gallery import named, recipe
 
 NAMES = [
@@ -42,3 +44,13 @@ def test_planets_and_carrier_turn_as_the_table_says():
         assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9, name
     (plot,) = scene.plots
     assert plot.title == "angles" and plot.columns == ("carrier_angle_deg", "planet_angle_deg")
+
+
+def test_a_table_without_angles_of_planets_and_carrier_has_no_plot_of_them():
+    own = recipe("planetary")
+    columns = {column.name: column for column in own.table.columns}
+    for left, plotted in (((), ()), (("planet_angle",), ("planet_angle_deg",))):
+        table = gk.Table(tuple(columns[name] for name in ("sun_angle", "time", *left)))
+        scene = gk.scenes.planetary_scene(own.gears, table, own.parts)
+        assert [plot.columns for plot in scene.plots] == ([plotted] if plotted else [])
+        assert np.array_equal(named(scene, "carrier").direction, named(own.scene, "carrier").direction)

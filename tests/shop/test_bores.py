@@ -125,3 +125,20 @@ def test_the_clearance_at_which_pins_holes_meet_is_named(tmp_path, pins):
     assert made(named * (1 - 1e-3))
     with pytest.raises(gk.RecipeError, match=r"stock\.clearance"):
         made(named * (1 + 1e-3))
+
+
+def test_where_there_is_no_shaft_or_screw_no_clearance_makes_a_hole():
+    stocks = {"first_stock": {"bore": 8, "clearance": 0.3}, "second_stock": {"bore": 0, "clearance": 0.3}}
+    teeth = {"first": {"teeth": 18, "module": 2}, "second": {"teeth": 30, "module": 2}}
+    pair = {"kind": "gear-pair", **teeth, **stocks}
+    recipe = gk.load(pair)
+    assert [(part.name, len(part.holes)) for part in recipe.parts] == [("first", 1), ("second", 0)]
+    assert not any(part.fits for part in recipe.parts[1:])
+    # A base without screws ends its edge beyond the wheels, and has the holes of shafts alone.
+    stocks["second_stock"]["bore"] = 6
+    base = gk.load(pair | stocks | {"base": {"screw": 0, "clearance": 0.4, "edge": 5}}).parts[-1]
+    z, (first, second) = gk.flatten(base.outline, 1e-5), base.holes
+    assert (first.radius, second.radius) == pytest.approx((4.2, 3.2))
+    tips = gk.SpurGear(18, 2).tip_radius, gk.SpurGear(30, 2).tip_radius
+    assert (z.real.min(), z.real.max()) == pytest.approx((-tips[0] - 5, second.centre.real + tips[1] + 5), abs=1e-4)
+    assert (z.imag.min(), z.imag.max()) == pytest.approx((-tips[1] - 5, tips[1] + 5), abs=1e-4)

@@ -45,6 +45,33 @@ def test_the_centre_of_curvature_is_a_dot_with_a_line_to_the_point():
     assert any(abs(e[0] - centre) < 1e-3 * abs(away) and abs(e[1] - b) < 1e-9 for e in ends)
 
 
+@pytest.mark.parametrize("scale", [0.004, 0.02, 50])
+def test_the_inflection_circle_of_a_linkage_of_any_size_is_drawn(scale):
+    def marks(scale):
+        bar = gk.FourBar(*(scale * z for z in (100, 30, 90, 70)), coupler_point=scale * (40 + 25j))
+        recipe = parse(template_of("inflection-circle"))
+        stock = replace(recipe.stock, pin_diameter=4 * scale)
+        recipe = replace(recipe, linkage=bar, position_deg=15.0, stock=stock)
+        return recipe.parts[0].marks, recipe.table["inflection_diameter"][15] / 2
+
+    (plain, radius), (scaled, small) = marks(1), marks(scale)
+    assert [type(mark) for mark in scaled] == [type(mark) for mark in plain] and small == pytest.approx(scale * radius)
+    for one, other in zip(scaled, plain, strict=True):
+        if isinstance(one, gk.plane.Circle | gk.plane.Arc | gk.plane.Segment):
+            ends = [mark.point(mark.breaks[[0, -1]]) for mark in (one, other)]
+            assert ends[0] == pytest.approx(scale * ends[1], abs=1e-9 * scale)
+    # The circle itself, and at one end of its diameter the tangent, as long as the diameter, half to either side.
+    (circle,) = (m for m in plain if isinstance(m, gk.plane.Circle) and m.radius == pytest.approx(radius))
+    tangents = [
+        mark
+        for mark in plain
+        if isinstance(mark, gk.plane.Segment)
+        and abs((mark.start + mark.end) / 2 - circle.centre) == pytest.approx(radius)
+        and abs(mark.end - mark.start) == pytest.approx(2 * radius)
+    ]
+    assert len(tangents) == 1
+
+
 @pytest.mark.parametrize(("length", "head"), [(100, 4), (6, 2)])
 @pytest.mark.parametrize("tail", [0, 300 - 40j])
 def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):

@@ -100,6 +100,8 @@ def test_a_base_plate_reaches_its_margin_beyond_the_widest_hole():
 def test_holes_of_two_shafts_as_wide_together_as_the_refusal_says_do_not_meet():
     with pytest.raises(DesignError, match="less than") as caught:
         base_plate("base", [10 + 0j, 40 + 0j], [40, 25], 9, 6)
+    words = "the holes of two shafts, 40 and 25 mm wide and 30 mm apart, meet in the plate"
+    assert caught.value.problem == words and caught.value.field == "stock.bore"
     most = float(re.search(r"less than (\S+) mm", caught.value.remedy)[1])
     assert len(base_plate("base", [10 + 0j, 40 + 0j], [40, most - 40 - 1e-6], 9, 6).holes) == 2
     with pytest.raises(DesignError):

@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.shop.motors import MOTORS
 from tests.texts import parse, template_of
 
 from .test_bases import PAIR, PLANETARY, RACK, cam
@@ -42,6 +43,24 @@ def test_screws_reach_into_the_motor_and_not_through_its_threads(thickness):
     motor, screws = recipe.bought
     assert (motor.name, motor.count) == ("motor NEMA 17, D-shaft 5 mm, 4.5 mm across its flat", 1)
     assert screws.count == 4 and screws.name.startswith(SCREWS[thickness])
+
+
+@pytest.mark.parametrize(
+    ("sunk", "name", "longest", "cut"),
+    [
+        (False, "button head screw ISO 7380-1", 30, "M3 screw, {:g} to {:g} mm under its head"),
+        (True, "countersunk screw ISO 7046", 30, "M3 countersunk screw, {:g} to {:g} mm long"),
+    ],
+)
+def test_a_screw_of_a_motor_is_the_longest_that_is_sold_and_reaches_into_it_by_2_to_4_5_mm(sunk, name, longest, cut):
+    sold = [length for length in (4, 5, 6, 8, 10, 12, 16, 20, 25, 30) if length >= (4 if sunk else 6)]
+    found = set()
+    for thickness in np.arange(0.5, 32, 0.5).tolist():
+        fits = [length for length in sold if 2 <= length - thickness <= 4.5]
+        told = f"M3 x {fits[-1]} {name}" if fits else cut.format(thickness + 2, thickness + 4.5)
+        assert MOTORS["nema17"].screw(thickness, sunk=sunk) == told
+        found.add(fits[-1] if fits else None)
+    assert longest in found and None in found
 
 
 KINDS = {"spur-gear": "stock", "gear-pair": "first_stock", "rack-and-pinion": "stock", "planetary": "sun_stock",

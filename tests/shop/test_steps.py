@@ -22,6 +22,11 @@ ring = {teeth = 60, module = 2, addendum = 0.8}
 HERRINGBONE = "helix_angle_deg = 20\nherringbone = true\n"
 RACK = 'kind = "rack-and-pinion"\npinion = {teeth = 20, module = 2}\nrack = {teeth = 16, module = 2}\nstock = {thickness = 8, bore = 6}\n'
 LANTERN = 'kind = "lantern-gears"\npinion = {pins = 12, module = 4, pin_diameter = 5}\nmate = {teeth = 48, %s}\n'
+CAM = """kind = "disk-cam"
+cam.base_radius = 40
+cam.follower = {kind = "translating-roller", roller_radius = 10}
+cam.program = [{kind = "rise", law = "harmonic", rise = 20, end_deg = 180}, {kind = "return", law = "harmonic", end_deg = 360}]
+"""
 
 # A recipe; what its steps say, in this order; what they do not say; what is bought.
 TOLD = {
@@ -30,6 +35,13 @@ TOLD = {
         ["layer 0: lay base; fix the motor under base", "keep as much free under base as motor NEMA 17 is long, and at least 10 mm"],
         ["screw base down", "tube"],
         {"shaft 8 mm, at least 28 mm long": 1, "M3 x 10 countersunk screw ISO 7046": 4},
+    ),
+    "a cam on a motor under a base without screws": (
+        CAM + 'stock = {bore = 5, bore_form = "D", motor = "nema17"}\nbase = {screw = 0}\n',
+        ["fix the motor under base", "lay cam on A, flat on flat",
+         "keep as much free under base as motor NEMA 17 is long, and at least 10 mm", "a spring or a weight of yours"],
+        ["screw base down", "tube"],
+        {"M3 x 8 countersunk screw ISO 7046": 4},
     ),
     "a base without screws": (
         PAIR + "first_stock = {bore = 5}\nsecond_stock = {bore = 8}\nbase = {screw = 0}\n",

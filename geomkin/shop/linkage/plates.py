@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -255,6 +255,18 @@ def _travel(path: Sweep, direction: complex) -> tuple[complex, complex]:
     return (behind + level) * direction, (ahead + level) * direction
 
 
+def opened(plates: Mapping[str, Plate]) -> set[str]:
+    """Names of all that goes through plates."""
+    return {name for plate in plates.values() for name in plate.openings}
+
+
+def unused(name: str, taken: Container[str]) -> str:
+    """A name, made longer where a recipe has it already."""
+    while name in taken:
+        name += "_"
+    return name
+
+
 def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], stock: LinkStock) -> list[Pin]:
     """The two guide pins of a sliding plate; their holes and slots are added to the plates."""
     plate, guide = plates[slider.body], plates[slider.along]
@@ -277,7 +289,7 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], sto
         )
     pins = []
     for number, place, ends in zip((1, 2), *found):
-        name = f"{slider.name}_guide_{number}"
+        name = unused(f"{slider.name}_guide_{number}", opened(plates))
         plate.openings[name], guide.openings[name] = (place,), ends
         pins.append(Pin(name, slider.name, slider.body, place, (slider.body,), (slider.along,)))
     return pins

@@ -23,7 +23,7 @@ from ..shafts import Bill, shaft_bill
 from .bridge import Way, pile_places, split, ways
 from .heads import Heads, Reach, placed
 from .layers import Meetings, Order, Passing, Run, order, runs
-from .plates import Pin, Plate, assemble
+from .plates import Pin, Plate, assemble, opened, unused
 from .stock import LinkStock
 
 # Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
@@ -217,7 +217,8 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     if stack and stack.spacers:
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
         fits = fits_of(stock.pin_diameter, stock.clearance)
-        parts.append(Part("spacer", disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
+        name = unused("spacer", plates)
+        parts.append(Part(name, disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
     return tuple(parts)
 
 
@@ -250,16 +251,14 @@ def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
     plates, layers = dict(meetings.assembly.plates), {ground: 0}
     for k, name in enumerate(meetings.moving):
         layers[name] = next(1 + n for n, row in enumerate(best.layers) if row >> k & 1)
-    bridge = "bridge"
-    while bridge in plates:
-        bridge += "_"
+    bridge = unused("bridge", plates)
     carried = {pin.name: pin.joint in way for pin in meetings.assembly.pins}
     pins = list(meetings.assembly.pins)
     if way:
         plates[ground], plates[bridge] = split(meetings.assembly, ground, way)
         layers[bridge] = top
         for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
-            name = f"spacer_{k + 1}"
+            name = unused(f"spacer_{k + 1}", opened(plates))
             plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
             pins.append(Pin(name, name, ground, place, (ground, bridge), ()))
     spans = []

@@ -1,0 +1,188 @@
+"""Refusals of plates word by word, their figures measured another way, and the numbers that they advise tried."""
+
+import re
+
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.errors import DesignError
+from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.plane import region
+from geomkin.shop.base import BaseStock
+from geomkin.shop.cam_base import _check_shaft
+from geomkin.shop.fasteners import fastener_of
+from geomkin.shop.gear.bases import pair_base, rack_base
+from geomkin.shop.gear.gears import GearStock, Web, gear_parts
+
+WHEEL = gk.SpurGear(40, 2)
+
+
+def refusal(call, *given, **named):
+    with pytest.raises(DesignError) as caught:
+        call(*given, **named)
+    return caught.value.field, caught.value.problem, caught.value.remedy
+
+
+def number(words):
+    return float(re.search(r"(?:than|least|most) (\S+)", words)[1])
+
+
+def wheel(hub, rim, form="spokes", count=5, spoke_width=4.0, bore=10):
+    web = Web(hub=hub, rim=rim, form=form, count=count, spoke_width=spoke_width)
+    return gear_parts(WHEEL, GearStock(bore=bore, web=web))[0]
+
+
+def test_a_hub_is_advised_that_leaves_the_hole_its_wall():
+    assert refusal(wheel, 9, 3) == ("stock.web.hub", "found 9 mm around a hole of 10 mm", "give more than 10 mm")
+    assert len(wheel(10.001, 3, spoke_width=1).holes) == 6
+    assert refusal(wheel, 10, 3)[0] == "stock.web.hub"
+
+
+def test_a_rim_is_advised_that_leaves_room_between_it_and_the_hub():
+    field, problem, remedy = refusal(wheel, 30, 30)
+    assert (field, problem) == ("stock.web.rim", "found 30 mm, which leaves no room between hub and rim")
+    assert number(remedy) == pytest.approx(np.abs(gk.flatten(WHEEL.outline, 1e-4)).min() - 15, abs=1e-3)
+    assert len(wheel(30, number(remedy) - 1e-3).holes) == 6
+    assert refusal(wheel, 30, number(remedy))[0] == "stock.web.rim"
+    # A hub next to the teeth leaves next to none, and one beyond them none at all.
+    assert refusal(wheel, 74, 3)[2] == "give less than 0.5 mm"
+    assert refusal(wheel, 80, 3)[2] == "give a smaller hub"
+
+
+def test_round_openings_are_refused_by_the_wall_between_them():
+    field, problem, remedy = refusal(wheel, 20, 3, "holes", 12)
+    assert field == "stock.web.count" and remedy.startswith("give fewer holes")
+    count, wide, between = (float(word) for word in re.findall(r"-?\d+\.?\d*", problem))
+    assert count == 12 and wide == pytest.approx(24.5)
+    # Holes that run into each other have less than nothing between them.
+    assert between == pytest.approx(abs(np.exp(2j * np.pi / 12) - 1) * (10 + wide / 2) - wide, abs=5e-3)
+    loops = [gk.flatten(hole, 1e-4) for hole in wheel(20, 3, "holes", 4, 0.01).holes[1:]]
+    assert wide == pytest.approx(np.ptp(np.abs(loops[0])), abs=1e-3)
+    gap = region.gap(loops[0], loops[1])
+    assert len(wheel(20, 3, "holes", 4, gap - 0.01).holes) == 5
+    assert refusal(wheel, 20, 3, "holes", 4, gap + 0.01)[0] == "stock.web.count"
+
+
+def test_spokes_are_refused_where_they_meet_outside_the_hub():
+    words = refusal(wheel, 20, 3, "spokes", 8, 9.0)
+    assert words[:2] == ("stock.web.spoke_width", "found 9 mm: 8 spokes meet outside the hub")
+    widths = np.arange(1, 9, 0.02)
+    passes = [_passes(20, 8, width) for width in widths]
+    widest = widths[passes.index(False) - 1]
+    assert not any(passes[passes.index(False) :])
+    # Of the hub's edge next to nothing is left between two of the widest.
+    window = gk.flatten(wheel(20, 3, "spokes", 8, widest).holes[1], 1e-4)
+    edge = window[np.abs(window) < 10 + 1e-3]
+    assert 0 < np.abs(edge[:, None] - edge).max() < 0.2
+    assert _passes(30, 8, widest + 0.5) and _passes(20, 7, widest + 0.5)
+
+
+def _passes(hub, count, width):
+    try:
+        return len(wheel(hub, 3, "spokes", count, width).holes) == 1 + count
+    except DesignError:
+        return False
+
+
+@pytest.mark.parametrize(("apart", "clearance"), [(54.0, 60.0), (45.0, 0.2), (30.0, 6.0)])
+def test_shafts_as_wide_together_as_a_base_says_do_not_meet(apart, clearance):
+    reaches, stock = (20.0, 30.0), BaseStock(clearance=clearance)
+    field, problem, remedy = refusal(pair_base, apart, reaches, (30.0, 70.0), 5.0, stock)
+    wide = 30 + 70 + 2 * clearance
+    assert field == "first_stock.bore"
+    assert f"are {apart:g} mm apart, and {wide:g} mm wide together, so that they meet" in problem
+    if clearance > apart:
+        assert remedy == "move them apart"
+        return
+    most = number(remedy)
+    assert len(pair_base(apart, reaches, (20.0, most - 20 - 1e-3), 5.0, stock).holes) == 6
+    assert refusal(pair_base, apart, reaches, (20.0, most - 20 + 1e-3), 5.0, stock)[0] == "first_stock.bore"
+
+
+@pytest.mark.parametrize(("module", "height"), [(2.5, 4.0), (2.0, 7.0), (4.0, 3.6)])
+def test_a_rack_as_long_as_the_refusal_says_holds_its_two_pins(module, height):
+    def base(teeth):
+        bar = gk.gear.GearRack(teeth, module, height=height)
+        (plate,) = gear_parts(bar, GearStock(), "rack")
+        pair = gk.gear.RackPair(gk.SpurGear(14, module, 0.2), bar)
+        return rack_base(pair, plate, 8.0)
+
+    field, problem, remedy = refusal(base, 2)
+    assert (field, problem) == ("rack.teeth", "found 2, too few for two guide pins")
+    least = int(number(remedy.replace(",", " ")))
+    assert len(base(least)[0].holes) == 2 and refusal(base, least - 1)[2] == remedy
+
+
+def test_a_sheet_that_a_screws_nut_is_too_high_for_is_told_by_how_many():
+    _, problem, remedy = refusal(fastener_of, 4.0, 0.3, "screw", 0.2, None)
+    most = int(re.search(r"at most (\d+) sheets", remedy)[1])
+
+    def sheets(thick):
+        # What stands out of a sheet on the shortest screw that is sold and takes it.
+        bought = fastener_of(4.0, 3.0, "screw", 0.2, None).bill(thick)[0][0]
+        return (float(re.search(r"x (\d+)", bought)[1]) - thick) / thick
+
+    assert f"as high as {sheets(0.3):.0f} sheets" in problem
+    for thick in np.arange(0.3, 0.6, 0.01).round(2).tolist():
+        assert fastener_of(4.0, thick, None, 0.2, None).sort == ("screw" if sheets(thick) <= most else "rod")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_bar_between_cam_and_base_keeps_off_the_shaft_by_no_more_than_the_refusal_says(seed):
+    rng = np.random.default_rng(seed)
+    along, across = rng.uniform(20, 60), rng.uniform(4, 15)
+    corners = np.array([-along - 1j * across, along - 1j * across, along + 1j * across, -along + 1j * across])
+    away = rng.uniform(0.4, 2.5) * across if seed % 4 else -0.3 * across
+    # It swings by a place where it is level and nearest, beside the shaft but for every fourth.
+    turns = np.exp(1j * np.linspace(-0.3, 0.3, 5))
+    side = 1j * np.sign(rng.uniform(-1, 1))
+    bar = (corners + side * (across + away) + rng.uniform(-9, 9)) * turns[:, None]
+    if not seed % 4:
+        # The shaft is within the bar at the first place alone.
+        bar += 2 * side * across * np.arange(5)[:, None]
+    polygons = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in bar]
+    middle = shapely.Point(0, 0)
+    inside = any(polygon.contains(middle) for polygon in polygons)
+    room = min(polygon.exterior.distance(middle) for polygon in polygons)
+    if not inside and room > 0.01:
+        _check_shaft(bar, 2 * room - 1e-6)
+    field, problem, remedy = refusal(_check_shaft, bar, 2 * room + 1e-6)
+    assert field == "stock.bar_width" and f"meets the cam shaft of {2 * room + 1e-6:g} mm" in problem
+    if inside or room <= 0.01:
+        assert remedy == "give narrower bars or a larger base_radius"
+    else:
+        assert 0 <= 2 * room - number(remedy) < 1e-3 * room and "narrower bars" in remedy
+        _check_shaft(bar, number(remedy) * (1 - 1e-9))
+
+
+@pytest.mark.parametrize(("pins", "clearance"), [(12, 0.1), (8, 0.6)])
+def test_a_lantern_s_bore_as_wide_as_the_refusal_says_leaves_its_pins_their_holes(pins, clearance):
+    pinion = gk.gear.LanternPinion(pins, 4, 5)
+    mate = conjugate(pinion.cutter(0.5, 0.0), pins, pinion.pitch_radius, 48, 6.0)
+
+    def disc(bore):
+        return gk.shop.lantern_parts(pinion, mate, gk.shop.LanternStock(bore=bore, clearance=clearance))[0]
+
+    # Round the middle of all pins, whose holes are as wide as they and the clearance together.
+    room = 2 * (min(abs(circle.centre) for circle in pinion.circles) - (5 + clearance) / 2)
+    field, _, remedy = refusal(disc, 60.0)
+    assert field == "stock.bore" and number(remedy.replace("at least 0.01 and ", "")) == pytest.approx(
+        room - clearance, rel=1e-3
+    )
+    holes = [gk.flatten(hole, 1e-4) for hole in disc(room - clearance - 1e-3).holes]
+    assert len(holes) == 1 + pins and all(region.gap(holes[0], hole) > 0 for hole in holes[1:])
+    assert refusal(disc, room - clearance + 1e-3)[0] == "stock.clearance"
+
+
+@pytest.mark.parametrize("bar_width", [6.0, 8.0, 14.0, 20.0])
+def test_the_ground_is_as_large_as_the_face_of_its_motor_or_as_far_about_its_corners_as_bars_are_wide(bar_width):
+    stock = gk.shop.LinkStock(bar_width=bar_width, pin_diameter=3, motor="nema17")
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 61))
+    ground = gk.shop.link_parts(motion, stock)[0]
+    z = gk.flatten(ground.outline, 1e-5)
+    # Corners are as round as half a bar, from places 4 mm within the face at most.
+    beyond = 42.3 / 2 + max(0.0, bar_width / 2 - 4)
+    assert ground.body == "ground"
+    assert (-z.real.min(), -z.imag.min(), z.imag.max()) == pytest.approx((beyond, beyond, beyond), abs=1e-4)
