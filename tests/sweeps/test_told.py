@@ -1,0 +1,167 @@
+"""What a sweep is called, what it says while it works, what a run goes on with, and who works out what."""
+
+from concurrent.futures import Executor, Future
+
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.progress import shown
+from geomkin.sweeps import sweep as sweeping
+from tests.sweeps.test_sweep import BAR
+
+SIZES = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+TABLE = {"kind": "four-bar", "linkage": SIZES, "drive": {"step_deg": 90}}
+ONE = {"linkage.crank": [20]}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/bar 7.toml").write_text(BAR)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        (lambda: "in/bar 7.toml", "bar 7"),
+        (lambda: BAR, "four-bar"),
+        (lambda: TABLE, "four-bar"),
+        (lambda: gk.load("in/bar 7.toml"), "bar 7"),
+        (lambda: gk.load(BAR), "four-bar"),
+        (lambda: gk.load(BAR).called("mine"), "mine"),
+    ],
+    ids=["file", "text", "table", "recipe of a file", "recipe", "recipe called"],
+)
+def test_a_sweep_is_called_as_its_recipe_is(here, source, name):
+    found = gk.sweep(source(), ONE, (), "made")
+    assert found.name == name
+    assert sorted(path.as_posix() for path in found.files) == [
+        f"made/{name}/{name}.sweep.{end}" for end in ("csv", "html")
+    ]
+    for path, size in found.files.items():
+        assert path.stat().st_size == size > 100
+    assert f"<title>{name}: a sweep</title>" in (here / f"made/{name}/{name}.sweep.html").read_text()
+    assert gk.sweep(source(), ONE, (), "made").kept == 1 and gk.sweep(source(), ONE).files == {}
+
+
+def test_a_recipe_whose_tables_stand_in_another_order_is_the_same(here):
+    gk.sweep(TABLE, ONE, (), "made")
+    turned = {"drive": {"step_deg": 90}, "linkage": dict(reversed(SIZES.items())), "kind": "four-bar"}
+    again = gk.sweep(turned, ONE, (), "made")
+    assert (again.kept, again.anew) == (1, False)
+    other = gk.sweep(TABLE | {"drive": {"step_deg": 45}}, ONE, (), "made")
+    assert (other.kept, other.anew) == (0, True)
+    # Names that are told twice are told once.
+    assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].told == {"grashof_type": "crank-rocker"}
+
+
+def test_keys_in_another_order_are_the_same_combinations(here):
+    both = {"linkage.crank": [20, 25], "linkage.rocker": [70, 75]}
+    gk.sweep(TABLE, both, (), "made")
+    again = gk.sweep(TABLE, dict(reversed(both.items())), (), "made")
+    assert again.kept == 4 and again.keys == ("linkage.rocker", "linkage.crank")
+    assert [tuple(row.values.values()) for row in again.rows] == [(70, 20), (70, 25), (75, 20), (75, 25)]
+
+
+def test_a_sweep_says_how_many_of_its_combinations_are_done(here):
+    told = []
+    with shown(lambda share, what: told.append((share, what))):
+        gk.sweep(TABLE, {"linkage.crank": [20, 25]}, (), "made")
+        gk.sweep(TABLE, {"linkage.crank": [20, 22, 24, 25, 26]}, (), "made")
+    assert told == [
+        (0.5, "1 of 2 combinations"), (1.0, "2 of 2 combinations"),
+        (0.6, "3 of 5 combinations"), (0.8, "4 of 5 combinations"), (1.0, "5 of 5 combinations"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("watched", [True, False])
+def test_the_command_tells_whoever_watches_and_why_all_are_refused(here, monkeypatch, watched):
+    monkeypatch.setattr("geomkin.commands._is_terminal", lambda stream: watched)
+
+    def run(*values):
+        result = CliRunner().invoke(cli, ["sweep", "in/bar 7.toml", *values], color=True)
+        return result.exit_code, result.stdout, result.stderr
+
+    line = "\r\x1b[K"
+    halves = f"{line}4 of 6 combinations: 67%{line}" if watched else ""
+    code, _, told = run("--set", "linkage.crank=20,22,24,25,26,500")
+    assert (code, told) == (0, halves)
+    # One that is refused, of one.
+    code, out, told = run("--set", " linkage.crank =500")
+    assert code == 1 and out.endswith(": 1 combinations, 1 of them from before, 1 refused\n")
+    assert "all are refused, the first for this: linkage" in told and line not in told
+
+
+class Failing(Executor):
+    """Works its first job at once, fails at the second, and leaves later ones undone."""
+
+    def __init__(self):
+        self.given, self.undone = [], []
+
+    def submit(self, work, task, batch):
+        future = Future()
+        self.given.append(batch)
+        if len(self.given) == 1:
+            future.set_result(work(task, batch))
+        elif len(self.given) == 2:
+            future.set_exception(RuntimeError("out of light"))
+        else:
+            self.undone.append(future)
+        return future
+
+
+class Late(Executor):
+    """Is done with a job when it is given the next but one, with all when it is given the last."""
+
+    def __init__(self, last):
+        self.last, self.given, self.jobs, self.handed, self.most = last, [], [], 0, 0
+
+    def submit(self, work, task, batch):
+        self.given.append(batch)
+        self.most = max(self.most, len(self.given) - self.handed)
+        self.jobs.append((Future(), work, task, batch))
+        future = self.jobs[-1][0]
+        while len(self.jobs) > (0 if batch[-1] == self.last else 2):
+            done, *job = self.jobs.pop(0)
+            done.set_result(job[0](*job[1:]))
+        return future
+
+    def tell(self, share, what):
+        self.handed += 1
+
+
+def test_an_executor_is_given_four_at_a_time_and_never_more_jobs_than_there_may_wait(here, monkeypatch):
+    monkeypatch.setattr(sweeping, "AHEAD", 3)
+    values = {"linkage.crank": list(range(20, 43))}
+    late = Late({"linkage.crank": 42})
+    with shown(late.tell):
+        found = gk.sweep(TABLE, values, (), None, late)
+    assert [len(batch) for batch in late.given] == [4, 4, 4, 4, 4, 3] and late.most == 3
+    assert [one["linkage.crank"] for batch in late.given for one in batch] == values["linkage.crank"]
+    alone = gk.sweep(TABLE, values)
+    assert [repr(row.checks) for row in found.rows] == [repr(row.checks) for row in alone.rows]
+
+
+def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_called_off(here, monkeypatch):
+    monkeypatch.setattr(sweeping, "AHEAD", 4)
+    failing = Failing()
+    # Of the first four jobs one works, the second fails, the others wait without end.
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.sweep(TABLE, {"linkage.crank": [10 + k for k in range(30)]}, (), "made", failing)
+    assert refusal.value.field == "executor" and refusal.value.problem == "it failed (RuntimeError: out of light)"
+    assert refusal.value.remedy == "give one that works; with `out`, what was found is kept"
+    assert len(failing.given) in (4, 5) and failing.undone and all(one.cancelled() for one in failing.undone)
+    assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").kept == 4
+
+
+def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
+    class Refusing(Executor):
+        def submit(self, *_):
+            raise gk.DesignError("crank", "found 1", "give 2")
+
+    with pytest.raises(gk.DesignError, match="^crank: found 1; give 2$"):
+        gk.sweep(TABLE, ONE, (), None, Refusing())

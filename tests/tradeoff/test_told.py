@@ -1,0 +1,98 @@
+"""What the chart's page and its progress say of defaults, families and shares of the work."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.progress import shown
+from tests.tradeoff.toy import FAMILY, METHODS, point
+
+# Two methods, of which the second is the default at four settings.
+SOME = replace(METHODS[1], name="mine", because="it is kept.", despite="It is safe.")
+PAIR = replace(FAMILY, methods=(METHODS[1], replace(METHODS[0], name="other", because=""), SOME))
+
+
+def verdict(*points):
+    chart = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(PAIR, points),), False, {}, "")
+    page = gk.tradeoff.chart_files(chart)["chart.html"].decode()
+    return re.findall("<p>The default is <strong>(.*?)</p>", page)
+
+
+def test_how_often_a_default_is_on_the_front_is_told_with_all_that_beats_it():
+    mine = [
+        point("mine", k, error, time) for k, error, time in ((1.0, 0.5, 1e-6), (2.0, 1e-2, 4e-6), (5.0, 1e-4, 8e-6))
+    ]
+    assert verdict(*mine) == ["mine</strong>: it is kept. It is on the front."]
+    # One setting is beaten by two, of which the faster is told; another by one more.
+    slower, faster = point("some", 1.0, 1e-3, 3e-6), point("some", 2.0, 9e-3, 2e-6)
+    (told,) = verdict(*mine, slower, faster)
+    assert told == "mine</strong>: it is kept. It is on the front at 2 of 3: some takes 50% of its time. It is safe."
+    (told,) = verdict(*mine, slower, faster, point("other", np.nan, 1e-5, 6e-6))
+    assert "on the front at 1 of 3: some takes 50% of its time; other takes 75% of its time. It is safe." in told
+    # Of one method it is told once, of the first setting that it beats.
+    (told,) = verdict(*mine, faster, point("some", 5.0, 1e-5, 4e-6))
+    assert "at 1 of 3: some takes 50% of its time. It is safe." in told
+    (told,) = verdict(*mine, point("other", np.nan, 1e-9, 1e-7))
+    assert "It is not on the front: other takes 10% of its time. It is safe." in told
+    (told,) = verdict(replace(mine[0], missed=0.1), *mine[1:])
+    assert "It is on the front at 2 of 3: it misses results. It is safe." in told
+    assert verdict(slower, faster) == []
+
+
+@pytest.fixture
+def three(monkeypatch):
+    """Three families, and what becomes of each without a clock."""
+    families = {name: replace(FAMILY, name=name) for name in ("a", "b", "c")}
+
+    def measured(family, quick, tell):
+        tell(0.5)
+        tell(1.0)
+        return (replace(point("some", 1.0, 0.5, 1e-6), family=family.name),)
+
+    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", families)
+    monkeypatch.setattr("geomkin.tradeoff.results.measured", measured)
+    return families
+
+
+@pytest.mark.parametrize(("named", "found"), [((), "abc"), (("b",), "b"), (("c", "a", "c"), "ca")])
+def test_families_are_measured_in_the_order_in_which_they_are_named_all_where_none_is(three, named, found):
+    heard = []
+    with shown(lambda share, what: heard.append((round(share * 2 * len(found)), what))):
+        chart = gk.tradeoff.chart(named)
+    assert [one.family.name for one in chart.families] == list(found) and not chart.quick
+    assert heard == [(2 * k + half, f"measuring {name}") for k, name in enumerate(found) for half in (1, 2)]
+    assert chart.versions["geomkin"] == gk.__version__ and chart.versions["numpy"] == np.__version__
+
+
+@pytest.mark.parametrize("watched", [True, False])
+def test_the_command_says_how_far_it_is_to_whoever_watches(three, monkeypatch, tmp_path, watched):
+    monkeypatch.setattr("geomkin.commands._is_terminal", lambda stream: watched)
+    result = CliRunner().invoke(cli, ["chart", "b", "c", "--out", str(tmp_path)], color=True)
+    assert result.stdout == f"{tmp_path}/chart: 2 families, 2 points\n" and result.exit_code == 0
+    line = "\r\x1b[K"
+    told = [f"{line}measuring b: 25%", f"{line}measuring b: 50%", f"{line}measuring c: 75%", line]
+    assert result.stderr == ("".join(told) if watched else "")
+    assert {path.name for path in (tmp_path / "chart").iterdir()} == {"chart.csv", "chart.html", "b.svg", "c.svg"}
+
+
+def test_the_study_of_where_methods_break_belongs_to_the_chart_of_all(three, monkeypatch, tmp_path):
+    class Study:
+        def csv(self):
+            return b"study"
+
+        def section(self):
+            return "<p>study</p>"
+
+    monkeypatch.setattr("geomkin.tradeoff.study.stability", Study)
+    for named, mpmath, has in (([], True, True), (["a"], True, False), ([], None, False)):
+        monkeypatch.setattr("importlib.util.find_spec", lambda name, there=mpmath: there)
+        folder = tmp_path / f"{len(named)}{mpmath}"
+        result = CliRunner().invoke(cli, ["chart", *named, "--out", str(folder)])
+        assert result.exit_code == 0 and (folder / "chart/stability.csv").exists() == has
+        page = (folder / "chart/chart.html").read_text()
+        assert ("<p>study</p>" in page) == ('href="#stability"' in page) == has
