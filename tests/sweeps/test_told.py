@@ -1,14 +1,18 @@
 """What a sweep is called, what it says while it works, what a run goes on with, and who works out what."""
 
 from concurrent.futures import Executor, Future
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.commands import cli
 from geomkin.progress import shown
+from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
+from geomkin.table import Column, Table
 from tests.sweeps.test_sweep import BAR
 
 SIZES = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
@@ -165,3 +169,32 @@ def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
 
     with pytest.raises(gk.DesignError, match="^crank: found 1; give 2$"):
         gk.sweep(TABLE, ONE, (), None, Refusing())
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_of_a_column_with_gaps_least_and_largest_are_found_and_the_last_is_the_last_row_s_own(seed):
+    numbers = np.random.default_rng(seed)
+    values = np.where(numbers.random(5) < 0.4, np.nan, numbers.normal(size=5))
+    recipe = SimpleNamespace(table=Table((Column("a", "mm", "", np.arange(5.0)), Column("b", "mm", "", values))))
+    known = [value for value in values.tolist() if value == value]
+    assert of_one._told(recipe, "b_mm:least") == min(known, default=None)
+    assert of_one._told(recipe, "b_mm:largest") == max(known, default=None)
+    last = values.tolist()[-1]
+    assert of_one._told(recipe, "b_mm:last") == (last if last == last else None)
+    assert of_one._told(recipe, "c_mm:last") is None
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (lambda: gk.load(BAR).called("con"), "con: (whole file): its name cannot name a folder and files: Windows"),
+        (lambda: {"kind": "con"}, "recipe: (whole file): its name cannot name"),
+        (lambda: 'kind = "a/b"\n', "recipe: (whole file): its name cannot name"),
+        (lambda: "in/aux.toml", "in/aux.toml: (whole file): its name cannot name"),
+    ],
+)
+def test_what_cannot_name_files_is_refused_under_what_it_came_from(here, source, words):
+    (here / "in/aux.toml").write_text(BAR)
+    with pytest.raises(gk.RecipeError) as refusal:
+        gk.sweep(source(), ONE)
+    assert str(refusal.value).startswith(words)
