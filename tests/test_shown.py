@@ -56,3 +56,12 @@ def test_a_curve_s_columns_are_those_of_the_point_that_runs_along_it(curve):
         ("curvature_1_per_mm",), ("point_x_mm", "point_y_mm"), ("speed_mm",),
     ]  # fmt: skip
     assert job.name == type(curve).__name__ and not job.source.parts and not job.source.checks
+
+
+@pytest.mark.parametrize("thing", [(), [], ("part", 3), [3, "part"], ("part", None), ("part", ("part",))])
+def test_a_row_is_shown_where_all_of_it_are_parts(thing):
+    part = gk.Part("a", gk.plane.Circle(0j, 2.0), (), 1.0)
+    thing = type(thing)(part if one == "part" else one for one in thing)
+    with pytest.raises(gk.DesignError, match="thing: found .*; give a recipe, its file or text"):
+        gk.show(thing)
+    assert gk.show([part, part]).name == "2 parts" and gk.show((part,)).name == "a"

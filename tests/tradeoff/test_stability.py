@@ -131,6 +131,14 @@ def test_sizes_of_linkages_and_cams_are_as_far_off_as_is_told():
             assert np.delete(shares, angle) == pytest.approx(1 / x if "over sizes" in cell.distance else x)
 
 
+@pytest.mark.parametrize("shift", [-0.6, -0.2, 0.0, 0.4, 1.6])
+def test_the_textbook_s_centre_distance_is_the_library_s_where_it_has_one(shift):
+    fp = pytest.importorskip("mpmath").fp
+    (cell,) = [c for c in CELLS if c.family == "gear pair"]
+    for sizes in ((20.0, 31.0, 2.0, shift), (100.0, 100.0, 0.5, shift)):
+        assert cell.formula(fp, *sizes) == pytest.approx(cell.library(*sizes), rel=1e-12)
+
+
 def test_cells_of_gears_stand_on_the_side_of_the_place_that_is_told():
     """Undercut that is about to end, tips that are about to be pointed, both the less the nearer."""
     under, tips = (

@@ -96,3 +96,28 @@ def test_the_study_of_where_methods_break_belongs_to_the_chart_of_all(three, mon
         assert result.exit_code == 0 and (folder / "chart/stability.csv").exists() == has
         page = (folder / "chart/chart.html").read_text()
         assert ("<p>study</p>" in page) == ('href="#stability"' in page) == has
+
+
+def test_the_page_has_both_pictures_of_what_has_a_weight_each_under_its_name():
+    family = replace(FAMILY, weighed="bytes & more", weigh=lambda problem, found: 1.0)
+    points = [point("all <terms>", np.nan, 1e-3, 4e-6), point("some", 1.0, 0.5, 1e-6), point("some", 2.0, 1e-2, 5e-6)]
+    weights = (30.0, 10.0, 20.0)
+    one = gk.tradeoff.FamilyChart(family, tuple(replace(p, weight=w) for p, w in zip(points, weights)))
+    page = gk.tradeoff.chart_files(gk.tradeoff.Chart((one,), False, {}, ""))["chart.html"].decode()
+    pictures = re.findall(r'aria-label="Picture: ([^"]*)">(<svg.*?</svg>)', page, re.DOTALL)
+    assert [name for name, _ in pictures] == [
+        "Sum of halves &amp; quarters",
+        "Sum of halves &amp; quarters, bytes &amp; more",
+    ]
+    assert [re.findall(r">([^<>]*) per sum</text>", drawn) for _, drawn in pictures] == [
+        ["time"],
+        ["bytes &amp; more"],
+    ]
+    # As the files, but for what a file of its own needs.
+    files = gk.tradeoff.chart_files(gk.tradeoff.Chart((one,), False, {}, ""))
+    for (_, drawn), name in zip(pictures, ("toy-sum.svg", "toy-sum-by-bytes & more.svg")):
+        assert drawn.partition(">")[2] in files[name].decode()
+    assert "pays for their bytes &amp; more. Here the default is on the front at 1 of 1." in page
+    # Beside it one that weighs nothing has its own picture alone.
+    plain = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(FAMILY, tuple(points)),), False, {}, "")
+    assert "pays for" not in gk.tradeoff.chart_files(plain)["chart.html"].decode()
