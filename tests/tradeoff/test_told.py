@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.commands import cli
 from geomkin.progress import shown
+from geomkin.tradeoff import measurement
 from tests.tradeoff.toy import FAMILY, METHODS, point
 
 # Two methods, of which the second is the default at four settings.
@@ -42,6 +44,26 @@ def test_how_often_a_default_is_on_the_front_is_told_with_all_that_beats_it():
     (told,) = verdict(replace(mine[0], missed=0.1), *mine[1:])
     assert "It is on the front at 2 of 3: it misses results. It is safe." in told
     assert verdict(slower, faster) == []
+
+
+def test_a_time_is_the_least_of_its_batches_and_the_spread_what_the_middle_one_took_longer(monkeypatch):
+    """By a clock that only the method moves, each call by another time."""
+    now, paces, calls = [0.0], [0.31, 0.2, 0.5, 0.25, 0.8], []
+    monkeypatch.setattr(measurement, "time", SimpleNamespace(process_time=lambda: now[0]))
+    monkeypatch.setattr(measurement, "FULL", 1.5)
+
+    def call():
+        # The first call is not timed but for its results.
+        now[0] += paces[(len(calls) - 1) % 5]
+        calls.append(0)
+        return 0.5
+
+    method = gk.tradeoff.Method("moves", "Takes its time.", lambda problem, setting: call)
+    family = replace(FAMILY, methods=(method,), count=lambda problem, found: 10)
+    (one,) = measurement.measured(family, False, lambda share: None)
+    # 0.31, 0.2, 0.5, 0.25, 0.8: as many as take 1.5 s together.
+    assert one.batches == 5 and one.calls == 1 and len(calls) == 6
+    assert one.seconds == pytest.approx(0.02) and one.spread == pytest.approx(0.55)
 
 
 @pytest.fixture
