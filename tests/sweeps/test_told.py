@@ -230,3 +230,31 @@ def test_a_file_that_a_value_names_is_part_of_the_value(here, name):
     before = of_one.file_marks({"x": [name]}, str(here))
     (here / name).write_text("2")
     assert len(before) == 1 and before != of_one.file_marks({"x": [name]}, str(here))
+
+
+@pytest.mark.parametrize(
+    ("notes", "told"),
+    [({}, ""), ({"a": 1, "b": {"c": "x", "d": [1]}, "e": None}, ", or one of a, b.c"), ({"d": [1]}, "")],
+)
+def test_what_may_be_told_is_listed_where_there_is_any(notes, told):
+    recipe = SimpleNamespace(
+        table=Table((Column("t", "s", "", np.arange(2.0)), Column("n", "", "", np.array(["x", "y"])))), notes=notes
+    )
+    for name in ("zzz", "t_s:most"):
+        with pytest.raises(gk.DesignError) as refusal:
+            of_one.check_tell(of_one.Task({}, "", "", (name,)), recipe)
+        assert refusal.value.remedy == f"give COLUMN:least, COLUMN:largest, COLUMN:last{told}"
+    # Columns of text have no least.
+    for name in ("n:least", "zzz:last"):
+        with pytest.raises(gk.DesignError, match="give columns: t_s$"):
+            of_one.check_tell(of_one.Task({}, "", "", (name,)), recipe)
+    known = ("t_s:last", *(name for name in ("a", "b.c") if "a" in notes))
+    of_one.check_tell(of_one.Task({}, "", "", known), recipe)
+
+
+def test_an_entry_may_be_called_as_a_way_to_tell_of_a_column_is():
+    table = Table((Column("t", "s", "", np.arange(2.0)),))
+    recipe = SimpleNamespace(table=table, notes={"last": 5, "t_s:most": 6, ":least": 7})
+    found = [of_one._told(recipe, name) for name in ("last", "t_s:most", "t_s:last", "least", ":")]
+    assert found == [5, 6, 1.0, None, None]
+    of_one.check_tell(of_one.Task({}, "", "", ("last", "t_s:most")), recipe)
