@@ -111,7 +111,7 @@ def _sections(part: Part) -> tuple[Part, ...]:
         return (part, *(replace(part, holes=(slot(*way),), hole_names=(), fits=()) for way in ways))
     sides = region.nearest(flatten(part.outline, FINEST * reach(part.outline)))
     inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
-    return (replace(part, holes=(), hole_names=(), fits=()), inner) if part.twist.moves == "outline" else (inner,)
+    return replace(part, holes=(), hole_names=(), fits=()), inner
 
 
 def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] | None = None) -> tuple[Check, ...]:
