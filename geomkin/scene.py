@@ -12,7 +12,7 @@ from .brief import one_line
 from .errors import DesignError
 from .part import Part
 from .plane.curve import AbstractCurve
-from .plane.vec import Complex, Mask, Real
+from .plane.vec import Array, Complex, Mask, Real
 from .table import Column, Table
 
 # What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
@@ -145,7 +145,8 @@ class Choice:
     def __post_init__(self) -> None:
         check_fields(self)
         _check_plots(self.plots, self.table)
-        if not 0 <= self.chosen < (rows := len(self.table.columns[0].values)):
+        rows = len(self.table.columns[0].values)
+        if not 0 <= self.chosen < rows:
             raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
 
 
@@ -184,20 +185,21 @@ class Scene:
     def __post_init__(self) -> None:
         check_fields(self)
         frames = len(self.drive.values)
-        rows = {f"time and {name}": len(row) for name, row in (("drive", self.time), ("closed", self.closed))}
-        rows |= {f"the other {label}": len(other.time) for label, other in self.others.items()}
-        rows |= {f"body {b.name}": len(row) for b in self.bodies for row in (b.origin, b.direction)}
-        rows |= {
-            f"mark {m.label or m.sort}": len(row)
+        rows: list[tuple[str, Array]] = [
+            (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.closed))
+        ]
+        rows += [(f"the other {label}", other.time) for label, other in self.others.items()]
+        rows += [(f"body {b.name}", row) for b in self.bodies for row in (b.origin, b.direction)]
+        rows += [
+            (f"mark {m.label or m.sort}", row)
             for m in self.marks
             for row in (m.place, m.vector, m.direction, m.radius)
             if row is not None
-        }
-        for what, length in rows.items():
-            if length != frames:
-                raise DesignError(
-                    "table", f"found {frames} rows, but {length} frames of {what}", "give as many of each"
-                )
+        ]
+        for what, row in rows:
+            if len(row) != frames:
+                problem = f"found {frames} rows, but {len(row)} frames of {what}"
+                raise DesignError("table", problem, "give as many of each")
         _check_plots(self.plots, self.table)
 
     @property

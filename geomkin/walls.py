@@ -106,13 +106,12 @@ def _sections(part: Part) -> tuple[Part, ...]:
     if part.twist is None or not part.holes:
         return (part,)
     if part.twist.shift:
-        # As seen by the outline, which slides along x, a round hole is a slot.
-        way = -part.twist.shift
-        holes = (slot(c.centre, c.centre + way, c.radius) if isinstance(c, Circle) else c for c in part.holes)
-        return (replace(part, holes=tuple(holes), hole_names=(), fits=()),)
+        # As seen by the outline, which slides along x, a round hole is a slot. Holes stand as they do from each other.
+        ways = [(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
+        return (part, *(replace(part, holes=(slot(*way),), hole_names=(), fits=()) for way in ways))
     sides = region.nearest(flatten(part.outline, FINEST * reach(part.outline)))
     inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
-    return (replace(part, holes=(), hole_names=(), fits=()), inner) if part.twist.moves == "outline" else (inner,)
+    return replace(part, holes=(), hole_names=(), fits=()), inner
 
 
 def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] | None = None) -> tuple[Check, ...]:

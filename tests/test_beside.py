@@ -62,7 +62,17 @@ def test_what_is_no_file_is_told(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "flaw"),
-    [(".a", "'.'"), ("-a.", "'-'"), (" a", "' '"), ("a.", "'.'"), ("a ", "' '"), ("b.-", None), ("a b.c", None)],
+    [
+        (".a", "'.'"),
+        ("-a.", "'-'"),
+        (" a", "' '"),
+        ("a.", "'.'"),
+        ("a ", "' '"),
+        ("a-c.", "'.'"),
+        (".b c ", "'.'"),
+        ("b.-", None),
+        ("a b.c", None),
+    ],
 )
 def test_the_sign_that_makes_no_name_is_the_one_that_is_told(name, flaw):
     assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")

@@ -198,3 +198,20 @@ def test_a_folder_makes_the_same_whatever_the_cores(tmp_path):
 def test_where_a_system_does_not_say_which_cores_are_ours_there_is_one(monkeypatch):
     monkeypatch.delattr(os, "sched_getaffinity")
     assert processes._cores() == 1
+
+
+@pytest.mark.parametrize("tasks", [(), "a", "abc", "abcdef"])
+def test_where_no_copies_are_made_each_task_comes_in_its_turn_with_its_number(tasks, monkeypatch):
+    monkeypatch.setattr(processes, "_cores", lambda: 1)
+    done, begun = [], []
+
+    def work(task):
+        done.append(task)
+        return task.upper()
+
+    # What is taken up is told before it is done, and nothing is done before it is asked for.
+    found = processes.each(work, tasks, lambda task: begun.append((task, len(done))))
+    assert [*zip(range(len(tasks)), map(str.upper, tasks))] == list(found)
+    assert begun == [(task, k) for k, task in enumerate(tasks)]
+    first = processes.each(work, "xyz")
+    assert next(first) == (0, "X") and done[-1] == "x"

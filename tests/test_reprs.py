@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.brief import LONGEST, one_line, short
+from geomkin.brief import LONGEST, clipped, one_line, short
 
 from .hostile.test_wrong_arguments import GOOD, PUBLIC
 from .tradeoff.toy import CHART
@@ -168,3 +168,14 @@ def test_lines_of_what_a_shell_shows_most():
     assert repr(check) == "Check(FAILED: least wall 1.23457 mm, limit at least 1.5)"
     assert str(check) == "least wall 1.23 mm, should be at least 1.5 mm: make it thicker"
     assert repr(gk.Check("lift", 2.0, "at most", 2.5)) == "Check(passed: lift 2, limit at most 2.5)"
+
+
+@pytest.mark.parametrize("count", [LONGEST - 1, LONGEST, LONGEST + 1, 3 * LONGEST])
+def test_a_line_is_cut_where_it_is_too_long_and_ends_as_it_did(count):
+    text = "ab\n" + "x" * (count - 4) + ")"
+    line = clipped(text)
+    if count <= LONGEST:
+        assert line == text.replace("\n", "?")
+    else:
+        assert len(line) == LONGEST and line.startswith("ab?xxx") and line.endswith("x...)")
+    assert clipped("abcdef)", 6) == "ab...)" and clipped("abcdef", 6) == "abcdef"

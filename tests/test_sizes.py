@@ -188,3 +188,23 @@ def test_fits_are_no_more_than_holes():
         assert gk.Part("disc", disc, (hole,), 3.0, fits=fits).fits == fits
     with pytest.raises(gk.DesignError, match="fits: found 2 for 1 holes; give one for each hole"):
         gk.Part("disc", disc, (hole,), 3.0, fits=(fit, None))
+
+
+def test_an_entry_is_left_out_as_its_field_says_and_shows_an_example():
+    @dataclasses.dataclass
+    class Made:
+        needed: str = entry("a word", example="word")
+        given: str = entry("another", default="x")
+        fresh: list = entry("a row", default_factory=list)
+        shown: list = entry("a row", default_factory=list, example=[1])
+        yes: bool = entry("whether", default=True)
+
+    one, other = Made("a"), Made("b")
+    assert (one.needed, one.given, one.fresh, one.shown, one.yes) == ("a", "x", [], [], True)
+    assert one.fresh is not other.fresh
+    with pytest.raises(TypeError, match="needed"):
+        Made()
+    about = {field.name: field.metadata for field in dataclasses.fields(Made)}
+    assert [about[name]["examples"] for name in ("needed", "given", "fresh")] == [["word"], ["x"], [[]]]
+    assert about["yes"]["strict"] and not any("strict" in about[name] for name in ("needed", "given", "fresh"))
+    assert about["needed"]["description"] == "a word"

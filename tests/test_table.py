@@ -61,3 +61,20 @@ def test_only_numbers_that_are_none_are_left_out():
         for one in (complex(odd, 2), complex(2, odd), complex(odd, odd)):
             kept = finite(np.array([3 + 4j, one]))
             assert kept[0] == 3 + 4j and np.isnan(kept[1].real) and np.isnan(kept[1].imag)
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("rocker_omega_", ("rocker_omega", "rocker_omega2", "rocker_beta")),
+        ("crnk", ("crank",)),
+        ("zzz", ()),
+    ],
+)
+def test_at_most_three_names_that_are_near_are_told_the_nearest_first(name, advice):
+    names = ("rocker_omega", "rocker_omega2", "rocker_alpha", "rocker_beta", "crank")
+    table = gk.Table(tuple(gk.Column(one, "", "", np.zeros(2)) for one in names))
+    with pytest.raises(gk.DesignError) as refusal:
+        table[name]
+    told = " or ".join(advice) if advice else "a name that `to_columns` tells"
+    assert refusal.value.remedy == f"give {told}"

@@ -25,19 +25,19 @@ class Ledger:
         self.known: dict[str, Any] = {}
         with naming(path, "used"):
             content = self._content()
-            lines = content.split(b"\n")
-            self.anew: bool = bool(content) and _read(lines[0]) != title
-            if self.anew or not content:
+            # What follows the last end of a line was being written when the run was stopped.
+            whole = content[: content.rfind(b"\n") + 1]
+            lines = whole.split(b"\n")
+            self.anew: bool = bool(whole) and _read(lines[0]) != title
+            if self.anew or not whole:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(_line(title))
                 return
             for read in map(_read, lines[1:]):
                 if isinstance(read, dict) and isinstance(read.get("key"), str) and isinstance(read.get("row"), dict):
                     self.known[read["key"]] = read["row"]
-            if lines[-1]:
-                # A line that was being written when the run was stopped.
-                with path.open("rb+") as file:
-                    file.truncate(len(content) - len(lines[-1]))
+            if len(whole) < len(content):
+                os.truncate(path, len(whole))
 
     def _content(self) -> bytes:
         if not os.path.lexists(self.path):

@@ -22,6 +22,8 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 RANGE = re.compile(rf"\s*({NUMBER})\s*:\s*({NUMBER})\s*:\s*({NUMBER})\s*")
 # Tables by name, rows of a list by number, as messages about recipes write them.
 KEY = re.compile(r"[^\W_][\w -]*(?:\[\d{1,6}\])*(?:\.[^\W_][\w -]*(?:\[\d{1,6}\])*)*")
+# Of a key: the number of a row, or a name.
+PART = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 PLAIN = (str, int, float)
 # Of numbers as a person writes them: no step of a range is lost, and nothing overflows or takes long.
 EXACT = Context(prec=60, traps=[])
@@ -60,27 +62,23 @@ def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
     """
     changed: dict[str, Any] = copy.deepcopy(dict(recipe))
     for key, value in changes.items():
-        *way, last = [int(part) if part[:1].isdigit() else part for part in re.split(r"\.|\[|\]\.?", key) if part]
+        *way, last = [int(row) if row else name for row, name in PART.findall(key)]
         place: Any = changed
-        for part, following in itertools.pairwise([*way, last]):
-            place = _step(key, place, part, [] if isinstance(following, int) else {})
-        _step(key, place, last, None)
+        for part in way:
+            _check_step(key, place, part)
+            place = place[part] if isinstance(part, int) else place.setdefault(part, {})
+        _check_step(key, place, last)
         place[last] = copy.deepcopy(value)
     return changed
 
 
-def _step(key: str, place: Any, part: str | int, empty: Any) -> Any:
-    """What lies under one part of a key, `empty` where there is nothing yet; None of the last one, which is set."""
-    what = "list" if isinstance(part, int) else "table"
-    fits = isinstance(place, list if isinstance(part, int) else dict)
-    if not fits:
+def _check_step(key: str, place: Any, part: str | int) -> None:
+    """Refuse one part of a key that leads through what is no table, or to a row that a list has not."""
+    kind, what = (list, "list") if isinstance(part, int) else (dict, "table")
+    if not isinstance(place, kind):
         raise DesignError(key, f"there is no {what} that [{part}] could be of", "give a key of the recipe")
-    if isinstance(part, int):
-        if part >= len(place):
-            raise DesignError(key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number")
-    elif empty is not None:
-        place.setdefault(part, empty)
-    return None if empty is None else place[part]
+    if isinstance(part, int) and part >= len(place):
+        raise DesignError(key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number")
 
 
 def _pieces(key: str, text: str) -> list[str]:

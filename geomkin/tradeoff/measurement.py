@@ -105,7 +105,7 @@ def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], ob
             trial.calibrate()
         tell(0.3 + 0.2 * (k + 1) / len(trials))
     budget = QUICK / len(trials) if quick else FULL
-    for share in _rounds([t for t in trials if not quick or t.times[0] * t.calls < LONG], budget):
+    for share in _rounds([t for t in trials if not quick or t.times[0] < LONG], budget):
         tell(0.5 + 0.5 * share)
     return tuple(_told(family.name, trial) for trial in trials)
 

@@ -1,9 +1,12 @@
 """Checks of gears are told in modules: a set that is larger all over is judged alike."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.gear.conjugate.conjugate import BEYOND, CUTS, MISSES, TRIMMED, Untouched
 
 
 def gear(module):
@@ -64,3 +67,17 @@ def test_a_lone_planet_has_all_the_room_there_is_and_more_have_less():
     for check, count in zip(rooms[:2], (2, 3)):
         chord = 2 * 18 * np.sin(np.pi / count)
         assert check.value == pytest.approx(chord - 2 * gk.SpurGear(24, 1).tip_radius)
+
+
+def test_the_flank_that_cannot_touch_is_that_of_the_driving_side_which_the_mate_reaches():
+    """The first stretch of the tooth's curve; what lies beyond the mate's tips is not wanted of it."""
+    held = gk.conjugate(gk.SpurGear(24, 2).outline.piece, 24, 24.0, 36, 2.0)
+    for stretches, lost in (
+        ((), 0),
+        (((0.0, 0.5, 10.0, 11.0, MISSES), (0.6, 1.0, 11.0, 11.5, CUTS)), 1.5),
+        (((0.0, 0.5, 10.0, 11.0, TRIMMED), (0.6, 1.0, 11.0, 11.5, BEYOND)), 1.0),
+        (((0.2, 0.5, 10.0, 10.25, MISSES), (1.0, 1.5, 9.0, 10.0, MISSES), (1.2, 2.0, 9.0, 10.0, BEYOND)), 0.25),
+    ):
+        spoilt = dataclasses.replace(held, untouched=tuple(Untouched(*one) for one in stretches))
+        check = gk.judge.touch_check(spoilt, 2.0)
+        assert check.value == pytest.approx(lost / 2) and check.passed == (not lost)

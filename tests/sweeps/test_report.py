@@ -142,6 +142,19 @@ def test_without_checks_a_row_says_so_and_without_numbers_nothing_is_plotted():
     assert data["spots"] is True
 
 
+def test_names_on_plots_are_harmless():
+    values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
+    rows = rows_of(
+        values, lambda one: [Check("ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")], lambda one: {"to\x1bld": 1}
+    )
+    page, _, data = page_of(values, rows)
+    assert [plot["title"] for plot in data["plots"]] == ["Ch?eck", "To?ld"]
+    assert [column["name"] for column in data["columns"][1:3]] == ["k p?", "k q"] and data["columns"][1][
+        "unit"
+    ] == "m?m"
+    assert all(sign not in page for sign in "\x1b\u202e\x07")
+
+
 def test_pages_stay_of_bearable_size():
     values = {"x": list(range(MOST_POINTS + 5, 0, -1))}
     rows = rows_of(values, told=lambda one: {f"t{k}": one["x"] for k in range(MOST_PLOTS + 3)})

@@ -30,6 +30,7 @@ def test_four_bar_and_slider_crank_agree_with_the_loop_equations_in_decimals(ang
     assert np.array(turning).T == pytest.approx(np.array(right[1:]), rel=1e-14)
     right = exact.slider_crank(30, 90, 10, angle, 1)
     assert [z.real for z in known(slid)] == pytest.approx([order[1] for order in right], rel=1e-14)
+    assert [z.imag for z in known(slid)] == [10, 0, 0]
 
 
 @pytest.mark.parametrize("angle", ANGLES)

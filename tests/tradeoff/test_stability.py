@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import io
+import re
 import sys
 from pathlib import Path
 
@@ -116,7 +117,77 @@ def test_the_file_holds_a_row_for_each_cell():
     assert found.section().count("<tr>") == 5
 
 
-@pytest.mark.parametrize("distances", [[], [1e-3, 1e-2], [0.5], [1e-16], [[1e-3]]])
+def test_sizes_of_linkages_and_cams_are_as_far_off_as_is_told():
+    """By the first length beside that of the words; every length is as many times as large, and no angle."""
+    told = {"sizes over 100 mm": 100, "100 mm over sizes": 100, "sizes over 20 mm": 20, "20 mm over sizes": 20}
+    cells = [cell for cell in CELLS if cell.distance in told]
+    assert {cell.distance for cell in cells} == set(told)
+    for cell in cells:
+        plain, angle = cell.sizes(1.0), 4 if cell.family == "four-bar" else 3
+        assert told[cell.distance] in plain
+        for x in (1e-1, 3e-6):
+            shares = np.array(cell.sizes(x)) / plain
+            assert shares[angle] == 1
+            assert np.delete(shares, angle) == pytest.approx(1 / x if "over sizes" in cell.distance else x)
+
+
+@pytest.mark.parametrize("shift", [-0.6, -0.2, 0.0, 0.4, 1.6])
+def test_the_textbook_s_centre_distance_is_the_library_s_where_it_has_one(shift):
+    fp = pytest.importorskip("mpmath").fp
+    (cell,) = [c for c in CELLS if c.family == "gear pair"]
+    for sizes in ((20.0, 31.0, 2.0, shift), (100.0, 100.0, 0.5, shift)):
+        assert cell.formula(fp, *sizes) == pytest.approx(cell.library(*sizes), rel=1e-12)
+
+
+def test_cells_of_gears_stand_on_the_side_of_the_place_that_is_told():
+    """Undercut that is about to end, tips that are about to be pointed, both the less the nearer."""
+    under, tips = (
+        next(c for c in CELLS if c.place == place)
+        for place in ("cut-in radius to the base circle", "tips nearly pointed")
+    )
+    lost, thick = [], []
+    for x in (1e-1, 1e-2, 1e-3):
+        teeth, module, shift = under.sizes(x)
+        lost.append(gk.SpurGear(int(teeth), module, shift, pointed="cut").lost_to_undercut)
+        thick.append(gk.SpurGear(12, 2, tips.sizes(x)[1]).tip_thickness)
+    for row in (lost, thick):
+        assert row[0] > row[1] > row[2] > 0 and row[2] < 0.02 * row[0]
+
+
+@pytest.mark.parametrize("distances", [(1e-4,), (1e-2, 1e-4, 1e-6), (1e-8, 1e-12)])
+def test_a_study_of_one_cell_and_few_distances_is_told_whole(distances):
+    cell = next(c for c in CELLS if c.name == "four-bar, toggle gap: rate")
+    found = Stability((tuple(measured(cell, x) for x in distances),))
+    ((row,), section) = list(csv.DictReader(io.StringIO(found.csv().decode()))), found.section()
+    heads = [f"{kind}_{x:.0e}" for kind in ("library", "textbook", "allowed") for x in distances]
+    assert list(row)[6:] == heads and list(row)[:6] == [
+        "family", "place", "result", "distance", "library_does", "told_by",
+    ]  # fmt: skip
+    told = [f"{getattr(one, kind):.1f}" for kind in ("library", "textbook", "allowed") for one in found.found[0]]
+    assert [row[head] for head in heads] == told and row["library_does"] == ANSWERS[found.answers[0]]
+    # The page shows some distances alone.
+    seen = [k for k, x in enumerate(distances) if x in (1e-4, 1e-8, 1e-12, 1e-15)]
+    assert re.findall("<td>([^<]*)</td>", section) == [
+        *(told[k + j * len(distances)] for j in range(3) for k in seen), ANSWERS[found.answers[0]],
+    ]  # fmt: skip
+    assert re.findall("<th>(1e-..)</th>", section) == 3 * [f"{distances[k]:.0e}" for k in seen]
+    assert section.count(f'colspan="{len(seen)}"') == 3
+
+
+@pytest.mark.parametrize(
+    "distances",
+    [
+        [],
+        [1e-3, 1e-2],
+        [0.5],
+        [1e-16],
+        [[1e-3]],
+        [0.5, 1e-3],
+        [1e-3, 1e-16],
+        [1e-3, 1e-3],
+        1e-3,
+    ],
+)
 def test_distances_that_cannot_be_are_refused(distances):
     with pytest.raises(gk.DesignError, match="falling numbers"):
         stability(np.array(distances))

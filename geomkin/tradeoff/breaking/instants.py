@@ -18,7 +18,7 @@ def _parallel(distance: float) -> Sizes:
 def _centre(ctx: Any, *sizes: Any) -> Any:
     """Where the lines of crank and rocker cross."""
     pin, _, arm = bars(ctx, *sizes)
-    return two_unknowns(pin, -arm, ctx.mpc(sizes[0]))[0] * pin
+    return two_unknowns(pin, arm, ctx.mpc(sizes[0]))[0] * pin
 
 
 def _diameter(ctx: Any, *sizes: Any) -> Any:

@@ -49,8 +49,8 @@ def triangle(ctx: Any, way: Any, one: Any, two: Any, branch: int = 1) -> Any:
 
 def rates(ctx: Any, pin: Any, one: Any, two: Any) -> tuple[Any, Any, Any, Any]:
     """First and second derivatives of the angles of two bars by that of a crank: one - two = end - crank."""
+    h, k = two_unknowns(one, -two, -pin)
     i = ctx.mpc(0, 1)
-    h, k = two_unknowns(i * one, -i * two, -i * pin)
     return h, k, *two_unknowns(i * one, -i * two, pin + h * h * one - k * k * two)
 
 
@@ -124,8 +124,8 @@ def slider_driven(result: str) -> Callable[..., Any]:
         if result == "direction":
             return pin / crank
         i = ctx.mpc(0, 1)
-        h, k = two_unknowns(i * pin, -i * arm, ctx.mpc(1))
-        return h if result == "rate" else two_unknowns(i * pin, -i * arm, h * h * pin - k * k * arm)[0]
+        h, k = two_unknowns(i * pin, i * arm, ctx.mpc(1))
+        return h if result == "rate" else two_unknowns(i * pin, i * arm, h * h * pin - k * k * arm)[0]
 
     return formula
 
@@ -149,9 +149,8 @@ def six_bar(result: str) -> Callable[..., Any]:
         one, two = triangle(ctx, ctx.mpc(pivot_x, pivot_y) - pin - out, link, output)
         if result == "direction":
             return one / link
-        i = ctx.mpc(0, 1)
-        way = i * pin + i * rates(ctx, pin, bar, arm)[0] * out
-        return two_unknowns(i * one, -i * two, -way)[1]
+        way = pin + rates(ctx, pin, bar, arm)[0] * out
+        return two_unknowns(one, -two, -way)[1]
 
     return formula
 

@@ -85,7 +85,7 @@ def _offset(roller_cam: RollerCam, count: float) -> Callable[[], Polyline]:
     from ...plane import region
 
     def profile() -> Polyline:
-        centres = pitch_points(roller_cam, count)[::-1]
+        centres = pitch_points(roller_cam, count)
         # Where the pitch polygon is convex, shrinking it leaves corners, and a tolerance counts only where it is not.
         return Polyline(region.offset([centres], -roller_cam.tool.rounding, _step(count) ** 2 / 100)[0][0])
 

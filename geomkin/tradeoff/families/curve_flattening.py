@@ -36,10 +36,9 @@ class ToolPath:
 
 
 def at_even_parameters(curve: AbstractCurve, count: int) -> Complex:
-    """Points at so many even steps of the parameter from each break to the next."""
+    """Points of a closed curve at so many even steps of the parameter from each break to the next."""
     b = curve.breaks
-    t = (b[:-1, None] + np.diff(b)[:, None] * np.arange(count) / count).ravel()
-    return curve.point(t if curve.closed else np.append(t, b[-1]))
+    return curve.point((b[:-1, None] + np.diff(b)[:, None] * np.arange(count) / count).ravel())
 
 
 def by_doubling(curve: AbstractCurve, tolerance: float) -> Complex:

@@ -49,13 +49,13 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 def _halving(track: Track, steps: float) -> Call:
     wanted = np.exp(-1j * track.drive)
-    rising = 1.0 if track.drive[-1] > track.drive[0] else -1.0
 
     def call() -> Array:
         low, high = np.full(FRAMES, FIRST - 0.05), np.full(FRAMES, LAST + 0.05)
         for _ in range(int(steps)):
             middle = 0.5 * (low + high)
-            beyond = rising * (by_circles(middle) * wanted).imag > 0
+            # The output turns ahead with the crank.
+            beyond = (by_circles(middle) * wanted).imag > 0
             low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
         found: Array = np.exp(0.5j * (low + high))
         return found

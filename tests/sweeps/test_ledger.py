@@ -1,0 +1,83 @@
+"""The file that keeps a sweep's rows: what it may be, what of it counts, and what becomes of the rest."""
+
+import json
+import re
+
+import pytest
+
+import geomkin as gk
+from geomkin.sweeps import ledger
+from geomkin.sweeps.ledger import Ledger
+
+TITLE = {"geomkin": "1", "tell": ["a"]}
+ROWS = {"x": {"b": 1}, "y": {"b": None}}
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """A ledger's file with two rows, in a folder of its own that the ledger has made."""
+    path = tmp_path / "out/bar/kept.jsonl"
+    Ledger(path, TITLE).add(ROWS)
+    return path
+
+
+def test_rows_stand_line_by_line_under_the_title(kept):
+    lines = kept.read_text().split("\n")
+    told = [{"key": key, "row": row} for key, row in ROWS.items()]
+    assert lines.pop() == "" and [json.loads(line) for line in lines] == [TITLE, *told]
+    again = Ledger(kept, TITLE)
+    assert again.known == ROWS and not again.anew
+
+
+def test_a_larger_file_than_any_sweep_s_is_left_as_it_is(kept, monkeypatch):
+    size = kept.stat().st_size
+    monkeypatch.setattr(ledger, "LARGEST", size)
+    assert Ledger(kept, TITLE).known == ROWS
+    monkeypatch.setattr(ledger, "LARGEST", size - 1)
+    before = kept.read_bytes()
+    with pytest.raises(gk.FileError, match=re.escape(f"cannot be used (it is larger than {size - 1:,} bytes)")):
+        Ledger(kept, TITLE)
+    assert kept.read_bytes() == before
+
+
+def test_only_lines_with_a_text_for_a_key_and_a_table_for_a_row_count(kept):
+    for line in ("[1]", "3", "null", '"x"', '{"key": 3, "row": {}}', '{"key": "z", "row": 3}', '{"key": "z"}',
+                 '{"row": {}}', "{}", "", "no json"):  # fmt: skip
+        with kept.open("a") as file:
+            file.write(f"{line}\n")
+        assert Ledger(kept, TITLE).known == ROWS, line
+    # The later of two lines of one key.
+    Ledger(kept, TITLE).add({"x": {"b": 2}})
+    assert Ledger(kept, TITLE).known == ROWS | {"x": {"b": 2}}
+
+
+@pytest.mark.parametrize("half", ["{", '{"key": "z", "row": {"b": 3}}', "\xff\xfe"])
+def test_a_line_without_an_end_is_taken_away(kept, half):
+    """Even a whole one: whether it is, nobody knows."""
+    before = kept.read_bytes()
+    with kept.open("ab") as file:
+        file.write(half.encode("latin-1"))
+    assert Ledger(kept, TITLE).known == ROWS and kept.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "content", ["", "\n", '{"geomkin": "2"}\n{"key": "x", "row": {}}\n', "no json\n", '{"geomkin"', json.dumps(TITLE)]
+)
+def test_rows_of_something_else_are_begun_anew_and_a_file_without_a_title_is_just_begun(kept, content):
+    kept.write_text(content)
+    found = Ledger(kept, TITLE)
+    assert found.known == {} and found.anew == ("\n" in content)
+    found.add(ROWS)
+    assert Ledger(kept, TITLE).known == ROWS and kept.read_text().startswith(json.dumps(TITLE) + "\n")
+
+
+def test_what_is_no_plain_file_is_not_touched(kept):
+    other = kept.with_name("other")
+    kept.rename(other)
+    for made in (lambda: kept.symlink_to(other), lambda: kept.symlink_to(kept.with_name("gone")), kept.mkdir):
+        made()
+        with pytest.raises(gk.FileError, match="something that is no plain file stands under this name"):
+            Ledger(kept, TITLE)
+        assert kept.is_symlink() or kept.is_dir()
+        kept.unlink() if kept.is_symlink() else kept.rmdir()
+    assert Ledger(other, TITLE).known == ROWS

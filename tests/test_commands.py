@@ -1,0 +1,135 @@
+"""What the commands print and write of recipes that pass, fail a check, or cannot be made; each recipe once."""
+
+import re
+
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin import commands
+from geomkin.kinds import KINDS
+
+GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch):
+    """command(*words): exit code and what is printed and told of a run in a folder with three gears.
+
+    `a` passes, `b` fails a check, `c` cannot be made.
+    """
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in").mkdir()
+    for name, teeth in {"a": 24, "b": 9, "c": 1}.items():
+        (tmp_path / f"in/{name}.toml").write_text(GEAR.format(teeth))
+
+    def call(*words):
+        result = CliRunner().invoke(commands.cli, words)
+        return result.exit_code, result.stdout, result.stderr
+
+    return call
+
+
+def test_check_prints_every_check_with_its_verdict_and_writes_nothing(command, tmp_path):
+    code, told, wrong = command("check", "in/a.toml", "in/b.toml")
+    expected = []
+    for name in "ab":
+        checks = gk.load(tmp_path / f"in/{name}.toml").checks
+        expected += [name, *(f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in checks)]
+    assert (code, wrong, told.splitlines()) == (0, "", expected)
+    assert "  FAIL  " in told and "  pass  " in told and [path.name for path in tmp_path.iterdir()] == ["in"]
+    code, told, wrong = command("check", "in")
+    assert code == 1 and told.splitlines() == expected and wrong.startswith("in/c.toml: gear.teeth: found 1; give ")
+
+
+def test_run_tells_where_what_how_large_and_how_many_checks_hold(command, tmp_path):
+    code, told, wrong = command("run", "in/a.toml", "in/b.toml", "--only", "csv,stl, svg")
+    assert code == 0 and not (tmp_path / "out/index.html").exists()
+    lines = told.splitlines()
+    for name, line in zip("ab", lines, strict=True):
+        folder = tmp_path / "out" / name
+        checks = gk.load(tmp_path / f"in/{name}.toml").checks
+        size = sum(path.stat().st_size for path in folder.iterdir()) / 1000
+        passed = sum(check.passed for check in checks)
+        endings = re.fullmatch(rf"out/{name}: ([a-z ]+), {size:,.0f} kB, checks {passed} of {len(checks)} passed", line)
+        assert endings and sorted(endings[1].split()) == sorted({path.suffix[1:] for path in folder.iterdir()})
+    failed = [check for check in gk.load(tmp_path / "in/b.toml").checks if not check.passed]
+    assert failed and wrong.splitlines() == [f"b: check failed: {check}" for check in failed]
+
+
+def test_a_recipe_that_is_named_twice_is_made_once_and_a_folder_has_a_page_over_all(command, tmp_path):
+    code, told, wrong = command("run", "in/b.toml", "in", "in/a.toml", "--out", "made", "--only", "csv")
+    # In the order in which they are named, those of a folder by name.
+    assert [line.partition(":")[0] for line in told.splitlines()] == ["made/b", "made/a"]
+    assert code == 1 and wrong.splitlines()[0].startswith("in/c.toml: gear.teeth")
+    (tmp_path / "in/c.toml").unlink()
+    for name in "ab":
+        with (tmp_path / f"in/{name}.toml").open("a") as file:
+            file.write('[files]\nwrite = ["csv"]\n')
+    for words, index in ((["in/a.toml"], False), (["in/a.toml", "in/b.toml"], True)):
+        folder = f"made{len(words)}{index}"
+        assert command("run", *words, "--out", folder)[0] == 0
+        assert (tmp_path / folder / "index.html").exists() == index, words
+    (tmp_path / "in/b.toml").unlink()
+    assert command("run", "in", "--out", "alone")[0] == 0 and (tmp_path / "alone/index.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["run", "empty"], "no recipe (*.toml) in empty"),
+        (["run", "in/a.toml", "other/a.toml"], "in/a.toml and other/a.toml would write the same folder"),
+        (["run", "in/a.toml", "--only", "csv,stp"], "unknown format 'stp'; choose of "),
+        (["run", "in/a.toml", "--only", ""], "unknown format ''; choose of "),
+        (["run"], "Missing argument"),
+        (["check", "gone.toml"], "'gone.toml' does not exist"),
+        (["new", "spur-gaer"], "unknown kind 'spur-gaer'; did you mean spur-gear?"),
+        (["new", "disk-cam", "--with", "follower=no"], "--with"),
+    ],
+)  # fmt: skip
+def test_slips_are_told_with_what_there_is_and_nothing_is_made(command, tmp_path, words, told):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other/a.toml").write_text(GEAR.format(24))
+    code, printed, wrong = command(*words)
+    assert code == 2 and printed == "" and told in " ".join(re.sub(r"[│╭╮╰╯─\n]", " ", wrong).split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_list_has_every_kind_with_what_it_is_about_in_one_column(command):
+    code, told, _ = command("list")
+    lines = told.splitlines()
+    assert code == 0 and [line.split()[0] for line in lines] == list(KINDS)
+    column = max(map(len, KINDS)) + 2
+    assert [line[column:] for line in lines] == [kind.about() for kind in KINDS.values()]
+    assert all(line[column - 1] == " " != line[column] for line in lines)
+
+
+def test_a_new_recipe_is_ready_to_run(command, tmp_path):
+    code, told, _ = command("new", "spur-gear")
+    assert code == 0 and gk.load(told).kind == "spur-gear"
+    code, told, _ = command("new", "disk-cam", "--with", "follower=oscillating-roller")
+    assert code == 0 and gk.load(told).cam.follower.oscillates
+
+
+@pytest.mark.parametrize("error", [MemoryError(), RuntimeError("odd\n" + "x" * 500), gk.GeomkinError("no\nway")])
+def test_what_fails_in_one_recipe_is_told_in_words_and_the_rest_are_made(command, monkeypatch, error):
+    from geomkin import build
+
+    real = build.check_recipe
+
+    def failing(file):
+        if file.stem == "a":
+            raise error
+        return real(file)
+
+    monkeypatch.setattr(build, "check_recipe", failing)
+    code, told, wrong = command("check", "in/a.toml", "in/b.toml")
+    assert code == 1 and told.startswith("b\n") and "\na\n" not in told
+    if isinstance(error, MemoryError):
+        assert wrong == "in/a.toml: not enough memory; give a larger tolerance\n"
+    elif isinstance(error, gk.GeomkinError):
+        assert wrong == "no\nway\n"
+    else:
+        assert wrong.startswith("in/a.toml: geomkin failed by a fault of its own (RuntimeError: odd?xxx")
+        assert wrong.endswith("xxx); please report it\n") and len(wrong) < 300 and wrong.count("\n") == 1
