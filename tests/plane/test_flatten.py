@@ -262,3 +262,15 @@ def test_no_count_of_chords_is_special():
         counts.append(len(z) - 1)
         assert deviation(root, z) <= tolerance * (1 + 1e-3)
     assert min(counts) < 64 < max(counts)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1.0, 1e3])
+@pytest.mark.parametrize("bulges", [(0.1, 0.1), (0.1, 0.5), (0.5, -0.1), (0.5, 0.0)])
+def test_what_two_edges_enclose_keeps_an_area_at_any_tolerance(bulges, tolerance):
+    """A lens, a moon and half a disc: their two corners alone would be a line there and back."""
+    lens = Polyline(np.array([0, 4 + 3j]), np.array(bulges))
+    z = flatten(lens, tolerance)
+    assert len(z) >= 3 and len(set(z.tolist())) == len(z)
+    assert {0, 4 + 3j} <= set(z.tolist())
+    assert deviation(lens, z) <= tolerance
+    assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 > 0.4 * lens.swept
