@@ -115,6 +115,7 @@ def test_cards_name_files_that_are_there_up_to_a_number(tmp_path, monkeypatch):
     links = [one["href"] for one in page.of("a")]
     assert links == ["./a/a.csv", "./b/b.html", "./b/b.csv", "./b/b.dxf"]
     assert "1 file" in page.text and "4 files" in page.text and "and 2 more" in page.text and "2 recipes" in page.text
+    assert page.text.count("more") == 1
 
 
 def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_too_many(tmp_path, monkeypatch):

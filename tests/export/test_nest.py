@@ -1,6 +1,7 @@
 """Parts nested on sheets, by polygons read back from the DXF: apart, within the sheet, and less wasted than in rows."""
 
 import io
+from itertools import combinations
 from pathlib import Path
 
 import ezdxf
@@ -15,6 +16,8 @@ from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import GAP, lay_out, lay_out_on
 from geomkin.export.nest import MOST, least_turn
+from geomkin.part import Part, Twist
+from geomkin.plane.vec import xy
 
 # Chords of what is read back, mm.
 FINE = 1e-3
@@ -112,6 +115,30 @@ def test_small_parts_lie_in_large_holes_and_are_cut_before():
     assert (sheet.width, sheet.height) == (130, 130)
     inner, outer = assert_sound(sheet)
     assert shapely.Polygon(outer.exterior).contains(inner)
+
+
+def test_parts_that_lean_lie_apart_by_the_room_they_take_and_as_they_are_drawn():
+    """Beside them round ones, which would come nearer to what reaches beyond an outline than to the outline."""
+    plate = gk.plane.Polyline(60 * np.exp(0.5j) * np.array([-1 - 0.5j, 1 - 0.5j, 1 + 0.5j, -1 + 0.5j]))
+    leaning = [
+        Part("slides", plate, (gk.plane.Circle(0j, 20.0),), 5.0, count=2, twist=Twist(0.0, 30.0)),
+        Part("turns", plate, (gk.plane.Circle(0j, 20.0),), 5.0, count=2, twist=Twist(0.6)),
+    ]
+    cuts = flats([*leaning, Part("disc", gk.plane.Circle(0j, 9.0), (), 5.0, count=25)])
+    assert [least_turn(cut) for cut in cuts] == [1, 1, 1]
+    sheet = lay_out(cuts)
+    found = []
+    for one in sheet.placed:
+        low, high = one.cut.box if one.cut.leans else one.cut.loops[0].box
+        room = np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)]) * one.turn + one.shift
+        assert not one.cut.leans or one.turn in (1, 1j, -1, -1j)
+        middle = complex(one.shift)
+        found.append(shapely.Polygon(xy(room)) if one.cut.leans else shapely.Point(middle.real, middle.imag).buffer(9))
+    assert len(found) == 29
+    assert all(a.distance(b) > GAP - 0.05 for a, b in combinations(found, 2))
+    low, high = np.array([one.bounds for one in found]).T.reshape(2, 2, -1)
+    assert low.min() > GAP - 0.05 and (high.max(axis=1) < np.array([sheet.width, sheet.height]) - GAP + 0.05).all()
+    assert sum(one.area for one in found) > 0.6 * sheet.width * sheet.height
 
 
 def test_a_bent_part_is_turned_to_its_least_box_and_engraved_as_it_lies():
