@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -118,6 +119,18 @@ def test_cards_name_files_that_are_there_up_to_a_number(tmp_path, monkeypatch):
     assert page.text.count("more") == 1
 
 
+def test_a_card_says_no_more_than_its_folder_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(index, "MOST_FILES", 2)
+    made(tmp_path, "bare", {"recipe": {}})
+    made(tmp_path, "odd", {"recipe": {"kind": 5}}, "odd.csv")
+    made(tmp_path, "full", {"recipe": {"kind": "cam <b>"}}, "full.csv", "full.svg")
+    gk.index(tmp_path)
+    bare, full, odd = (tmp_path / "index.html").read_text().split('<ul class="cards">\n')[1].split("\n")[:3]
+    assert "<details>" not in bare and "kind" not in bare and "kind" not in odd and "<summary>1 file</summary>" in odd
+    assert '<p class="kind">cam &lt;b&gt;</p>' in full and full.count("<li>") == 3
+    assert "<summary>2 files</summary>" in full and full.endswith("</a></li></ul></details></li>")
+
+
 def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_too_many(tmp_path, monkeypatch):
     for name in "abcd":
         own = made(tmp_path, name)
@@ -144,7 +157,8 @@ def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_to
     assert not read(tmp_path).of("img")
     monkeypatch.setattr(index, "LARGEST_PICTURE", 60)
     gk.index(tmp_path)
-    assert len(read(tmp_path).of("img")) == 4
+    pictures = read(tmp_path).of("img")
+    assert len(pictures) == 4 and all(unquote(image["src"]).endswith("," + 10 * "<svg/>") for image in pictures)
 
 
 def test_what_cannot_be_read_is_passed_by_or_told(tmp_path, monkeypatch):
