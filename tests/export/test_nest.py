@@ -176,11 +176,10 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
     for width, height in ((311, 100), (100, 311)):
         (sheet,) = lay_out_on(plate, width, height)
         assert_sound(sheet)
-        with pytest.raises(
-            gk.DesignError,
-            match=rf"found {width - 1:g} x {height:g} mm, and the plate is 301 x 90 mm; give at least \[311, 100\]",
-        ):
-            lay_out_on(plate, width - 1, height)
+        for wide, high in ((width - 1, height), (width, height - 1)):
+            words = rf"found {wide:g} x {high:g} mm, and the plate is 301 x 90 mm; give at least \[311, 100\]"
+            with pytest.raises(gk.DesignError, match=words):
+                lay_out_on(plate, wide, high)
 
 
 def test_on_a_large_sheet_parts_lie_as_close_as_on_a_small_one():
@@ -189,8 +188,10 @@ def test_on_a_large_sheet_parts_lie_as_close_as_on_a_small_one():
     assert_sound(large)
     low, high = large.extents
     assert (high - low).real < 1.2 * small.width and (high - low).imag < 1.2 * small.height
-    (narrow,) = lay_out_on(cuts, 3000, 50)
-    assert_sound(narrow)
+    # Of 90 mm one row takes half, so that the first corner looked at is too small for all.
+    for high in (50, 90):
+        (narrow,) = lay_out_on(cuts, 3000, high)
+        assert_sound(narrow)
 
 
 def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path):
@@ -221,6 +222,17 @@ def test_more_copies_than_are_nested_lie_in_rows_on_as_many_sheets_as_it_takes()
     cuts = flats([gk.Part("disc", gk.plane.Circle(0, 9.7), (), 3.0, count=MOST + 20)])
     sheets = lay_out_on(cuts, 200, 150)
     assert sum(len(assert_sound(sheet)) for sheet in sheets) == MOST + 20 and len(sheets) > 2
+
+
+def test_rows_fill_each_sheet_to_its_last_mm_by_quarter_turns_where_they_must():
+    bar = gk.plane.Polyline(np.array([0, 150, 150 + 15j, 15j]))
+    cuts = flats([gk.Part("bar", bar, (), 3.0, count=MOST + 5)])
+    for width, height, turn in ((160, 145, 1), (145, 160, 1j)):
+        sheets = lay_out_on(cuts, width, height)
+        assert [len(sheet.placed) for sheet in sheets] == (MOST + 5) // 7 * [7]
+        for sheet in sheets:
+            assert {one.turn for one in sheet.placed} == {turn}
+            assert sheet.extents == (GAP * (1 + 1j), complex(width, height) - GAP * (1 + 1j))
 
 
 @pytest.mark.parametrize("turned", [False, True])
