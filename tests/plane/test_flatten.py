@@ -1,5 +1,8 @@
 """Chords: never farther from the curve than asked, and a point at every corner."""
 
+import importlib
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -18,6 +21,7 @@ from geomkin.plane.vec import Pose, xy
 from .curves import Bezier, Flower, cam_profile, examples, flank, off_chord, size
 from .test_fewest import fewest_chords
 
+flatten_module = importlib.import_module("geomkin.plane.flatten")
 CURVES = [*examples(), "flower in one piece"]
 
 
@@ -274,3 +278,22 @@ def test_what_two_edges_enclose_keeps_an_area_at_any_tolerance(bulges, tolerance
     assert {0, 4 + 3j} <= set(z.tolist())
     assert deviation(lens, z) <= tolerance
     assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 > 0.4 * lens.swept
+
+
+@pytest.mark.parametrize("radius", [0.3, 50.0, 2000.0])
+@pytest.mark.parametrize("finer", [1.5, 300.0])
+def test_more_chords_than_are_drawn_are_refused_with_the_least_tolerance(monkeypatch, radius, finer):
+    monkeypatch.setattr(flatten_module, "MOST_CHORDS", 1000)
+    # As high as a thousandth of a turn rises over its chord.
+    least = radius * (1 - np.cos(np.pi / 1000))
+    for curve in (Circle(1 + 2j, radius), slot(0j, 3 * radius + 0j, radius)):
+        with pytest.raises(DesignError) as refusal:
+            flatten(curve, least / finer)
+        told = re.fullmatch(
+            r"tolerance: found (\S+) mm, which takes (\S+) chords; give at least (\S+) mm", str(refusal.value)
+        )
+        found, chords, advised = (float(one.replace(",", "")) for one in told.groups())
+        assert found == pytest.approx(least / finer, rel=1e-5)
+        assert chords == pytest.approx(1000 * finer**0.5, rel=2e-3)
+        assert least * 0.999 < advised < least * 1.002
+        assert 997 <= len(flatten(curve, advised)) <= 1004
