@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
+from geomkin.plane.measure import signed_area
 from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
@@ -297,3 +298,16 @@ def test_more_chords_than_are_drawn_are_refused_with_the_least_tolerance(monkeyp
         assert chords == pytest.approx(1000 * finer**0.5, rel=2e-3)
         assert least * 0.999 < advised < least * 1.002
         assert 997 <= len(flatten(curve, advised)) <= 1004
+
+
+@pytest.mark.parametrize("breaks", [1, 2, 3])
+def test_two_bows_keep_a_triangle_each_at_any_tolerance(breaks):
+    """Of a parabola that three even chords follow a ninth of the area is left out."""
+    bow = Bezier((-3 + 0j, -1 - 2j, 1 - 2j, 3 + 0j))
+    pieces = tuple(Stretch(bow, np.linspace(a, a + 1 / breaks, 2)) for a in np.arange(breaks) / breaks)
+    side = Path(pieces) if breaks > 1 else Stretch(bow, np.array([0, 0.3, 1.0]))
+    lens = Path((Stretch(side, side.breaks), Moved(Stretch(side, side.breaks), Pose(0j, -1 + 0j))))
+    z = flatten(lens, 1e3)
+    assert len(z) == 6 and {-3, 3} <= set(np.round(z, 12).tolist())
+    places(lens, z)
+    assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 == pytest.approx(8 / 9 * signed_area(lens), rel=1e-9)
