@@ -193,6 +193,9 @@ def test_a_summary_as_large_as_none_of_ours_is_passed_by(tmp_path):
     for size, read_back in ((LARGEST, True), (LARGEST + 1, False)):
         (tmp_path / "summary.json").write_text(json.dumps({"a": "x" * (size - short)}))
         assert bool(told_by_summary(tmp_path)) == read_back
+    for strange in ("[1]", "3", '"a"', "null", "{", "[" * 100_000):
+        (tmp_path / "summary.json").write_text(strange)
+        assert told_by_summary(tmp_path) == {} and files_told(tmp_path) == set()
 
 
 def test_of_the_files_that_a_summary_tells_only_those_that_are_made_are_ours(tmp_path):
