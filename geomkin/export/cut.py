@@ -230,24 +230,20 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
         circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     sense = float(np.sign(measure.signed_area(curve, 1e-3)))
-    moved = parallel(curve, grow * sense) if grow else curve
+    moved = parallel(curve, grow * sense)
     points = flatten(moved, tolerance) if moved else np.empty(0, dtype=complex)
     # What a slot narrower than the beam leaves runs the other way round.
-    turned = grow != 0 and (len(points) < 3 or signed_area(points) * sense <= 0)
+    turned = signed_area(points) * sense <= 0
     points = _rounded_loop(points, digits)
-    if grow and (turned or not _is_outline(points)):
+    if grow and (turned or not region.is_simple(points)):
         # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if len(points) < 3:
         raise DesignError(name, "a contour is smaller than files can tell", "make it larger")
-    if not _is_outline(points):
+    if not region.is_simple(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
     return Loop(shape, points, layer)
-
-
-def _is_outline(points: Complex) -> bool:
-    return len(points) >= 3 and region.is_simple(points)
 
 
 def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:

@@ -56,7 +56,7 @@ def _heights(scene: Scene) -> dict[int, float]:
         for part in body.parts:
             thick[body.layer] = max(part.thickness, thick.get(body.layer, 0.0))
     heights, height = dict[int, float](), 0.0
-    for layer in range(min(thick, default=0), max(thick, default=0) + 1):
+    for layer in range(min(thick, default=0), max(thick, default=-1) + 1):
         heights[layer] = height
-        height += thick.get(layer, max(thick.values(), default=0.0))
+        height += thick.get(layer, max(thick.values()))
     return heights

@@ -32,8 +32,9 @@ def _told(curve: AbstractCurve, tolerance: float, digits: int) -> str:
 def _arcs(curve: Path, tolerance: float, digits: int) -> str:
     """Each piece by the step to its end: an arc, of half a turn at most, with its radius and the side that it is on."""
     chain = to_arcs(curve, tolerance)
-    corners = np.append(chain.vertices, chain.vertices[:1]) if chain.is_closed else np.asarray(chain.vertices)
-    points, bulges = rounded(corners, digits), np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
+    # Of an open one the last step, back to the start, has no bulge and is not told.
+    points = rounded(np.append(chain.vertices, chain.vertices[:1]), digits)
+    bulges = np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
     text = f"M{_pair(points[0].item(), digits)}"
     for step, bulge in zip(rounded(np.diff(points), digits).tolist(), bulges.tolist()):
         if bulge:

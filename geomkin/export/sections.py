@@ -315,7 +315,7 @@ def with_unit(value: float, unit: str) -> str:
 
 
 def _unit(unit: str) -> str:
-    return unit.replace("deg", "°").replace("2", "²") if unit else ""
+    return unit.replace("deg", "°").replace("2", "²")
 
 
 def capital(words: str) -> str:

@@ -206,6 +206,5 @@ def _n(value: float, digits: int = DIGITS) -> str:
 
 
 def _text(name: str) -> str:
-    """A name as the format writes texts: letters beyond ASCII by their numbers."""
-    plain = "".join(c if c.isprintable() else " " for c in name).replace("\\", "\\\\").replace("'", "''")
-    return "".join(c if c.isascii() else f"\\X4\\{ord(c):08X}\\X0\\" for c in plain)
+    """A part's name as the format writes texts: letters beyond ASCII by their numbers."""
+    return "".join(c if c.isascii() else f"\\X4\\{ord(c):08X}\\X0\\" for c in name)

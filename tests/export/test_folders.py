@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -115,6 +116,19 @@ def test_cards_name_files_that_are_there_up_to_a_number(tmp_path, monkeypatch):
     links = [one["href"] for one in page.of("a")]
     assert links == ["./a/a.csv", "./b/b.html", "./b/b.csv", "./b/b.dxf"]
     assert "1 file" in page.text and "4 files" in page.text and "and 2 more" in page.text and "2 recipes" in page.text
+    assert page.text.count("more") == 1
+
+
+def test_a_card_says_no_more_than_its_folder_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(index, "MOST_FILES", 2)
+    made(tmp_path, "bare", {"recipe": {}})
+    made(tmp_path, "odd", {"recipe": {"kind": 5}}, "odd.csv")
+    made(tmp_path, "full", {"recipe": {"kind": "cam <b>"}}, "full.csv", "full.svg")
+    gk.index(tmp_path)
+    bare, full, odd = (tmp_path / "index.html").read_text().split('<ul class="cards">\n')[1].split("\n")[:3]
+    assert "<details>" not in bare and "kind" not in bare and "kind" not in odd and "<summary>1 file</summary>" in odd
+    assert '<p class="kind">cam &lt;b&gt;</p>' in full and full.count("<li>") == 3
+    assert "<summary>2 files</summary>" in full and full.endswith("</a></li></ul></details></li>")
 
 
 def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_too_many(tmp_path, monkeypatch):
@@ -143,7 +157,8 @@ def test_more_recipes_than_cards_are_counted_and_pictures_stop_where_they_are_to
     assert not read(tmp_path).of("img")
     monkeypatch.setattr(index, "LARGEST_PICTURE", 60)
     gk.index(tmp_path)
-    assert len(read(tmp_path).of("img")) == 4
+    pictures = read(tmp_path).of("img")
+    assert len(pictures) == 4 and all(unquote(image["src"]).endswith("," + 10 * "<svg/>") for image in pictures)
 
 
 def test_what_cannot_be_read_is_passed_by_or_told(tmp_path, monkeypatch):
@@ -178,6 +193,9 @@ def test_a_summary_as_large_as_none_of_ours_is_passed_by(tmp_path):
     for size, read_back in ((LARGEST, True), (LARGEST + 1, False)):
         (tmp_path / "summary.json").write_text(json.dumps({"a": "x" * (size - short)}))
         assert bool(told_by_summary(tmp_path)) == read_back
+    for strange in ("[1]", "3", '"a"', "null", "{", "[" * 100_000):
+        (tmp_path / "summary.json").write_text(strange)
+        assert told_by_summary(tmp_path) == {} and files_told(tmp_path) == set()
 
 
 def test_of_the_files_that_a_summary_tells_only_those_that_are_made_are_ours(tmp_path):

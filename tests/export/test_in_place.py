@@ -1,6 +1,7 @@
 """Assemblies as solids, of scenes made by hand: how high layers stand, what parts are called, in which colours."""
 
 import io
+import json
 import xml.etree.ElementTree as ET
 import zipfile
 
@@ -72,7 +73,11 @@ def test_parts_of_a_package_stand_where_they_are_as_near_to_the_corner_as_a_hund
 
 
 def test_a_model_has_every_part_where_it_stands_in_the_colour_of_its_body():
-    scene = trimesh.load(io.BytesIO(glb(job())), file_type="glb")
+    content = glb(job())
+    # A block of JSON, its length before it, tells the nodes; their matrices by columns.
+    nodes = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])["nodes"]
+    assert [one["matrix"][3::4] for one in nodes if "matrix" in one] == [[0, 0, 0, 1]] * len(LOW)
+    scene = trimesh.load(io.BytesIO(content), file_type="glb")
     colours = {"low": "t0", "thick": "t1", "bare": "t2", "middle": "t3", "base": "ground", "last": "t4"}
     for one in in_place(job())[1]:
         transform, geometry = scene.graph[one.name]

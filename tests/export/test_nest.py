@@ -1,6 +1,7 @@
 """Parts nested on sheets, by polygons read back from the DXF: apart, within the sheet, and less wasted than in rows."""
 
 import io
+from itertools import combinations
 from pathlib import Path
 
 import ezdxf
@@ -15,6 +16,8 @@ from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import GAP, lay_out, lay_out_on
 from geomkin.export.nest import MOST, least_turn
+from geomkin.part import Part, Twist
+from geomkin.plane.vec import xy
 
 # Chords of what is read back, mm.
 FINE = 1e-3
@@ -114,6 +117,30 @@ def test_small_parts_lie_in_large_holes_and_are_cut_before():
     assert shapely.Polygon(outer.exterior).contains(inner)
 
 
+def test_parts_that_lean_lie_apart_by_the_room_they_take_and_as_they_are_drawn():
+    """Beside them round ones, which would come nearer to what reaches beyond an outline than to the outline."""
+    plate = gk.plane.Polyline(60 * np.exp(0.5j) * np.array([-1 - 0.5j, 1 - 0.5j, 1 + 0.5j, -1 + 0.5j]))
+    leaning = [
+        Part("slides", plate, (gk.plane.Circle(0j, 20.0),), 5.0, count=2, twist=Twist(0.0, 30.0)),
+        Part("turns", plate, (gk.plane.Circle(0j, 20.0),), 5.0, count=2, twist=Twist(0.6)),
+    ]
+    cuts = flats([*leaning, Part("disc", gk.plane.Circle(0j, 9.0), (), 5.0, count=25)])
+    assert [least_turn(cut) for cut in cuts] == [1, 1, 1]
+    sheet = lay_out(cuts)
+    found = []
+    for one in sheet.placed:
+        low, high = one.cut.box if one.cut.leans else one.cut.loops[0].box
+        room = np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)]) * one.turn + one.shift
+        assert not one.cut.leans or one.turn in (1, 1j, -1, -1j)
+        middle = complex(one.shift)
+        found.append(shapely.Polygon(xy(room)) if one.cut.leans else shapely.Point(middle.real, middle.imag).buffer(9))
+    assert len(found) == 29
+    assert all(a.distance(b) > GAP - 0.05 for a, b in combinations(found, 2))
+    low, high = np.array([one.bounds for one in found]).T.reshape(2, 2, -1)
+    assert low.min() > GAP - 0.05 and (high.max(axis=1) < np.array([sheet.width, sheet.height]) - GAP + 0.05).all()
+    assert sum(one.area for one in found) > 0.6 * sheet.width * sheet.height
+
+
 def test_a_bent_part_is_turned_to_its_least_box_and_engraved_as_it_lies():
     slanted = gk.Part("bar", gk.plane.rounded_hull([0, 100 * np.exp(0.6j)], 6), (gk.plane.Circle(0, 2),), 3.0, count=3)
     sheet = lay_out(flats([slanted], number=1))
@@ -149,11 +176,10 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
     for width, height in ((311, 100), (100, 311)):
         (sheet,) = lay_out_on(plate, width, height)
         assert_sound(sheet)
-        with pytest.raises(
-            gk.DesignError,
-            match=rf"found {width - 1:g} x {height:g} mm, and the plate is 301 x 90 mm; give at least \[311, 100\]",
-        ):
-            lay_out_on(plate, width - 1, height)
+        for wide, high in ((width - 1, height), (width, height - 1)):
+            words = rf"found {wide:g} x {high:g} mm, and the plate is 301 x 90 mm; give at least \[311, 100\]"
+            with pytest.raises(gk.DesignError, match=words):
+                lay_out_on(plate, wide, high)
 
 
 def test_on_a_large_sheet_parts_lie_as_close_as_on_a_small_one():
@@ -162,8 +188,10 @@ def test_on_a_large_sheet_parts_lie_as_close_as_on_a_small_one():
     assert_sound(large)
     low, high = large.extents
     assert (high - low).real < 1.2 * small.width and (high - low).imag < 1.2 * small.height
-    (narrow,) = lay_out_on(cuts, 3000, 50)
-    assert_sound(narrow)
+    # Of 90 mm one row takes half, so that the first corner looked at is too small for all.
+    for high in (50, 90):
+        (narrow,) = lay_out_on(cuts, 3000, high)
+        assert_sound(narrow)
 
 
 def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path):
@@ -194,6 +222,17 @@ def test_more_copies_than_are_nested_lie_in_rows_on_as_many_sheets_as_it_takes()
     cuts = flats([gk.Part("disc", gk.plane.Circle(0, 9.7), (), 3.0, count=MOST + 20)])
     sheets = lay_out_on(cuts, 200, 150)
     assert sum(len(assert_sound(sheet)) for sheet in sheets) == MOST + 20 and len(sheets) > 2
+
+
+def test_rows_fill_each_sheet_to_its_last_mm_by_quarter_turns_where_they_must():
+    bar = gk.plane.Polyline(np.array([0, 150, 150 + 15j, 15j]))
+    cuts = flats([gk.Part("bar", bar, (), 3.0, count=MOST + 5)])
+    for width, height, turn in ((160, 145, 1), (145, 160, 1j)):
+        sheets = lay_out_on(cuts, width, height)
+        assert [len(sheet.placed) for sheet in sheets] == (MOST + 5) // 7 * [7]
+        for sheet in sheets:
+            assert {one.turn for one in sheet.placed} == {turn}
+            assert sheet.extents == (GAP * (1 + 1j), complex(width, height) - GAP * (1 + 1j))
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -69,7 +69,8 @@ def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
         bar = gk.plane.Polyline(np.array([0, 100, 100 + 50j, 50j]) * (1 + tolerance))
         made = cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 1.01 * least),), 3.0), tolerance)
         assert len(made.loops) == 2
-        with pytest.raises(gk.DesignError, match="smaller than files can tell; make it larger"):
+        wide = f"bar: a hole {1.98 * least:.3g} mm wide is smaller than files can tell; make it larger"
+        with pytest.raises(gk.DesignError, match=wide):
             cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
 
 

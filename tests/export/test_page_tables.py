@@ -9,9 +9,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.job import Job, Loose
-from geomkin.export.sections import joined, notes, worst_frame
+from geomkin.export.sections import choice, joined, notes, worst_frame
 from geomkin.part import Bought
-from geomkin.scene import Scene
+from geomkin.scene import Choice, Scene
 from geomkin.table import Column, Table
 
 RECIPES = Path(__file__).parents[2] / "recipes"
@@ -90,6 +90,21 @@ def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
     assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
     assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
     assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None
+
+
+def test_what_it_was_chosen_from_is_told_by_what_its_rows_go_by():
+    columns = (
+        Column("free_angle", "deg", "angle <b> of one pose", np.arange(3.0)),
+        Column("gap", "mm", "or not", np.ones(3)),
+    )
+    table = Table((Column("angle", "deg", "of the driver", np.arange(2.0)),))
+    scene = Scene(table, np.arange(2.0), np.ones(2, dtype=bool), ())
+    assert choice(scene) == ""
+    told = choice(replace(scene, choice=Choice(Table(columns), 1, ())))
+    assert told.startswith(
+        '<section id="choice"><h2>What it was chosen from</h2><p>All that do what is wanted, by the '
+    )
+    assert "by the angle &lt;b&gt; of one pose: the spot and the line are the one that is made.</p>" in told
 
 
 def test_what_is_so_is_told_with_yes_and_what_is_not_with_no():

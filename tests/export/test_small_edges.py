@@ -35,6 +35,17 @@ def test_an_arc_that_is_flat_to_the_last_decimal_is_straight(high):
     assert made.bulges == pytest.approx([kept, 0.25, 0.0, -kept], abs=1e-12)
 
 
+@pytest.mark.parametrize("shift", range(5))
+def test_a_gentle_arc_beside_a_short_edge_stays_one(shift):
+    """How high it is goes with its own chord: here 0.05 mm over 100 mm, next to a thousandth of a mm."""
+    corners = np.roll([0, 100, 100 + 1e-3j, 100 + 40j, 40j], shift)
+    exact = gk.plane.Polyline(corners, np.roll([1e-3, 0.0, 1e-3, 0.0, -1e-3], shift))
+    for curve in (exact, gk.plane.Polyline(corners[::-1], -np.roll(exact.bulges[::-1], -1))):
+        made = _rounded_arcs(curve, 0.05)
+        assert sorted(made.bulges) == pytest.approx([-1e-3, 0, 0, 1e-3, 1e-3], abs=1e-9)
+        assert gk.plane.signed_area(made) == pytest.approx(gk.area(exact), abs=1e-3)
+
+
 @pytest.mark.parametrize("size", [3.0, 300.0])
 def test_corners_that_the_format_cannot_tell_from_a_straight_line_leave_no_flat_triangles(size):
     flat = size * np.array([0, 0.5 + 2e-7j, 1, 1 + 2e-7j, 1 + 0.5j, 1 + 1j, 0.4 + 1.1j, 1j, 0.5j])

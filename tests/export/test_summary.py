@@ -73,3 +73,30 @@ def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_p
     job, none = Job("odd", Loose(()), 0.01), Check("odd", float("nan"), "at most", 1.0)
     (one,) = json.loads(summary(job, {}, [none], {}, {}))["checks"]
     assert one["value"] is None and one["passed"] is False
+
+
+def test_parts_are_told_with_their_exact_sizes_and_what_is_written_of_them():
+    disc = gk.Part("scheibe ä", gk.plane.Circle(5j, 10.0), (gk.plane.Circle(5j, 2.0),), 2.5, count=3)
+    bar = gk.Part("bar", gk.plane.Polyline(np.array([0, 20, 20 + 6j, 6j])), (), 4.0)
+    job = Job("two", Loose((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)
+    content = summary(job, {}, [], {"note": 1}, {}, ["b.txt"])
+    # Nothing that JSON does not know, and letters as they are.
+    told = json.loads(content, parse_constant=pytest.fail)
+    assert "scheibe ä" in content.decode() and told["files"] == ["b.txt"] and told["note"] == 1
+    one, two = told["parts"]
+    assert (one["area_mm2"], one["volume_mm3"]) == pytest.approx((96 * np.pi, 240 * np.pi))
+    assert (two["area_mm2"], two["volume_mm3"], two["count"], two["thickness_mm"]) == (120, 480, 1, 4)
+    assert (one["thinnest_wall_mm"], two["thinnest_wall_mm"]) == (8, None)
+    assert list(told["versions"]) == ["geomkin"] and "sheets" not in told
+    for written, more in ((["svg"], "area"), (["stl"], "volume"), (["3mf", "dxf"], "both"), (["csv"], "")):
+        told = json.loads(summary(job, {}, [], {}, {ending: [f"a.{ending}"] for ending in written}))
+        (one, two), flat = told["parts"], more in ("area", "both")
+        assert ("sheets" in told) == ("written_area_mm2" in one) == ("written_area_mm2" in two) == flat
+        assert ("written_volume_mm3" in one) == ("written_volume_mm3" in two) == (more in ("volume", "both"))
+        if flat:
+            grown = (np.pi * (10.1**2 - 1.9**2), 20 * 6 + 0.2 * 26 + np.pi * 0.01)
+            assert (one["written_area_mm2"], two["written_area_mm2"]) == pytest.approx(grown, abs=0.1)
+        if "written_volume_mm3" in two:
+            assert two["written_volume_mm3"] == pytest.approx(480)
+        hands = {"numpy", "geomkin"} | ({"shapely"} if more else set()) | ({"ezdxf"} if more == "both" else set())
+        assert set(told["versions"]) == hands and all(told["versions"].values())

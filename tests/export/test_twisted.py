@@ -110,7 +110,12 @@ def test_more_triangles_than_programs_show_are_refused_with_sizes_that_work():
     with pytest.raises(gk.DesignError, match="tolerance: found 1e-05 mm.*triangles") as caught:
         solid_cut(part, 1e-5)
     words = caught.value.remedy.split()
-    assert solid_cut(part, float(words[words.index("least") + 1]))
+    least = float(words[words.index("least") + 1])
+    assert solid_cut(part, least)
+    # Asked for with hardly less it is told again, and not the next wider one.
+    with pytest.raises(gk.DesignError, match="triangles") as caught:
+        solid_cut(part, least / 1.23)
+    assert least / 1.23 < float(caught.value.remedy.split()[3]) < 1.05 * least
     thin = gk.Part(
         "thin", part.outline, part.holes, float(words[-2]), twist=gk.Twist(part.twist.turn * float(words[-2]) / WIDTH)
     )

@@ -68,6 +68,21 @@ def test_offset_of_an_involute_is_the_string_cut_shorter():
     assert np.allclose(back.point(-t), turned), "or just before it, where the curve ends there"
 
 
+def test_offset_of_a_path_of_cusps_leaves_each_along_the_piece_that_answers_there():
+    """Where pieces meet in a cusp, that of the one that starts there; at the very end, that of the one before."""
+    unwound = Involute(3.0, 0.0, 1.2)
+    pieces = [unwound]
+    for k in range(1, 5):
+        # There and back, each turned by a little more.
+        piece = Moved(unwound if k % 2 == 0 else Reversed(unwound), Pose(0j, np.exp(0.4j * k)))
+        end, start = pieces[-1].point(pieces[-1].breaks[-1]), piece.point(piece.breaks[0])
+        pieces.append(Moved(piece, Pose(complex(end - start))))
+    for curve in (Path(tuple(pieces)), Path(tuple(pieces[1:4])), Path(tuple(pieces[:4])), Path(tuple(pieces[2:4]))):
+        beside, inner, end = Offset(curve, 0.6), curve.breaks[:-1], curve.breaks[-1]
+        assert np.abs(beside.point(inner) - beside.point(inner + 1e-7)).max() < 1e-5
+        assert abs(beside.point(end) - beside.point(end - 1e-7)) < 1e-5
+
+
 def test_path_runs_each_piece_over_one_unit():
     pieces = (Segment(0j, 2 + 0j), Arc(2 + 1j, 2 + 0j, np.pi / 2), Moved(ZIGZAG, Pose(3 + 1j)))
     path = Path(pieces)

@@ -1,5 +1,8 @@
 """Chords: never farther from the curve than asked, and a point at every corner."""
 
+import importlib
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -8,9 +11,10 @@ from hypothesis import strategies as st
 from geomkin.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import Moved, Offset, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, Ring
+from geomkin.plane.measure import signed_area
 from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
@@ -18,6 +22,7 @@ from geomkin.plane.vec import Pose, xy
 from .curves import Bezier, Flower, cam_profile, examples, flank, off_chord, size
 from .test_fewest import fewest_chords
 
+flatten_module = importlib.import_module("geomkin.plane.flatten")
 CURVES = [*examples(), "flower in one piece"]
 
 
@@ -262,3 +267,47 @@ def test_no_count_of_chords_is_special():
         counts.append(len(z) - 1)
         assert deviation(root, z) <= tolerance * (1 + 1e-3)
     assert min(counts) < 64 < max(counts)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1.0, 1e3])
+@pytest.mark.parametrize("bulges", [(0.1, 0.1), (0.1, 0.5), (0.5, -0.1), (0.5, 0.0)])
+def test_what_two_edges_enclose_keeps_an_area_at_any_tolerance(bulges, tolerance):
+    """A lens, a moon and half a disc: their two corners alone would be a line there and back."""
+    lens = Polyline(np.array([0, 4 + 3j]), np.array(bulges))
+    z = flatten(lens, tolerance)
+    assert len(z) >= 3 and len(set(z.tolist())) == len(z)
+    assert {0, 4 + 3j} <= set(z.tolist())
+    assert deviation(lens, z) <= tolerance
+    assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 > 0.4 * lens.swept
+
+
+@pytest.mark.parametrize("radius", [0.3, 50.0, 2000.0])
+@pytest.mark.parametrize("finer", [1.5, 300.0])
+def test_more_chords_than_are_drawn_are_refused_with_the_least_tolerance(monkeypatch, radius, finer):
+    monkeypatch.setattr(flatten_module, "MOST_CHORDS", 1000)
+    # As high as a thousandth of a turn rises over its chord.
+    least = radius * (1 - np.cos(np.pi / 1000))
+    for curve in (Circle(1 + 2j, radius), slot(0j, 3 * radius + 0j, radius)):
+        with pytest.raises(DesignError) as refusal:
+            flatten(curve, least / finer)
+        told = re.fullmatch(
+            r"tolerance: found (\S+) mm, which takes (\S+) chords; give at least (\S+) mm", str(refusal.value)
+        )
+        found, chords, advised = (float(one.replace(",", "")) for one in told.groups())
+        assert found == pytest.approx(least / finer, rel=1e-5)
+        assert chords == pytest.approx(1000 * finer**0.5, rel=2e-3)
+        assert least * 0.999 < advised < least * 1.002
+        assert 997 <= len(flatten(curve, advised)) <= 1004
+
+
+@pytest.mark.parametrize("breaks", [1, 2, 3])
+def test_two_bows_keep_a_triangle_each_at_any_tolerance(breaks):
+    """Of a parabola that three even chords follow a ninth of the area is left out."""
+    bow = Bezier((-3 + 0j, -1 - 2j, 1 - 2j, 3 + 0j))
+    pieces = tuple(Stretch(bow, np.linspace(a, a + 1 / breaks, 2)) for a in np.arange(breaks) / breaks)
+    side = Path(pieces) if breaks > 1 else Stretch(bow, np.array([0, 0.3, 1.0]))
+    lens = Path((Stretch(side, side.breaks), Moved(Stretch(side, side.breaks), Pose(0j, -1 + 0j))))
+    z = flatten(lens, 1e3)
+    assert len(z) == 6 and {-3, 3} <= set(np.round(z, 12).tolist())
+    places(lens, z)
+    assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 == pytest.approx(8 / 9 * signed_area(lens), rel=1e-9)

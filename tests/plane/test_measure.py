@@ -117,6 +117,7 @@ def test_centroid_of_nothing_is_nan():
 def test_centroid_of_a_ring_is_its_axis_unless_it_has_one_copy():
     assert measure.centroid(SpurGear(11, 2, 0.4).outline) == 0
     assert np.isclose(measure.centroid(Ring(Circle(3 + 1j, 1.0), 1)), 3 + 1j)
+    assert measure.centroid(Ring(Path((Arc(1 + 0j, 3 + 0j, 2.0), Segment(1 + 2 * np.exp(2j), -3 + 0j))), 2)) == 0
 
 
 @pytest.mark.parametrize("name", CURVES)
