@@ -25,6 +25,9 @@ ASIDE = ("bobillier", "centre", "velocity", "acceleration")
 # What may run far from the mechanism, and by how much of its size on each side it is followed. More, and the mechanism
 # is a dot between two long curves.
 FAR, ROOM = ("centrode", "inflection"), 0.3
+# Least width and height of a picture, share of the size of all that moves: one point is all that is seen of a block which
+# stands on its rail. Less, and a rail as long as the way has strokes by the million.
+LEAST = 0.01
 # Share of a turn at which the driver stands unless it is told, and of a way there and back: at the start of a turn and
 # half way cranks lie along the ground.
 SHARE, HALF_WAY = 0.13, 0.5
@@ -140,6 +143,9 @@ class Still:
     def bounds(self) -> tuple[complex, complex]:
         """Lower left and upper right corner, mm, of all that is shown, over the frames of the picture."""
         always = _box([*self._bodies_seen(), *self._marks_seen(), *self._curves_seen()])
+        least = LEAST * self.size * (1 + 1j) / 2
+        middle = (always[0] + always[1]) / 2
+        always = _box([np.array([*always, middle - least, middle + least])])
         far = _box([np.array(always), *self._curves_seen(FAR), *self._marks_seen(FAR)])
         room = ROOM * (always[1] - always[0])
         low = complex(max(far[0].real, (always[0] - room).real), max(far[0].imag, (always[0] - room).imag))
@@ -174,7 +180,7 @@ class Still:
     def pixel(self) -> float:
         """What sizes of letters and strokes are told in, mm."""
         across = self.bounds[1] - self.bounds[0]
-        return max(across.real, across.imag, 1e-6 * self.size) / PIXELS
+        return max(across.real, across.imag) / PIXELS
 
     def trail_runs(self, mark: SceneMark) -> Iterator[Complex]:
         """Where a point goes, all the time: a run of points for each stretch on which it can be."""

@@ -7,6 +7,7 @@ import ezdxf
 import numpy as np
 import pytest
 
+from geomkin.export import assembly_svg
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.job import Job, Loose
 from geomkin.export.path import decimal, path
@@ -96,6 +97,18 @@ def test_a_block_is_drawn_where_it_slides_as_it_lies():
     ((corners, closed),) = found["PINS"]
     seen = (corners - PLACE[2]) / TURN[2] / still.pixel
     assert closed and seen == pytest.approx(np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]), abs=0.01)
+
+
+@pytest.mark.parametrize("far", [1e-3, 100.0, 1e5])
+def test_a_block_that_is_all_there_is_has_a_picture(far):
+    """Its picture is one place of a long way: the rail is hatched by what can be seen, and not a million times."""
+    slide = SceneMark("slide", np.linspace(0, far, FRAMES) + 0j, "construction", direction=np.ones(FRAMES) + 0j)
+    scene = scene_of(slide)
+    text = assembly_svg.assembly(Job("a", Loose((), scene.table, scene), 0.01)).decode()
+    (rail,) = re.findall('class="rail" d="([^"]*)"', text)
+    assert 10 < rail.count("M") < 10_000
+    wide, high = map(float, re.findall(r'viewBox="\S+ \S+ (\S+) (\S+)"', text)[0])
+    assert 0 < wide < far and 0 < high < far
 
 
 def test_curves_go_with_their_bodies_and_nothing_is_told_twice():

@@ -88,7 +88,8 @@ class Formulas:
             own = self._leading(done[-1], before)
             # Of what was worked out on the way, what is dear and what points go on from is kept as well, and no points.
             wanted = {one for one in own if self.tape.steps[one].operation in DEAR}
-            for name, group in list(self.groups.items()):
+            # A copy: of a list of pairs, another thread may add one half way.
+            for name, group in self.groups.copy().items():
                 if isinstance(name, str) or name in done[-1]:
                     wanted.update(one for one in group.values() if isinstance(one, int))
             self.programs[done] = Program.of(self.tape, sorted(own), own & wanted)
