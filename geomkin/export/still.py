@@ -25,8 +25,8 @@ ASIDE = ("bobillier", "centre", "velocity", "acceleration")
 # What may run far from the mechanism, and by how much of its size on each side it is followed. More, and the mechanism
 # is a dot between two long curves.
 FAR, ROOM = ("centrode", "inflection"), 0.3
-# Least width and height of a picture, share of the size of all that moves: one point is all that is seen of a block which
-# stands on its rail. Less, and a rail as long as the way has strokes by the million.
+# Least width and height of a picture, share of the size of all that moves: one point is all that is seen of a block
+# that stands on its rail. Less, and a rail as long as the way has strokes by the million.
 LEAST = 0.01
 # Share of a turn at which the driver stands unless it is told, and of a way there and back: at the start of a turn and
 # half way cranks lie along the ground.
