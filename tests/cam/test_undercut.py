@@ -157,6 +157,19 @@ def test_what_a_jump_of_velocity_costs_goes_with_its_square(follower):
     assert max(lost[4:]) < 1e-11
 
 
+@pytest.mark.parametrize("follower", [TranslatingRoller(14, 3), TranslatingFlat(10)], ids=["roller", "flat"])
+def test_each_of_several_small_jumps_costs_its_own(follower):
+    peaks, rises = (60, 120, 180, 240), (1e-6, 2e-6, 3e-6, 4e-6)
+    up_and_down = [
+        segment
+        for peak, rise in zip(peaks, rises)
+        for segment in (gk.Rise("uniform", rise=rise, end_deg=peak), gk.Return("uniform", end_deg=peak + 30))
+    ]
+    program = gk.Program([gk.Dwell(end_deg=30), *up_and_down, gk.Dwell(end_deg=360)])
+    cut = undercut(gk.Cam(follower, program, 40))
+    assert np.degrees(cut.spans.mean(axis=1)) == pytest.approx(peaks, abs=0.1)
+
+
 def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
     """The follower stands still while the contact runs along it: a straight edge, or an arc of the roller's radius."""
     program = programme(15, laws=("uniform", "uniform"))

@@ -78,7 +78,7 @@ def test_what_is_steep_or_has_a_corner_is_taken(f, span):
         ([(0, 1), (1, 2), (1, 3), (2, 4)], (0, 1), "function: x does not rise from row 2 on"),
         ([(0, 1), (2, 2), (1, 3), (3, 4)], (0, 1), "function: x does not rise from row 2 on"),
         ([(0, 1), (1, 2)], (-0.1, 1), "span: found -0.1 to 1; give a range within that of the rows, 0 to 1"),
-        ([(0, 1), (1, 2)], (0, 1.1), "span: found 0 to 1.1; give a range within that of the rows, 0 to 1"),
+        ([(0, 1), (1, 2), (3, 5)], (0, 3.1), "span: found 0 to 3.1; give a range within that of the rows, 0 to 3"),
     ],
 )
 def test_what_is_no_function_is_told(f, span, words):

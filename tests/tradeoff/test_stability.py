@@ -183,6 +183,7 @@ def test_a_study_of_one_cell_and_few_distances_is_told_whole(distances):
         [1e-16],
         [[1e-3]],
         [0.5, 1e-3],
+        [0.12, 1e-3],
         [1e-3, 1e-16],
         [1e-3, 1e-3],
         1e-3,

@@ -83,7 +83,7 @@ class AbstractGuides(ABC):
         return (origin - complex(self.first[0, k])) * back, float(np.angle(direction * back))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class FourBars(AbstractGuides):
     """Four-bars. pivots: crank's and rocker's, (linkages,)."""
 
@@ -126,7 +126,7 @@ class FourBars(AbstractGuides):
         )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SliderCranks(AbstractGuides):
     """Slider-cranks, driven by the crank or by the slider. pivot: the crank's; rail: direction of the slide line."""
 
@@ -177,7 +177,7 @@ class SliderCranks(AbstractGuides):
         )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Trammels(AbstractGuides):
     """Elliptic trammels, driven by the rod or by the first shuttle. slots: directions of the two slots."""
 
