@@ -43,6 +43,13 @@ def test_what_is_left_out_of_a_recipe_or_a_call_means_what_it_meant(classes):
     assert {name: [text] for name, text in left_out.choices(classes).items()} == kept
 
 
+def test_what_is_allowed_is_what_was_allowed(classes):
+    """What neither table tells: limits of places and rows, and of arguments of public calls."""
+    header, kept = left_out.kept(left_out.ARGUMENTS)
+    assert header == ["name", "allowed"]
+    assert {name: [text] for name, text in left_out.arguments(classes).items()} == kept
+
+
 def test_what_holds_arrays_is_itself_and_equals_nothing_else(classes):
     """By its values, comparing would fail and no cache could keep it."""
     arrays = ("Array", "Complex", "Mask", "Real", "Whole")

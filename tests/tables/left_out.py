@@ -1,6 +1,6 @@
 """What a number that is left out means, and its limits, over the whole package.
 
-`python -m tests.tables.left_out` writes both tables anew, in the order in which they are; the difference is looked over.
+`python -m tests.tables.left_out` writes the tables anew, in the order in which they are; the difference is looked over.
 """
 
 import csv
@@ -10,11 +10,14 @@ import inspect
 import pkgutil
 import types
 from pathlib import Path
+from typing import get_type_hints
 
 import geomkin as gk
+from geomkin.arguments import sort_of
 
 QUANTITIES = Path(__file__).with_name("quantities.csv")
 CHOICES = Path(__file__).with_name("defaults.csv")
+ARGUMENTS = Path(__file__).with_name("arguments.csv")
 LIMITS = ("gt", "ge", "lt", "le")
 
 
@@ -55,9 +58,34 @@ def quantities(made):
 
 def choices(made):
     """Each other field, and each argument of a public call or method, by name -> what it is where left out, as text."""
+    told = quantities(made)
+    found = {
+        f"{name}.{given.name}": str(given.default)
+        for name, one in (made | _calls()).items()
+        for given in inspect.signature(one).parameters.values()
+        if given.default is not given.empty
+    }
+    return {name: text for name, text in found.items() if name not in told}
+
+
+def arguments(made):
+    """Each field and argument that is held to numbers, by name -> what is allowed, in the words of its refusal."""
+    # What a writer takes is known to type checkers only, as is what calls take that are not checked.
+    known = {name: one for name, one in made.items() if name != "Writer"}
+    known |= {name: inspect.unwrap(call) for name, call in _calls().items() if inspect.unwrap(call) is not call}
+    found = {
+        f"{name}.{argument}": sort.allowed
+        for name, one in known.items()
+        for argument, hint in get_type_hints(one, include_extras=True).items()
+        if argument != "return" and (sort := sort_of(hint))
+    }
+    return {name: text for name, text in found.items() if any(letter.isdigit() for letter in text)}
+
+
+def _calls():
+    """Every public call and method by its name."""
     rooms = (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.judge, gk.shop, gk.scenes, gk)
     calls = {name: getattr(room, name) for room in rooms for name in dir(room) if not name.startswith("_")}
-    calls = {name: call for name, call in calls.items() if inspect.isfunction(call)}
     methods = {
         f"{name}.{method}": getattr(one, method)
         for name, one in _classes().items()
@@ -65,18 +93,11 @@ def choices(made):
         if isinstance(kept_as, types.FunctionType | classmethod | staticmethod)
         and not any(part.startswith("_") for part in (one.__name__, method))
     }
-    told = quantities(made)
-    found = {
-        f"{name}.{given.name}": str(given.default)
-        for name, one in (made | calls | methods).items()
-        for given in inspect.signature(one).parameters.values()
-        if given.default is not given.empty
-    }
-    return {name: text for name, text in found.items() if name not in told}
+    return {name: call for name, call in calls.items() if inspect.isfunction(call)} | methods
 
 
 def kept(table):
-    """Header and rows of one of the two, the rows by their name."""
+    """Header and rows of one of them, the rows by their name."""
     header, *rows = csv.reader(table.read_text().splitlines())
     return header, {row[0]: row[1:] for row in rows}
 
@@ -91,4 +112,5 @@ def _write(table, found):
 if __name__ == "__main__":
     everything = classes()
     _write(QUANTITIES, quantities(everything))
+    _write(ARGUMENTS, {name: [text] for name, text in arguments(everything).items()})
     _write(CHOICES, {name: [text] for name, text in choices(everything).items()})
