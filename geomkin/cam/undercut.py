@@ -15,7 +15,7 @@ from ..brief import one_line
 from ..cached import cached_property
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
-from ..plane.vec import Complex, Mask, Real, Whole, dot
+from ..plane.vec import Complex, Mask, Real, Whole
 from .cam import Cam
 from .maxima import climb, highest_between, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings
@@ -26,9 +26,6 @@ CHORDS_PER_LOOP = 8
 # A stretch that runs backwards over less than this share of the base radius is a point: its loop is lost in rounding,
 # and so is the lift that it costs. Smaller looks for crossings in rounding, larger loses loops that can be found.
 POINT = 3e-10
-# So is what a backward jump over less than this share costs: the branches beside it meet too flat to be solved for.
-# Smaller leaves such jumps to a search that does not settle, larger rounds off jumps that can be solved for.
-JUMP = 1e-6
 # Angles times corners, on which the follower is let down, in one go: more takes more memory, less takes longer.
 BLOCK = 1_000_000
 # Chords to either side within which a crossing is looked for, and, where there is none, looked for again: where one
@@ -119,7 +116,6 @@ def undercut(cam: Cam) -> Undercut:
     """
     raw = UntrimmedOutline(cam)
     loops, points = _backward(raw)
-    points += _small_jumps(raw)
     grid = _grid(raw, loops, points)
     z = raw.curve.point(grid)
     kept, skipped = _Tracing(raw, grid, z, points).trace(float(grid[np.abs(z).argmin()]))
@@ -265,22 +261,6 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
 def _farther(raw: UntrimmedOutline, tips: Complex, way: float, t: Real) -> Real:
     """By how much the curve at parameters is farther than a way, mm, from its places at the cusps."""
     return np.abs(raw.curve.point(t) - tips) - way
-
-
-def _small_jumps(raw: UntrimmedOutline) -> list[Interval]:
-    """Of each small backward jump of the profile, the parameters before and after it at which the two sides meet."""
-    found: list[Interval] = []
-    for k in range(1, len(raw.pieces), 2):
-        before, jump, after = (raw.pieces[j % len(raw.pieces)] for j in (k - 1, k, k + 1))
-        way = complex(jump.point(jump.breaks[-1]) - jump.point(jump.breaks[0]))
-        leaving, entering = complex(before.velocity(before.breaks[-1])), complex(after.velocity(after.breaks[0]))
-        if abs(way) <= JUMP * raw.cam.base_radius and dot(way, leaving) < 0 and dot(way, entering) < 0:
-            # Half the way back on one branch, and half of it on along the other.
-            back, on = (
-                abs(way) / 2 / abs(v) / (b[-1] - b[0]) for v, b in ((leaving, before.breaks), (entering, after.breaks))
-            )
-            found.append((k - back, (k + 1) % len(raw.pieces) + on))
-    return found
 
 
 def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
