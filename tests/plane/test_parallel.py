@@ -174,3 +174,12 @@ def test_corners_that_close_are_found_wherever_the_origin_lies(edge):
     for turn in np.exp(1j * np.linspace(0, 6, 7)):
         moved = parallel(Polyline((corners - inner) * turn, bulges), -0.3)
         assert moved is not None and measure.area(moved) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_arcs_without_a_corner_stay_arcs_however_few_they_are(count):
+    sweep = 2 * np.pi / count
+    path = Path(tuple(Arc(5 + 1j, 5 + 1j + 10 * np.exp(1j * k * sweep), sweep) for k in range(count)))
+    moved = parallel(path, 2.0)
+    assert isinstance(moved, Path) and [(type(p), p.centre) for p in moved.pieces] == [(Arc, 5 + 1j)] * count
+    assert np.abs(moved.point(moved.breaks) - 5 - 1j) == pytest.approx(12)
