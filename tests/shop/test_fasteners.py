@@ -146,6 +146,15 @@ def test_a_grip_longer_than_any_screw_takes_a_threaded_rod():
     assert names[0] == "M4 threaded rod DIN 976-1, cut to 60.2 mm" and len(names) == 3
 
 
+@pytest.mark.parametrize("play", [0.0, 0.2, 1.0])
+def test_a_threaded_rod_stands_out_at_either_end_by_all_the_play(play):
+    held = Fastener(4.0, "screw", play)
+    ((name, _), *_), (below, above) = held.bill(45.0), held.ends(45.0)
+    cut = float(re.search(r"cut to (\S+) mm", name)[1])
+    # What stands out at one end while the plates lie against the other.
+    assert below == above and below + above - play == pytest.approx(cut - 45.0)
+
+
 def test_what_is_no_screw_is_a_rod_or_refused():
     assert fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
     assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
