@@ -59,6 +59,10 @@ def test_a_slip_is_told_with_what_to_write(text, key, words):
         "x = 1979-05-27T",
         "[a\nb = 1",
         "a = '''",
+        # Numbers and answers that are right are not what is wrong in their line.
+        "x = 12\nx = 12",
+        "x = true\nx = true",
+        "x = { a = 3, a = false }",
     ],
 )
 def test_what_is_no_such_slip_is_told_as_before(text):
