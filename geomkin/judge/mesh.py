@@ -15,8 +15,6 @@ LEAST_CONTACT_RATIO = 1.1
 LEAST_CLEARANCE = 0.1
 # Modules between the tips of neighbouring planets; derived here, of play and dirt.
 LEAST_PLANET_GAP = 0.5
-# What stands in for the room beside a lone planet, which is without end, modules: any number that is far above all.
-LONE_PLANET = 1e6
 
 
 @checked
@@ -38,10 +36,11 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 
 @checked
 def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
-    """Both meshes of a planetary set, and the room between its planets."""
-    room = min(gears.planet_gap / gears.sun.module, LONE_PLANET)
+    """Both meshes of a planetary set, and the room between its planets where there are several."""
+    room = gears.planet_gap / gears.sun.module
+    beside = Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets")
     return (
         *mesh_checks(gears.inner, "sun"),
         *mesh_checks(gears.outer, "ring"),
-        Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets"),
+        *((beside,) if gears.planets > 1 else ()),
     )
