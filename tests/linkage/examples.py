@@ -73,6 +73,19 @@ def pushed():
     )
 
 
+def two_parallelograms():
+    """Bodies: one behind another, the bar R Q parallel to A B, and E Q turning as the crank does."""
+    arm = 15 + 5j
+    return {
+        "ground": {"O": 0, "C": 30, "E": 60},
+        "crank": {"O": 0, "A": 20},
+        "coupler": {"A": 0, "B": 30},
+        "rocker": {"C": 0, "B": 20, "R": arm},
+        "bar": {"R": 0, "Q": 30},
+        "last": {"E": 0, "Q": arm},
+    }
+
+
 def lift_table():
     """Two crossed arms under a table; the cylinder stands on the ground and pushes one of them."""
     return gk.Linkage(

@@ -8,19 +8,12 @@ import pytest
 
 import geomkin as gk
 
+from .test_rocker_goals import STROKE, SWING, SWINGS
+
 GOALS = {
-    "swing": {"kind": "crank-rocker", "wanted": {"swing_deg": 50, "crank_turn_deg": 200, "ground": 100}},
-    "swings": {
-        "kind": "double-rocker",
-        "wanted": {
-            "crank_start_deg": 60,
-            "crank_swing_deg": 60,
-            "rocker_start_deg": 80,
-            "rocker_swing_deg": 40,
-            "ground": 100,
-        },
-    },
-    "stroke": {"kind": "slider-crank-stroke", "wanted": {"stroke": 80, "time_ratio": 1.2}},
+    "swing": SWING,
+    "swings": SWINGS,
+    "stroke": STROKE,
     "poses": {"kind": "body-guidance", "wanted": {"poses": [[0, 0, 0], [40, 20, 30], [60, 60, 80]]}},
     "path": {"kind": "path-generator", "wanted": {"points": [[0, 0], [10, 5], [30, -5]]}},
 }

@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.linkage.motion import motion_table
 from geomkin.table import Column, Table, xy_columns
-from tests.linkage.examples import ALL
+from tests.linkage.examples import ALL, two_parallelograms
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 
@@ -123,21 +123,9 @@ def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground
 
 def test_what_is_nothing_beside_what_turns_fastest_is_written_as_nothing():
     """A parallelogram behind another, whose last bar turns evenly but for rounding, and a long rod that hardly moves."""
-    arm = 15 + 5j
-    linkage = gk.Linkage(
-        {
-            "ground": {"O": 0, "C": 30, "E": 60},
-            "crank": {"O": 0, "A": 20},
-            "coupler": {"A": 0, "B": 30},
-            "rocker": {"C": 0, "B": 20, "R": arm},
-            "bar": {"R": 0, "Q": 30},
-            "last": {"E": 0, "Q": arm, "T": 1e-3},
-            "rod": {"T": 0, "S": 3000},
-            "sled": {"S": 0},
-        },
-        "crank",
-        (gk.Slider("way", "sled", "ground"),),
-    )
+    bodies = two_parallelograms() | {"rod": {"T": 0, "S": 3000}, "sled": {"S": 0}}
+    bodies["last"]["T"] = 1e-3
+    linkage = gk.Linkage(bodies, "crank", (gk.Slider("way", "sled", "ground"),))
     for speed in (1e-3, 1e3):
         table = motion_table(gk.move(linkage, np.linspace(0.5, 2.2, 40), 1, speed), coefficients=True)
         found = cells(table)
