@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import sys
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -259,9 +257,6 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
         bar.current_item = file
         bar.render_progress()
 
-    if not hidden:
-        # The bar hides the cursor, and only code of ours brings it back.
-        signal.signal(signal.SIGINT, _leave)
     counted: ProgressBar[Path] = click.progressbar(
         length=len(files),
         label="Recipes",
@@ -300,13 +295,6 @@ def _tried(action: Callable[[Path], Made], file: Path) -> Made | str:
 def _is_terminal(stream: TextIO | None) -> bool:
     """Whether someone watches; a closed stream is None."""
     return stream is not None and stream.isatty()
-
-
-def _leave(*_: object) -> None:
-    """End at once on Ctrl-C, with the cursor back."""
-    sys.stderr.write("\x1b[?25h\n")
-    sys.stderr.flush()
-    os._exit(130)
 
 
 def _row(result: Made) -> tuple[str, str, str, str]:
