@@ -49,7 +49,7 @@ def cli() -> None:
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
     from .build import index, make
-    from .errors import FileError, printable
+    from .errors import FileError, harmless, printable
 
     files = _files(recipes)
     _refuse_twins(files)
@@ -64,7 +64,7 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     for result in made:
         for check in result.checks:
             if not check.passed:
-                click.secho(f"{printable(result.name)}: check failed: {check}", fg="yellow", err=True)
+                click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
     sys.exit(1 if failed else 0)
 
 
@@ -73,13 +73,13 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
 def check_command(recipes: tuple[Path, ...]) -> None:
     """Validate recipes and show their checks; write nothing."""
     from .build import check_recipe
-    from .errors import printable
+    from .errors import harmless, printable
 
     made, failed = _each(_files(recipes), check_recipe)
     for result in made:
         click.echo(printable(result.name))
         for check in result.checks:
-            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {check}")
+            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
     sys.exit(1 if failed else 0)
 
 
@@ -99,7 +99,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
 
     One that was stopped goes on where it was.
     """
-    from .errors import GeomkinError, printable
+    from .errors import GeomkinError, harmless, printable
     from .progress import shown
     from .sweeps.sweep import by_processes, swept
 
@@ -118,12 +118,15 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
         click.secho(str(error), fg="red", err=True)
         sys.exit(1)
     if found.anew:
-        click.echo("the recipe, what is to be told, or geomkin has changed since: begun anew", err=True)
+        click.echo(
+            "begun anew: the rows of an earlier run are of another recipe, --tell or version of geomkin, or damaged",
+            err=True,
+        )
     refused = [row.refused for row in found.rows if row.refused]
     told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refused):,} refused"
     click.echo(f"{', '.join(map(printable, found.files))}: {told}")
     if len(refused) == len(found.rows):
-        click.secho(f"all are refused, the first for this: {refused[0]}", fg="red", err=True)
+        click.secho(f"all are refused, the first for this: {harmless(refused[0])}", fg="red", err=True)
         sys.exit(1)
 
 
