@@ -87,7 +87,8 @@ def check_command(recipes: tuple[Path, ...]) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
-    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5; once for each key.",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5, or of a list's item, "
+    "the first being [0]: cam.program[1].rise=10,20; once for each key.",
 )  # fmt: skip
 @click.option(
     "--tell", multiple=True, metavar="NAME",
