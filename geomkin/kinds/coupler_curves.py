@@ -15,6 +15,7 @@ from ..judge.linkage import SAME_CURVE, collision_check, reached
 from ..linkage.bars import FourBar
 from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..linkage.coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
+from ..linkage.measures import driver_limits
 from ..linkage.motion import Motion
 from ..linkage.sliders import SliderCrank
 from ..linkage.solve.move import move
@@ -261,7 +262,13 @@ class CognatesRecipe(AbstractMovedRecipe):
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
         turn = self.drive
         span = (float(np.radians(turn.start_deg)), float(np.radians(turn.end_deg)))
-        curve = CouplerCurve(self.linkage, "coupler_point", self.branch, span)
+        try:
+            curve = CouplerCurve(self.linkage, "coupler_point", self.branch, span)
+        except DesignError:
+            limits = np.degrees(driver_limits(self.linkage, self.branch))
+            closes = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in limits.tolist()) or "nowhere"
+            problem = f"found {turn.start_deg:g} to {turn.end_deg:g} deg, and the linkage closes only from {closes} deg"
+            raise DesignError("drive", problem, "give start_deg and end_deg inside it, or other lengths") from None
         drawing = engraved("drawing", [curve, *skeleton(self.figure, 0, plate)], plate)
         return (*link_parts(self.figure, self.stock, self.stack), drawing)
 
