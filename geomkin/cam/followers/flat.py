@@ -199,11 +199,12 @@ class OscillatingFlat(AbstractFace):
         low, high = self.base_radii(lift)
         if not low < base_radius < high:
             digits = ".4g" if high - low > 1e-2 * high else ".12g"
+            limits = f"cams with a base_radius above {low:{digits}} and below {high:{digits}} mm, not {base_radius:g}"
+            reached = limits if low < high else "no cam"
             raise DesignError(
                 "follower.pivot_distance",
                 f"found {self.pivot_distance:g} mm with face_offset {self.face_offset:g} mm and lifts up to "
-                f"{np.degrees(lift):.4g} deg: the face reaches cams with a base_radius above {low:{digits}} and below "
-                f"{high:{digits}} mm, not {base_radius:g}",
+                f"{np.degrees(lift):.4g} deg: the face reaches {reached}",
                 "change pivot_distance, face_offset or base_radius",
             )
         tau = side_sign(self.side)
