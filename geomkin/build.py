@@ -219,7 +219,9 @@ def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
     except DesignError as error:
         key = _key(recipe, error.field)
         problem = (
-            re.sub("^found ", "found the default of ", error.problem) if _is_default(recipe, key) else error.problem
+            re.sub(r"^found (?=[-+\d])", "found the default of ", error.problem)
+            if _is_default(recipe, key)
+            else error.problem
         )
         raise RecipeError(file, [Problem(key, problem, error.remedy)]) from None
 

@@ -61,7 +61,8 @@ class WantedPath:
         ),
     )
     file: FileName | None = entry(
-        "a CSV file of x and y in mm, or an SVG drawing, whose first path is taken: beside the recipe or below",
+        "a CSV file of x and y in mm, or an SVG drawing, whose first path is taken (in mm unless its width has a "
+        "unit): beside the recipe or below",
         default=None,
     )
     svg: str | None = entry("the text of an SVG path, as M 0 0 L 10 5; one unit is 1 mm, y goes down", default=None)

@@ -51,7 +51,7 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
     """
     if diameter == 0:
         return ()
-    room = f"in a part {rounded_down(widest)} mm wide where it is narrowest"
+    room = f"in a part {widest:.7g} mm wide where it is narrowest"
     if not SMALLEST <= diameter < widest - min(clearance, 0.0):
         most = widest - clearance
         sizes = (

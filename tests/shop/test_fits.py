@@ -136,7 +136,7 @@ REFUSED = [
     ({"bore": 3, "bore_form": "keyed"}, "bore", "give at least 6 mm, keyway_width and keyway_depth of your own"),
     ({"bore": 300, "bore_form": "keyed"}, "bore", "give at most 230 mm"),
     ({"bore": 0, "bore_form": "D"}, "bore", "give the shaft's diameter"),
-    ({"bore": 7, "bore_form": "D"}, "flat", "give more than 3.5 and less than 7 mm, or bore as one of 3, 4, 5, 6, 8"),
+    ({"bore": 7, "bore_form": "D"}, "bore", "flat, more than 3.5 and less than 7 mm"),
     ({"bore": 5, "bore_form": "D", "flat": 5}, "flat", "give more than 2.5 and less than 5 mm"),
     ({"bore": 5, "bore_form": "D", "flat": 2.5}, "flat", "give more than 2.5 and less than 5 mm"),
     ({"bore": 5, "flat": 4.5}, "flat", 'give bore_form = "D"'),
