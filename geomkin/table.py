@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .arguments import Sort, check_fields
 from .brief import clipped, one_line
 from .errors import DesignError, shown
-from .plane.vec import Array, Complex
+from .plane.vec import Array, Complex, known
 
 Number = TypeVar("Number", np.floating, np.complexfloating)
 Frames = Annotated[Array, Sort(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
@@ -95,5 +95,4 @@ def xy_columns(name: str, unit: str, meaning: str, values: Complex) -> tuple[Col
 
 def finite(values: NDArray[Number]) -> NDArray[Number]:
     """The values with what lies at infinity, which no number tells, left out; of complex ones both coordinates."""
-    nowhere = complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan
-    return np.where(np.isfinite(values), values, nowhere)
+    return known(np.isfinite(values), values)
