@@ -12,7 +12,7 @@ from .brief import one_line
 from .errors import DesignError
 from .part import Part
 from .plane.curve import AbstractCurve
-from .plane.vec import Array, Complex, Mask, Real, unit
+from .plane.vec import Array, Complex, Mask, Real, as_unit
 from .table import Column, Table
 
 # What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
@@ -39,9 +39,9 @@ class SceneBody:
     """A body: the very parts that are cut of it, and its frame at each frame of the scene.
 
     origin: (frames,) complex, mm; direction: (frames,) complex, of the body's x axis, kept as a unit one; nan where the
-    mechanism cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what lies over
-    what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its name, as they
-    need not for one of many that are alike.
+    mechanism cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what
+    lies over what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its
+    name, as they need not for one of many that are alike.
     """
 
     name: str
@@ -56,7 +56,7 @@ class SceneBody:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        object.__setattr__(self, "direction", unit(self.direction))
+        object.__setattr__(self, "direction", as_unit(self.direction))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ class SceneMark:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.direction is not None:
-            object.__setattr__(self, "direction", unit(self.direction))
+            object.__setattr__(self, "direction", as_unit(self.direction))
 
 
 @dataclass(frozen=True)

@@ -69,10 +69,20 @@ class AbstractMovedRecipe(AbstractRecipe):
     # Of kinds that have none.
     branches: Mapping[str, int | complex] = MappingProxyType({})
     drive: Turn
+    stroke: Stroke | None = None
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        self.drive.check_rows()
+        self.check_stroke()
+        self.way.check_rows()
+
+    def check_stroke(self) -> None:
+        """Refuse a stroke of a driver that turns, and none of one that slides."""
+        slides = self.linkage.linkage.driven_slider is not None
+        if slides and self.stroke is None:
+            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+        if not slides and self.stroke is not None:
+            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
 
     @property
     def design(self) -> AbstractLinkage:
@@ -81,7 +91,7 @@ class AbstractMovedRecipe(AbstractRecipe):
     @property
     def way(self) -> Turn | Stroke:
         """How the driver goes."""
-        return self.drive
+        return self.stroke or self.drive
 
     @cached_property
     def signs(self) -> Chosen:

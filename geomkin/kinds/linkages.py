@@ -56,6 +56,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     copies: tuple[Copy, ...] = ()
 
     def __post_init__(self) -> None:
+        self.check_stroke()
         check_copies(self.copies, self.linkage, self.way)
         if self.copies and self.stock.motor is not None:
             problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
@@ -204,18 +205,6 @@ class SlidRecipe(AbstractLinkageRecipe):
 
     # What an example has in which a slide drives.
     sliding: ClassVar[Mapping[str, object]]
-
-    def __post_init__(self) -> None:
-        slides = self.linkage.linkage.driven_slider is not None
-        if slides and self.stroke is None:
-            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
-        if not slides and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
-        super().__post_init__()
-
-    @property
-    def way(self) -> Turn | Stroke:
-        return self.stroke or self.drive
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:

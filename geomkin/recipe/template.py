@@ -192,15 +192,15 @@ def schema(kinds: Kinds) -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
 
 
-def _by_kind(tables: dict[str, str]) -> dict[str, Any]:
-    """A table that is one of several, told apart by its `kind`. tables: the reference to each."""
+def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
+    """A table that is one of several, told apart by its `kind`. tables: the reference to each; usual: without one."""
     return {
         "type": "object",
-        "required": ["kind"],
+        "required": [] if usual else ["kind"],
         "properties": {"kind": {"enum": list(tables)}},
         "allOf": [
             {
-                "if": {"required": ["kind"], "properties": {"kind": {"const": name}}},
+                "if": {"required": [] if name == usual else ["kind"], "properties": {"kind": {"const": name}}},
                 "then": {"$ref": reference},
             }
             for name, reference in tables.items()
@@ -222,9 +222,9 @@ def _plain(node: Any) -> Any:
     if isinstance(node.get("examples"), list):
         del node["examples"]
     if "discriminator" in node:
-        tables = node.pop("discriminator")["mapping"]
+        choice = node.pop("discriminator")
         del node["oneOf"]
-        node |= _by_kind(tables)
+        node |= _by_kind(choice["mapping"], choice.get("usual", ""))
     if "anyOf" in node:
         kept = [part for part in node["anyOf"] if part != {"type": "null"}]
         if len(kept) == 1:

@@ -53,9 +53,7 @@ def test_bobillier_path_takes_a_tangent_line_of_any_length() -> None:
     crank, foot = crank_path(30j, 0j), 80j
     # A line nearly along the crank: of a short direction it was taken for the crank's own line.
     for tangent in (np.exp(0.7j), 1j * np.exp(1e-6j)):
-        curvatures = [
-            bobillier_path(crank, foot, length * tangent, 60 + 40j).curvature for length in (1e-9, 1.0, 1e9)
-        ]
+        curvatures = [bobillier_path(crank, foot, length * tangent, 60 + 40j).curvature for length in (1e-9, 1.0, 1e9)]
         np.testing.assert_allclose(curvatures, curvatures[1], rtol=1e-9)
 
 

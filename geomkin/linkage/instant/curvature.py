@@ -9,7 +9,7 @@ import numpy as np
 from ...arguments import Extended, Place, Places, check_fields, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Complex, Real, cross, dot, known, unit
+from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
 from .centres import pin_between, settled, slider_between
 
@@ -31,8 +31,8 @@ SIGN = {"point": 1, "centre": -1, "inflection": -1}
 class PathCurvature:
     """A point on its path to second order; any shape.
 
-    position: mm. tangent: a direction of any length, kept as a unit one; nan at a cusp. curvature: 1/mm, positive where the path turns left along
-    `tangent`; 0 where straight, inf at a cusp. Derived here.
+    position: mm. tangent: a direction of any length, kept as a unit one; nan at a cusp. curvature: 1/mm, positive where
+    the path turns left along `tangent`; 0 where straight, inf at a cusp. Derived here.
     """
 
     position: Complex
@@ -43,7 +43,7 @@ class PathCurvature:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        object.__setattr__(self, "tangent", unit(self.tangent))
+        object.__setattr__(self, "tangent", as_unit(self.tangent))
 
     @property
     def radius(self) -> Real:
