@@ -11,8 +11,8 @@ import numpy as np
 from ..arguments import Sort
 from ..errors import DesignError, shown
 from ..linkage.bars import FourBar
-from ..linkage.instant.centres import pin_between
 from ..linkage.linkage import LINKAGES, AbstractLinkage
+from ..linkage.motion import on_ground
 from ..linkage.sliders import SliderCrank
 from ..recipe.settings import Stroke
 from ..sizes import OneOfKinds
@@ -122,7 +122,5 @@ class AbstractBodyRecipe(AbstractMovedRecipe):
 
         linkage: AbstractLinkage = example(LINKAGES[asked["linkage"]])
         general = linkage.linkage
-        held = {b for b in general.bodies if pin_between(general, general.ground, b)}
-        held |= {b for s in general.sliders if general.ground in (s.body, s.along) for b in (s.body, s.along)}
-        free = [name for name in general.bodies if name not in {*held, general.ground}]
+        free = [name for name in general.bodies if name not in {*on_ground(general), general.ground}]
         return {"linkage": linkage, "body": "coupler" if "coupler" in general.bodies else free[0]}

@@ -217,7 +217,8 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*self.stack.steps, "drawing is joined to nothing")
+        drawings = [f"{name}_drawing" for name in NAMES] + ["drawing"]
+        return (*self.stack.steps, *(f"{name} is joined to nothing" for name in drawings))
 
     @cached_property
     def table(self) -> Table:
@@ -236,12 +237,18 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """Roberts' figure moving; the three tables in one, at its frames."""
-        figure = self.figure
-        table = self.table if len(figure.drive) == len(self.drive.frames) else self._told(self._moved(figure.drive))
+        """Roberts' figure moving, and each cognate by itself; the three tables in one, at the figure's frames."""
+        figure, same = self.figure, len(self.figure.drive) == len(self.drive.frames)
+        motions = self.motions if same else self._moved(figure.drive)
+        table = self.table if same else self._told(motions)
         scene = linkage_scene(figure, table, self.parts, self.stack.layers)
         point = figure.point("coupler_point").position
-        return replace(scene, marks=(*scene.marks, SceneMark("point", point, "traced", "coupler_point", trail=True)))
+        traced = SceneMark("point", point, "traced", "coupler_point", trail=True)
+        first = Table(table.columns[:1])
+        others = {
+            f"{name} four-bar alone": linkage_scene(motion, first, rates=False) for name, motion in zip(NAMES, motions)
+        }
+        return replace(scene, marks=(*scene.marks, traced), others=others)
 
     @property
     def judged(self) -> tuple[Check, ...]:
@@ -262,8 +269,9 @@ class CognatesRecipe(AbstractMovedRecipe):
         turn = self.drive
         span = (float(np.radians(turn.start_deg)), float(np.radians(turn.end_deg)))
         curve = CouplerCurve(self.linkage, "coupler_point", self.branch, span)
-        drawing = engraved("drawing", [curve, *skeleton(self.figure, 0, plate)], plate)
-        return (*link_parts(self.figure, self.stock, self.stack), drawing)
+        shown = {"drawing": self.figure} | {f"{name}_drawing": motion for name, motion in zip(NAMES, self.motions)}
+        drawings = (engraved(name, [curve, *skeleton(motion, 0, plate)], plate) for name, motion in shown.items())
+        return (*link_parts(self.figure, self.stock, self.stack), *drawings)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
@@ -14,7 +14,7 @@ from ..cached import cached_property
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..linkage.motion import Motion
-from ..linkage.solve.branch import Chosen
+from ..linkage.solve.branch import Chosen, chosen
 from ..linkage.solve.move import move
 from ..names import check_names
 from ..recipe.recipe import AbstractRecipe
@@ -61,6 +61,10 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
     return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
 
 
+# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
+MOST_DYADS = 2
+
+
 class AbstractMovedRecipe(AbstractRecipe):
     """What recipes of a linkage have in common that tell its motion over a table's frames."""
 
@@ -102,6 +106,32 @@ class AbstractMovedRecipe(AbstractRecipe):
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
         return move(self.linkage, self.way.frames, self.signs, self.way.speed)
+
+    @cached_property
+    def other(self) -> tuple[str, Motion] | None:
+        """The joint of the last of one or two dyads, and the motion with it on its other side; None if that is open."""
+        branches = self.motion.branches
+        if not 1 <= len(branches) <= MOST_DYADS:
+            return None
+        joint, sides = list(branches.items())[-1]
+        if joint in (slider.name for slider in self.motion.linkage.sliders):
+            # The same lever turned half round, whose slot is not there.
+            return None
+        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
+        told, asked = sides[sides != 0], chosen(self.signs)
+        near = {name: place for name, place in asked.near.items() if name != joint}
+        other = replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
+        motion = move(self.linkage, self.way.frames, other, self.way.speed)
+        return (joint, motion) if motion.closed.any() else None
+
+
+def both_modes_entry() -> Any:
+    """Whether the other assembly mode is told."""
+    return entry(
+        "whether table, plots and summary also have the other assembly mode, which the page shows: the last dyad's "
+        "joint on its other side",
+        default=False,
+    )
 
 
 @dataclass(frozen=True)

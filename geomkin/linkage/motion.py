@@ -265,13 +265,18 @@ def _largest(values: Real | Complex) -> float:
     return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
+def on_ground(linkage: Linkage) -> set[str]:
+    """Bodies that a pin or a slider joins to the ground."""
+    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
+    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
+    return held - {linkage.ground}
+
+
 def _outputs(motion: Motion) -> Iterator[Column]:
     """Mechanical advantage of every body that the ground holds: what may drive something else."""
     linkage = motion.linkage
-    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
-    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
     for name in linkage.bodies:
-        if name in held - {linkage.ground, linkage.driver}:
+        if name in on_ground(linkage) - {linkage.driver}:
             words = f"torque or force that the {name} gives for 1 of the driver's"
             torque = linkage.driven_slider and np.nan_to_num(motion.bodies[name].first).any()
             advantage = finite(mechanical_advantage(motion, name))
