@@ -81,6 +81,11 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
             raise DesignError(f"position_{wrong}", problem, f"give position_{other} instead")
 
     @property
+    def position_key(self) -> str:
+        """The key that says where it is drawn."""
+        return "position_mm" if self.stroke else "position_deg"
+
+    @property
     def place(self) -> float:
         """The driver where it is drawn, rad or mm."""
         if self.stroke:
@@ -94,9 +99,9 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         motion = move(self.linkage, [float(self.way.frames[0]), self.place], self.signs)
         if not motion.closed[-1]:
             alone = move(self.linkage, [self.place], self.signs)
-            key, found = ("position_mm", self.place) if self.stroke else ("position_deg", np.degrees(self.place))
+            found = self.place if self.stroke else np.degrees(self.place)
             problem = f"found {found:g}, which is not reached: {opening(alone)}"
-            raise DesignError(key, problem, "give another")
+            raise DesignError(self.position_key, problem, "give another")
         return motion
 
     @cached_property
@@ -142,7 +147,8 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     @property
     def judged(self) -> tuple[Check, ...]:
         size = inflection_circle(self.position, self.body).diameter[-1] / self.longest
-        advice = "near a position with parallel cranks the circle does not fit a plate; give another position"
+        remedy = f"give another {self.position_key}"
+        advice = f"near a position with parallel cranks the circle does not fit a plate; {remedy}"
         if goes_without_turning(self.position, self.body):
             advice = f"the {self.body} does not turn, and has no such circle; give another body"
         check = Check("inflection diameter to longest link", size, "at most", LARGEST_DRAWN, "", advice)

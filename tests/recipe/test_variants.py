@@ -30,7 +30,10 @@ def test_every_choice_between_tables_is_offered():
         "linkage", "dwell",
     }  # fmt: skip
     # Followers and segments grow in number.
-    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2 + 7 + 9 + 2 * (9 + 1) + 10
+    assert (
+        sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED)
+        == 3 + 2 + 2 + 2 + 2 + 7 + 9 + 2 * (9 + 1) + 10
+    )
     assert len(OFFERED) >= 4 + 8 + 3 + 2 + 2 + 2 + 2
 
 
