@@ -149,7 +149,7 @@ class CentrodesRecipe(AbstractMovedRecipe):
         found = [drive[run] for run in self.centrodes.runs(self.reach)]
         if not found:
             raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
-        return [(float(part[0]), float(part[-1])) for part in found]
+        return [(float(part.min()), float(part.max())) for part in found]
 
     @cached_property
     def table(self) -> Table:

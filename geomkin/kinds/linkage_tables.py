@@ -17,6 +17,7 @@ from ..linkage.motion import Motion
 from ..linkage.solve.branch import Chosen
 from ..linkage.solve.move import move
 from ..names import check_names
+from ..plane.vec import Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Stroke, Turn
 from ..sizes import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
@@ -88,10 +89,15 @@ class AbstractMovedRecipe(AbstractRecipe):
         """The branch asked for."""
         return branch_of(self.branch, self.branches)
 
+    def moved(self, frames: Real, signs: Chosen) -> Motion:
+        """The linkage at some frames on a branch, with the driver's speed and acceleration."""
+        way = self.way
+        return move(self.linkage, frames, signs, way.speed, way.acceleration)
+
     @cached_property
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
-        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
+        return self.moved(self.way.frames, self.signs)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,6 @@ from ..linkage.measures import driver_limits, grashof_type
 from ..linkage.motion import Motion, motion_table
 from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, Shaper, SliderCrank
 from ..linkage.solve.branch import chosen
-from ..linkage.solve.move import move
 from ..part import Bought, Part
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
@@ -70,7 +69,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def fine_motion(self) -> Motion:
         """The same in steps in which nothing slips through between two plates."""
-        return move(self.linkage, self.way.fine, self.signs, self.way.speed)
+        return self.moved(self.way.fine, self.signs)
 
     @cached_property
     def stack(self) -> Stack:
@@ -123,7 +122,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         told, asked = sides[sides != 0], chosen(self.signs)
         near = {name: place for name, place in asked.near.items() if name != joint}
         other = dataclasses.replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
-        motion = move(self.linkage, self.way.frames, other, self.way.speed)
+        motion = self.moved(self.way.frames, other)
         if not motion.closed.any():
             return {}
         # A ground with slots has them where the mode asked for needs them.

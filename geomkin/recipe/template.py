@@ -111,7 +111,7 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
     if value is None:
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    optional = not required and value in (field.default, {}) and field.name != "kind"
+    optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
 
 
