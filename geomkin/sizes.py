@@ -53,13 +53,25 @@ def quantity(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def entry(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSING, example: Any = None) -> Any:
-    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
+def entry(
+    meaning: str,
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    example: Any = None,
+    units: tuple[str, ...] | None = None,
+) -> Any:
+    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example.
+
+    units: of the numbers in a row, or in each of many.
+    """
     shown = example if example is not None else default
     metadata: dict[str, Any] = {
         "description": meaning,
         "examples": [shown if default_factory is MISSING else default_factory()],
     }
+    if units is not None:
+        metadata["units"] = units
     if isinstance(default, bool):
         metadata["strict"] = True  # or "yes" and 1 would do for true
     if default_factory is not MISSING:

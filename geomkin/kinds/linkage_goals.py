@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -57,6 +57,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     A subclass is a dataclass with `choose`, `drive`, `stock` and `files`, and says what was found.
     """
 
+    can_be_scaled: ClassVar[bool] = True
     choose: int
     drive: Drive
     stock: LinkStock

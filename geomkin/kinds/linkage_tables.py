@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -65,6 +65,7 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
 class AbstractMovedRecipe(AbstractRecipe):
     """What recipes of a linkage have in common that tell its motion over a table's frames."""
 
+    can_be_scaled: ClassVar[bool] = True
     linkage: AbstractLinkage
     branch: SideOrFollow
     # Of kinds that have none.
@@ -108,7 +109,7 @@ class TriangleCorner:
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
     lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
-        "its distances from them, mm", example=(50.0, 60.0)
+        "its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm")
     )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class AbstractLinkage(ABC):
     """A linkage by whatever describes it: the sizes of a FourBar, a SliderCrank, ..., or the bodies of a Linkage."""
 
     _repr_html_ = moving
+    can_be_scaled: ClassVar[bool] = True
 
     @property
     @abstractmethod
