@@ -26,6 +26,7 @@ WORDS = {
     "progress",
     "beside",
     "processes",
+    "scaling",
 }
 GEOMETRY = {"plane", "table"}
 MECHANISMS = {"linkage", "cam", "gear"}

@@ -61,6 +61,7 @@ class WantedPoses:
     poses: Rows = entry(
         "places of the body's origin and its angle, [x, y, angle] in mm and deg, three or more, in this order",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
+        units=("mm", "mm", "deg"),
     )
     type: Annotated[Kind, OneOfGuides()] | None = entry(
         "four-bar; crank-slider, which its crank drives; slider-crank, which its slider drives; elliptic-trammel. Left "

@@ -71,7 +71,7 @@ class Grid:
 
     def check_work(self, drive: Turn) -> None:
         """Refuse, before any of it is worked out, more dashes or cells of the table than a person can use."""
-        points, turn = self.rows * self.columns, drive.end_deg - drive.start_deg
+        points, turn = self.rows * self.columns, drive.turn_deg
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
             most = MOST_DASHES // points
@@ -129,8 +129,8 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        turn, motion = self.drive, self.motion
-        steps = np.radians(np.arange(turn.start_deg, turn.end_deg + 1e-9, self.grid.dash_deg))
+        motion, (low, high) = self.motion, sorted(self.drive.span_deg)
+        steps = np.radians(np.arange(low, high + 1e-9, self.grid.dash_deg))
         drawn = dashes(self.linkage, self.grid.points.ravel(), steps, self.files.tolerance, self.branch)
         # The linkage stands where it first closes, with the points of the grid on its coupler.
         marks: list[AbstractCurve] = strokes(run for runs in drawn for run in runs)
@@ -196,7 +196,13 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     def _moved(self, drive: Real) -> tuple[Motion, ...]:
         return tuple(
-            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, self.drive.speed)
+            move(
+                c.linkage,
+                drive + c.drive_offset,
+                self.branch * c.branch,
+                self.drive.speed,
+                self.drive.acceleration,
+            )
             for c in cognates(self.linkage)
         )
 
@@ -205,7 +211,8 @@ class CognatesRecipe(AbstractMovedRecipe):
         """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
         # Ten bars take an iteration at each frame: steps are no finer than plates need.
         drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
-        return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
+        roberts = roberts_linkage(self.linkage, float(drive[0]), self.branch)
+        return move(roberts, drive, "follow", self.drive.speed, self.drive.acceleration)
 
     @cached_property
     def stack(self) -> Stack:
@@ -266,9 +273,7 @@ class CognatesRecipe(AbstractMovedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
-        turn = self.drive
-        span = (float(np.radians(turn.start_deg)), float(np.radians(turn.end_deg)))
-        curve = CouplerCurve(self.linkage, "coupler_point", self.branch, span)
+        curve = CouplerCurve(self.linkage, "coupler_point", self.branch, self.drive.rising)
         shown = {"drawing": self.figure} | {f"{name}_drawing": motion for name, motion in zip(NAMES, self.motions)}
         drawings = (engraved(name, [curve, *skeleton(motion, 0, plate)], plate) for name, motion in shown.items())
         return (*link_parts(self.figure, self.stock, self.stack), *drawings)

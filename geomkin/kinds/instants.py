@@ -240,7 +240,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
             raise DesignError("body", f"found {self.body}, which does not turn and has no centrodes", "give another")
         if not found:
             raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
-        return [(float(part[0]), float(part[-1])) for part in found]
+        return [(float(part.min()), float(part.max())) for part in found]
 
     @cached_property
     def table(self) -> Table:

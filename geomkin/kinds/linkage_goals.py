@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -57,6 +57,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     A subclass is a dataclass with `choose`, `drive`, `stock` and `files`, and says what was found.
     """
 
+    can_be_scaled: ClassVar[bool] = True
     choose: int
     drive: Drive
     stock: LinkStock
@@ -131,14 +132,23 @@ def recipe_of(
 ) -> AbstractLinkageRecipe:
     """The recipe of a linkage that goes `way`, deg, or mm where a slide drives.
 
-    A slide goes there in the time of half a turn of the speed that `drive` gives, in as many steps.
+    A slide goes there in the time of half a turn of the speed that `drive` gives, in as many steps. Where that speed is
+    negative the way is gone backwards, a whole turn from its start on.
     """
+    low, high = way
+    if drive.speed_rpm < 0:
+        way = (low, low - 360) if linkage.linkage.driven_slider is None and high - low == 360 else (high, low)
     given: dict[str, Any] = {"linkage": linkage, "branch": branch, "stock": stock, "files": files}
     if linkage.linkage.driven_slider is None:
-        given["drive"] = Turn(drive.speed_rpm, drive.step_deg, *way)
+        given["drive"] = Turn(drive.speed_rpm, drive.step_deg, *way, drive.acceleration_rad_per_s2)
     else:
-        length = way[1] - way[0]
-        given["stroke"] = Stroke(*way, length * drive.speed_rpm / 30, length * drive.step_deg / 180)
+        length = high - low
+        given["stroke"] = Stroke(
+            *way,
+            length * drive.speed_rpm / 30,
+            length * drive.step_deg / 180,
+            length * drive.acceleration_rad_per_s2 / np.pi,
+        )
     kinds: dict[type, type[AbstractLinkageRecipe]] = {
         FourBar: FourBarRecipe,
         SliderCrank: SliderCrankRecipe,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ..linkage.motion import Motion
 from ..linkage.solve.branch import Chosen, chosen
 from ..linkage.solve.move import move
 from ..names import check_names
+from ..plane.vec import Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Stroke, Turn
 from ..sizes import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
@@ -68,6 +69,7 @@ MOST_DYADS = 2
 class AbstractMovedRecipe(AbstractRecipe):
     """What recipes of a linkage have in common that tell its motion over a table's frames."""
 
+    can_be_scaled: ClassVar[bool] = True
     linkage: AbstractLinkage
     branch: SideOrFollow
     # Of kinds that have none.
@@ -102,10 +104,15 @@ class AbstractMovedRecipe(AbstractRecipe):
         """The branch asked for."""
         return branch_of(self.branch, self.branches)
 
+    def moved(self, frames: Real, signs: Chosen) -> Motion:
+        """The linkage at some frames on a branch, with the driver's speed and acceleration."""
+        way = self.way
+        return move(self.linkage, frames, signs, way.speed, way.acceleration)
+
     @cached_property
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
-        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
+        return self.moved(self.way.frames, self.signs)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:
@@ -121,7 +128,7 @@ class AbstractMovedRecipe(AbstractRecipe):
         told, asked = sides[sides != 0], chosen(self.signs)
         near = {name: place for name, place in asked.near.items() if name != joint}
         other = replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
-        motion = move(self.linkage, self.way.frames, other, self.way.speed)
+        motion = self.moved(self.way.frames, other)
         return (joint, motion) if motion.closed.any() else None
 
 
@@ -142,7 +149,7 @@ class TriangleCorner:
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
     lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
-        "its distances from them, mm", example=(50.0, 60.0)
+        "its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm")
     )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 

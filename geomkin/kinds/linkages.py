@@ -78,7 +78,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def fine_motion(self) -> Motion:
         """The same in steps in which nothing slips through between two plates."""
-        return move(self.linkage, self.way.fine, self.signs, self.way.speed)
+        return self.moved(self.way.fine, self.signs)
 
     @cached_property
     def stack(self) -> Stack:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -94,6 +94,10 @@ class WantedPath:
             return as_field("svg", self.svg, self.count)
         return np.array(self.points, dtype=complex)
 
+    def at_scale(self, scale: float) -> WantedPath:
+        """The same with its points multiplied, those of a file or an SVG path too."""
+        return replace(self, points=tuple((scale * self.places).tolist()), file=None, svg=None)
+
     @property
     def turns_deg(self) -> Real | None:
         """The crank's angles, deg; None where they are free."""
@@ -117,23 +121,26 @@ class PathLimits:
         check_sizes(self)
 
 
+MM = ("mm", "mm")
+
+
 @dataclass(frozen=True, kw_only=True)
 class PathBounds:
     """Sizes and places between two limits, [low, high]; they hold exactly."""
 
-    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None)
-    offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None)
-    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None)
-    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None)
-    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None)
+    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None, units=MM)
+    offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None, units=MM)
+    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None, units=MM)
+    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None, units=MM)
+    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None, units=MM)
     coupler_point_x: Pair | None = entry(
-        "least and greatest x of the coupler point in the coupler's frame, mm", default=None
+        "least and greatest x of the coupler point in the coupler's frame, mm", default=None, units=MM
     )
     coupler_point_y: Pair | None = entry(
-        "least and greatest y of the coupler point in the coupler's frame, mm", default=None
+        "least and greatest y of the coupler point in the coupler's frame, mm", default=None, units=MM
     )
-    origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None)
-    origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None)
+    origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None, units=MM)
+    origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None, units=MM)
     ground_angle_deg: Pair | None = entry(
         "least and greatest direction of the ground line or of the slide line, deg", default=None
     )

@@ -57,18 +57,28 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def table(self) -> Table:
-        """A turn of the carrier, in steps of the sun."""
+        """A turn of the carrier, in steps of the sun; with an acceleration also the rates of carrier and planets."""
         ratio = self.gears.ratios["sun to carrier"]
         steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
-        sun = np.linspace(0, 2 * np.pi * ratio, steps + 1)
+        speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
+        sun = np.linspace(0, np.copysign(2 * np.pi * ratio, speed), steps + 1)
         speeds = self.gears.speeds(sun=1.0, ring=0.0)
         planet = np.degrees(sun * speeds["planet"])
         return Table(
             (
                 Column("sun_angle", "deg", "turn of the sun", np.degrees(sun)),
-                Column("time", "s", "time", sun / self.drive.speed),
+                Column("time", "s", "time", sun / (np.nan if acceleration else speed) + 0.0),
                 Column("carrier_angle", "deg", "turn of the carrier", np.degrees(sun * speeds["carrier"])),
                 Column("planet_angle", "deg", "turn of each planet, seen from the frame", planet),
+                *(
+                    Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(sun), speeds[body] * rate))
+                    for body in ("carrier", "planet")
+                    for name, unit, word, rate in (
+                        ("omega", "rad/s", "angular velocity", speed),
+                        ("alpha", "rad/s2", "angular acceleration", acceleration),
+                    )
+                    if acceleration
+                ),
             )
         )
 

@@ -49,6 +49,7 @@ class AbstractLinkage(ABC):
     KINDS: ClassVar[KindTable[AbstractLinkage]] = LINKAGES
 
     _repr_html_ = moving
+    can_be_scaled: ClassVar[bool] = True
 
     @property
     @abstractmethod

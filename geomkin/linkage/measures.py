@@ -139,26 +139,28 @@ def driver_limits(
 
     Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes.
     DesignError where these have no end, and where a start has to be told: for a branch that is followed or near given
-    pins, and for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched
-    or folded; there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of
-    dyads is followed from the start of the span, where its estimate holds, to its first limit. Derived here: in closed
-    form where the driver alone moves a dyad, by bisection to the last bit elsewhere.
+    pins, and for a linkage that is no chain of dyads. A span may fall, as a clockwise driver goes; the parts rise all
+    the same. A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where the whole
+    span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of the span,
+    where its estimate holds, to its first limit. Derived here: in closed form where the driver alone moves a dyad, by
+    bisection to the last bit elsewhere.
     """
     if span is None:
         span = _whole(linkage, branch)
         if span is None:
             return ()
-    start, end = span
-    if not end > start:
-        raise DesignError("span", f"found {span}", "give a rising pair")
+    first, (low, high) = span[0], sorted(span)
+    if not high > low:
+        raise DesignError("span", f"found {span}", "give two different ends")
 
     def closed(q: Real) -> Mask:
         # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
-        return move(linkage, np.append(start, q), branch).closed[1:]
+        way = 1 if first == low else -1
+        return move(linkage, np.append(first, q[::way]), branch).closed[1:][::way]
 
-    looks = np.linspace(start, end, LOOKS + 1)
+    looks = np.linspace(low, high, LOOKS + 1)
     placements = planned(linkage.linkage, branch)
-    ends = [start, end, *_exact(placements, span)]
+    ends = [low, high, *_exact(placements, (low, high))]
     cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
     within = cuts[:-1] + WITHIN * np.diff(cuts)
     parts: list[list[float]] = []

@@ -196,11 +196,9 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     derivatives by the driver's angle in rad, or by its place in mm where a slide drives. What is nothing but rounding
     has no column. DesignError for arrays of linkages: take one.
     """
-    linkage, speed = motion.linkage, motion.timing.speed
+    linkage = motion.linkage
     if linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
-    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
-    time = (motion.drive - motion.drive[:1]) / (speed if steady else np.nan)
     ground, driver = linkage.ground, linkage.driver
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
@@ -210,7 +208,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
         )
     columns = [
         drive,
-        Column("time", "s", "time at the recipe's speed", time),
+        Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
         *_bodies(motion),
         *_slides(motion),
         Column("transmission_angle", "deg", "least over the dyads", np.degrees(motion.transmission_angle)),

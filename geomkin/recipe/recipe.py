@@ -14,10 +14,14 @@ from ..cached import cached_property
 from ..check import Check
 from ..display import moving
 from ..part import Bought, Part
+from ..scaling import with_lengths
 from ..scene import Scene
 from ..table import Table
 from ..walls import thinnest_walls, wall_checks
 from .settings import Files
+
+# Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
+UNSCALED = ("stock", "base", "files")
 
 
 class AbstractRecipe(ABC):
@@ -33,6 +37,8 @@ class AbstractRecipe(ABC):
     # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name,
     # and recipes that differ in nothing else are equal.
     name: str = ""
+    # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
+    can_be_scaled: ClassVar[bool] = False
     # What a template says of the kind, besides what it is.
     advice: ClassVar[str] = ""
     # Every subclass is a dataclass, which a type checker cannot know.
@@ -135,6 +141,11 @@ class AbstractRecipe(ABC):
         asked: dotted key -> kind of table. What this leaves out is made of the examples of its fields.
         """
         return {}
+
+    def at_scale(self, scale: float) -> Self:
+        """The same with every length multiplied, but for those of `UNSCALED` tables; see `gk.scaled`."""
+        found: Self = with_lengths(self, scale, UNSCALED)
+        return found.called(self.name)
 
     @checked
     def called(self, name: str) -> Self:

@@ -18,6 +18,8 @@ from .recipe import AbstractRecipe
 
 # Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.
 SCHEMA = "geomkin.schema.json"
+# What the key `scale` means, which no class has as a field: it is gone once a recipe is loaded.
+SCALE = "multiplies all lengths but those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], wishes: Sequence[str] = ()) -> str:
@@ -78,6 +80,8 @@ def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]
 def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Lines of a table: plain keys first, then its own tables."""
     plain, tables = [], []
+    if not path and value.can_be_scaled:
+        plain.append(("# scale = 1", SCALE))
     for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
@@ -111,7 +115,7 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
     if value is None:
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    optional = not required and value in (field.default, {}) and field.name != "kind"
+    optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
 
 
@@ -188,6 +192,10 @@ def schema(kinds: Kinds) -> dict[str, Any]:
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
+    for name in kinds:
+        if kinds[name].can_be_scaled:
+            own = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
+            own["properties"]["scale"] = {"type": "number", "minimum": 1e-6, "maximum": 1e6, "description": SCALE}
     recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
 

@@ -54,10 +54,9 @@ def linkage_scene(
         marks += (*_vectors(motion), *_centres(motion))
     around = motion.drive[-1] - motion.drive[0]
     turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
-    speed, passed = motion.timing.speed, np.abs(motion.drive - motion.drive[0])
-    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
-    # Of a speed that changes no time is told: then it is shown in two seconds.
-    time = passed / np.abs(speed) if steady else np.linspace(0, 2, len(passed))
+    # Of a speed that changes no time is known: then it is shown in two seconds.
+    passed = np.abs(motion.timing.elapsed(motion.drive))
+    time = passed if np.isfinite(passed).all() else np.linspace(0, 2, len(passed))
     return Scene(
         table,
         time,

@@ -150,7 +150,7 @@ export class Drawing {
   drawTrail(mark, drive, every) {
     let d = "", drawn = false;
     for (let k = 1; k < this.frames; k++) {
-      const from = drive[k - 1] - drive[0], to = drive[k] - drive[0];
+      const from = abs(drive[k - 1] - drive[0]), to = abs(drive[k] - drive[0]);
       if (!isFinite(mark.x[k] + mark.x[k - 1])) { drawn = false; continue; }
       // Steps may end between two frames: the way there is straight.
       for (let at = from; at < to - 1e-9 * every;) {

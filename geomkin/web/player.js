@@ -45,7 +45,7 @@ class Player {
 
   build() {
     const { root, data, drive } = this;
-    const span = drive.row[data.frames - 1] - drive.row[0];
+    const span = abs(drive.row[data.frames - 1] - drive.row[0]);
     const every = drive.unit === "deg" ? DASH_DEG : span / STROKE_DASHES || 1;
     this.left = make(root, "div", { class: "left" });
     this.stages = make(this.left, "div", { class: "stages" });

@@ -235,6 +235,24 @@ def test_plots_follow_and_lead(folder, opened):
     assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
 
 
+def test_plots_of_a_clockwise_driver_run_from_left_to_right(folder, opened):
+    sizes = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
+    for k, drive in enumerate(({}, {"speed_rpm": -60})):
+        recipe = gk.load({"kind": "four-bar", "linkage": sizes, "drive": drive})
+        gk.write(recipe, folder / f"sense-{k}.html")
+    there, back = (opened(folder / f"sense-{k}.html", viewport={"width": 1400, "height": 900}) for k in (0, 1))
+    page = back.page
+    page.locator(".plot .u-over").first.scroll_into_view_if_needed()
+    box = page.locator(".plot .u-over").first.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    assert abs(frame_of(page) - 270) <= 1 and not back.said
+    line = page.locator(".plot .now").first.bounding_box()
+    assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
+    # As many dashes of the point's path, whichever way it runs.
+    dashes = [tab.page.locator(".trail").first.get_attribute("d").count("M") for tab in (there, back)]
+    assert dashes[0] == dashes[1] > 20
+
+
 def test_switches_show_what_is_off_at_first(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file).page

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,12 @@ from ...brief import one_line
 from ...cached import cached_property
 from ...errors import DesignError, shown
 from ...plane.vec import Real, Whole
-from .given_lifts import TableFit
+from ...scaling import with_lengths
+from .given_lifts import TableFit, read_rows
 from .laws import breaks_of
 from .optimise import Optimum
 from .placed_segments import SLIP, band, place_segments
-from .segments import OneSegment, Segment
+from .segments import LiftTable, OneSegment, Segment
 from .solved_segments import SolvedSegment, lift_range, solve_segments
 
 # What a segment's lift is called where it is an arm's; not written where there is none.
@@ -85,6 +86,21 @@ class Program:
     @cached_property
     def _stretches(self) -> _Stretches:
         return _Stretches(solve_segments(place_segments(self.segments, self.folder)))
+
+    def at_scale(self, scale: float) -> Program:
+        """The same with lifts in mm multiplied, those of a file too; how far a curve may leave rows goes with them."""
+        if self.oscillates:
+            return self
+        return Program(tuple(with_lengths(self._written_out(segment), scale) for segment in self.segments), self.folder)
+
+    def _written_out(self, segment: Segment) -> Segment:
+        """A table whose rows stand in it, and how far a curve may leave them as a length."""
+        if not isinstance(segment, LiftTable):
+            return segment
+        rows, within = tuple((x, lift) for x, lift in read_rows(segment, self.folder)[1].tolist()), band(segment)
+        if not within:
+            return replace(segment, rows=rows, file=None)
+        return replace(segment, rows=rows, file=None, within=within, decimals=None)
 
     @property
     def oscillates(self) -> bool:
