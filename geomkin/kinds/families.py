@@ -22,7 +22,7 @@ from ..scene import Choice, Limit, Plot
 from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
 from ..synthesis.found import ten_digits
-from ..synthesis.rockers.families import LINKS, AbstractMember
+from ..synthesis.rockers.families import LINKS, AbstractMember, turn_of
 from ..table import Column, Table
 from .linkage_goals import NEAR, AbstractLinkageGoal, choose_entry
 
@@ -69,13 +69,7 @@ class AbstractTimed:
     @property
     def turn_deg(self) -> float:
         """The crank's turn in that stroke, deg."""
-        turn, ratio = self.crank_turn_deg, self.time_ratio
-        if ratio is None:
-            return 180.0 if turn is None else turn
-        if turn is not None:
-            problem = "is given besides crank_turn_deg"
-            raise DesignError("time_ratio", problem, "give one of them, which tells the other")
-        return 360 * ratio / (1 + ratio)
+        return turn_of(self.crank_turn_deg, self.time_ratio)
 
 
 def missed(found: float, wanted: float) -> float:

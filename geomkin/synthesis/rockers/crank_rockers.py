@@ -23,6 +23,7 @@ from .families import (
     members,
     scale_of,
     the_choice,
+    turn_of,
     within_sizes,
 )
 from .full_turn import FullTurn, full_turn
@@ -75,7 +76,7 @@ class CrankRocker(AbstractMember):
 @checked
 def crank_rocker(
     swing_deg: Swing,
-    crank_turn_deg: float = 180.0,
+    crank_turn_deg: float | None = None,
     ground: Size | None = None,
     sense: Sense = "same",
     *,
@@ -84,15 +85,17 @@ def crank_rocker(
     rocker: Size | None = None,
     free_angle_deg: float | None = None,
     largest_ratio: Ratio | None = None,
+    time_ratio: Annotated[float, between(1e-6, 1e6)] | None = None,
 ) -> CrankRocker:
     """The crank-rocker of a swing and a crank's turn whose least transmission angle over the full turn is largest.
 
     swing_deg: of the rocker, from dead centre to dead centre. crank_turn_deg: the crank's turn while the rocker swings
-    in the same `sense` as the crank turns, or in the opposite one; 360 k/(1 + k) of a time ratio k. So 200 in the same
-    sense is 160 in the opposite one. ground, crank, coupler, rocker: one of the lengths, mm, the ground's 1 where none
-    is given. free_angle_deg: takes another of the linkages that there are, all of them in `family`; its tangent is
-    crank over coupler. largest_ratio: longest link over the shortest of the best, 6 where it is left out, or of swings
-    below 39 deg twice the least that they need.
+    in the same `sense` as the crank turns, or in the opposite one: 200 in the same sense is 160 in the opposite one.
+    time_ratio: instead of that turn, the time of this stroke over that of the stroke back; the turn is 360 k/(1 + k) of
+    a ratio k, and 180 where neither is given. ground, crank, coupler, rocker: one of the lengths, mm, the ground's 1
+    where none is given. free_angle_deg: takes another of the linkages that there are, all of them in `family`; its
+    tangent is crank over coupler. largest_ratio: longest link over the shortest of the best, 6 where it is left out, or
+    of swings below 39 deg twice the least that they need.
 
     There are linkages where the crank's turn is more than 90 deg and less than 270 deg, both and half the swing, in the
     same sense, or less half the swing in the opposite one; DesignError where there are none, and for a ratio too small
@@ -104,10 +107,11 @@ def crank_rocker(
     crank : coupler : rocker : ground are sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| :
     |cos(f/2 - p/2) cos z + i sin(f/2 - p/2) sin z|.
     """
-    check_turn(swing_deg, crank_turn_deg, sense)
+    turn_deg = turn_of(crank_turn_deg, time_ratio)
+    check_turn(swing_deg, turn_deg, sense, "crank_turn_deg" if time_ratio is None else "time_ratio")
     lengths_given = {"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}
     name, length = the_choice(lengths_given) or ("ground", 1.0)
-    swing, turn = np.radians(swing_deg), np.radians(crank_turn_deg if sense == "same" else 360 - crank_turn_deg)
+    swing, turn = np.radians(swing_deg), np.radians(turn_deg if sense == "same" else 360 - turn_deg)
     low, high = free_range(float(swing), float(turn))
     ratio = _ratio(swing_deg, largest_ratio)
     all_of_them = _family(float(swing), float(turn), (low, high), name, length)

@@ -119,6 +119,15 @@ def the_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
     return next(iter(told.items()), None)
 
 
+def turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
+    """The crank's turn in a stroke, deg, from itself or from the ratio of times there and back; 180 from neither."""
+    if time_ratio is None:
+        return 180.0 if crank_turn_deg is None else crank_turn_deg
+    if crank_turn_deg is not None:
+        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
+    return 360 * time_ratio / (1 + time_ratio)
+
+
 def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
     """What makes `name` of the sizes as long as is given; DesignError where another gets too long or short for it."""
     scale = length / sizes[name]
