@@ -25,7 +25,7 @@ from ..sizes import PointXY, RowsOf, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ..synthesis.guidance.filemon_waldron import Rectification, rectification
 from ..synthesis.guidance.guidance import BodyGuide, body_guides
-from ..synthesis.guidance.guide_groups import KINDS, Kind
+from ..synthesis.guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
@@ -138,11 +138,15 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
             raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
 
     @property
-    def met(self) -> tuple[Check, ...]:
-        guide = self.found
+    def search_limits(self) -> tuple[float, float]:
+        wanted = self.wanted
+        largest = LARGEST_RATIO if wanted.largest_ratio is None else wanted.largest_ratio
+        return wanted.least_transmission_angle_deg, largest
+
+    def met_by(self, found: BodyGuide) -> tuple[Check, ...]:
         return (
-            Check("largest distance from a pose", _told(guide.pose_error), "at most", MISSED, "mm", FEWER),
-            Check("largest turn from a pose", _told(guide.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
+            Check("largest distance from a pose", _told(found.pose_error), "at most", MISSED, "mm", FEWER),
+            Check("largest turn from a pose", _told(found.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
         )
 
     @property

@@ -23,7 +23,7 @@ from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.stock import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
 from ..synthesis.found import sizes_told, ten_digits
-from ..synthesis.path.path import path_generator
+from ..synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
 from ..synthesis.path.results import PathFound
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 from .path_files import FileName, as_field
@@ -211,13 +211,21 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return (0.0, 360.0) if self.wanted.closed else super().way
 
     @property
-    def met(self) -> tuple[Check, ...]:
+    def size_bounds(self) -> Mapping[str, Pair]:
+        return self.bounds.given or {}
+
+    @property
+    def search_limits(self) -> tuple[float, float]:
+        least, largest = self.limits.least_transmission_angle_deg, self.limits.largest_ratio
+        return TOGGLE_DEG if least is None else least, LONGEST_RATIO if largest is None else largest
+
+    def met_by(self, found: PathFound) -> tuple[Check, ...]:
         wide = float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
         advice = "give more room by wider bounds, lower limits or fewer points"
         return (
             Check(
                 "largest distance of a point from the path",
-                self.found.largest_distance,
+                found.largest_distance,
                 "at most",
                 NEAR * wide,
                 "mm",
@@ -254,7 +262,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
-            "usable": None if usable is None else usable.summary(),
+            "usable": None if usable is None else self.shortened(usable).summary(),
             "cognates": cognates,
         }
         return told | dict(super().notes)

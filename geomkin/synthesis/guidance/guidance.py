@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -13,9 +13,10 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.solve.move import move
-from ...plane.vec import Complex, Mask, Real, Whole, rounded
+from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
 from ...progress import Watch
 from ..found import Found
+from ..rounding import Rounding
 from .dyads import dyads_through
 from .guide_groups import KINDS, LARGEST_RATIO, Asked, Group, Kind, along_curves, of_chosen, of_dyads, searched
 from .guide_search import Displacements
@@ -45,7 +46,8 @@ class BodyGuide(Found):
     Its coupler point (a trammel's rod point) is the body's origin, and body_angle_deg the body's angle in the
     coupler's frame. kind: by what drives: of a "crank-slider" the crank, of a "slider-crank" the slider. pose_error:
     the farthest that the body's origin is from where it is wanted, mm, and angle_error_deg the most that its angle is
-    off, when the linkage is moved to `drive`. cut_short: whether the search was stopped by its time.
+    off, when the linkage is moved to `drive`. cut_short: whether the search was stopped by its time. poses: those
+    wanted, as origins, mm, and directions.
     """
 
     kind: str
@@ -53,8 +55,21 @@ class BodyGuide(Found):
     pose_error: float
     angle_error_deg: float
     cut_short: bool = False
+    poses: tuple[Complex, Complex] = field(repr=False)
 
     __repr__ = one_line
+
+    def rounded(self, rounding: Rounding) -> BodyGuide:
+        turned = rounding.angle("", self.body_angle_deg)
+        other = replace(super().rounded(rounding), body_angle_deg=turned)
+        signs = np.full(other.drive.shape, self.branch)
+        off, angles = _missed(other.linkage, other.drive, signs, turned, self.poses)
+        if self.defects:
+            # Some poses may be on the other branch: of each what is nearer.
+            both = off, _missed(other.linkage, other.drive, -signs, turned, self.poses)[0]
+            signs = np.where(np.argmin(np.nan_to_num(both, nan=np.inf), axis=0) == 0, signs, -signs)
+            off, angles = _missed(other.linkage, other.drive, signs, turned, self.poses)
+        return replace(other, pose_error=float(off.max()), angle_error_deg=float(angles.max()))
 
     def summary(self) -> Mapping[str, object]:
         error = {"pose_error_mm": self.pose_error, "angle_error_deg": self.angle_error_deg}
@@ -166,8 +181,8 @@ def _made(ask: Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
     point, angle = guides.holds(k, complex(origins[0]), complex(directions[0]))
     linkage, found = guides.linkage(k, point), guides.defects
     drive, signs = found.drive[:, k], found.sign[:, k]
-    places, turns = _moved(linkage, drive, signs)
-    off = np.abs(np.angle(turns * np.exp(1j * angle) * np.conj(directions)))
+    body_angle_deg = float(np.degrees(angle))
+    off, angles = _missed(linkage, drive, signs, body_angle_deg, (origins, directions))
     return BodyGuide(
         linkage=linkage,
         branch=int(signs[0]),
@@ -175,11 +190,21 @@ def _made(ask: Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
         transmission_angle_deg=float(np.degrees(guides.angle[k])),
         defects=found.named(k),
         kind=kind,
-        body_angle_deg=float(np.degrees(angle)),
-        pose_error=float(np.abs(places - origins).max()),
-        angle_error_deg=float(np.degrees(off.max())),
+        body_angle_deg=body_angle_deg,
+        pose_error=float(off.max()),
+        angle_error_deg=float(angles.max()),
         cut_short=ask.watch.cut,
+        poses=(origins, directions),
     )
+
+
+def _missed(
+    linkage: AbstractLinkage, drive: Real, signs: Whole, body_angle_deg: float, poses: tuple[Complex, Complex]
+) -> tuple[Real, Real]:
+    """How far the body is from each pose, mm, and by how much it is turned from it, deg."""
+    places, turns = _moved(linkage, drive, signs)
+    angles = np.angle(turns * direction_deg(body_angle_deg) * np.conj(poses[1]), deg=True)
+    return np.abs(places - poses[0]), np.abs(angles)
 
 
 def _moved(linkage: AbstractLinkage, drive: Real, signs: Whole) -> tuple[Complex, Complex]:

@@ -152,6 +152,7 @@ class PathSearch:
             transmission_angle_deg=float(np.degrees(way.transmission)),
             defects=way.defects,
             points=self.points,
+            closed=task.closed,
             square_error=float(np.sum(off**2)),
             largest_distance=float(off.max()),
             at_limits=self.limits_of(x, way),
