@@ -19,7 +19,6 @@ from ..linkage.measures import driver_limits, grashof, least_transmission_angle
 from ..linkage.motion import Motion, motion_table
 from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, Shaper, SliderCrank
 from ..linkage.solve.branch import Branch
-from ..linkage.solve.move import move
 from ..part import Bought, Part
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene

@@ -47,7 +47,7 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     Parameters
     ----------
     motion : Motion
-        Of one linkage, over rising drives. Between frames the output is a cubic with its values and slopes there.
+        Of one linkage, over rising or falling drives. Between frames the output is a cubic with its values and slopes there.
     output : str
         The body.
     band : float
@@ -70,6 +70,10 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     band.
     """
     drive, value, slope = motion.drive, *_output(motion, output)
+    if len(drive) and drive[-1] < drive[0]:
+        # The same positions, in the order of rising drives.
+        drive, value, slope = drive[::-1], value[::-1], slope[::-1]
+    last, turn = drive[-1] if len(drive) else np.nan, float(np.ptp(drive)) if len(drive) else np.nan
     if motion.linkage.driven_slider is None and _comes_round(motion):
         # A dwell may begin in one turn and end in the next.
         drive = np.append(drive, drive[1:] + (drive[-1] - drive[0]))
@@ -82,8 +86,7 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     t_end, y_end = _left_at(t, y, end, end + 1, y[start : end + 1], float(band))
     t_start, y_start = _left_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
     inside = np.append(y[start : end + 1], [y_start, y_end])
-    turn = float(motion.drive[-1] - motion.drive[0])
-    first = t_start - turn if t_start >= motion.drive[-1] else t_start
+    first = t_start - turn if t_start >= last else t_start
     return OutputDwell(first, first + min(t_end - t_start, turn), float(inside.min()), float(inside.max()))
 
 
@@ -109,7 +112,7 @@ def _output(motion: Motion, output: str) -> tuple[Real, Real]:
 
 def _comes_round(motion: Motion) -> bool:
     """Whether the frames are one turn of the driver, at the end of which the linkage is where it began."""
-    if abs(motion.drive[-1] - motion.drive[0] - 2 * np.pi) > CLOSED or not motion.closed.all():
+    if abs(abs(motion.drive[-1] - motion.drive[0]) - 2 * np.pi) > CLOSED or not motion.closed.all():
         return False
     size = float(motion.linkage.size) or 1.0
     return all(

@@ -52,6 +52,20 @@ def test_open_frames_break_a_dwell() -> None:
     assert gk.move(motion.linkage, np.linspace(found.start, found.end, 500)).closed.all()
 
 
+def test_falling_drives_have_the_dwell_of_rising_ones() -> None:
+    four_bar = gk.FourBar(100, 30, 90, 70, 40 + 25j)
+    linkage = gk.StephensonSixBar(four_bar, 120, 90, 100 + 100j)
+    drive = np.linspace(0, 2 * np.pi, 361)
+    rising = longest_dwell(gk.move(linkage, drive), "output", 0.03)
+    for falling in (drive[::-1], drive[::-1] - 2 * np.pi):
+        found = longest_dwell(gk.move(linkage, falling), "output", 0.03)
+        assert found.range == pytest.approx(rising.range, abs=1e-9)
+        assert (found.start - rising.start) % (2 * np.pi) == pytest.approx(0, abs=1e-9) or (
+            found.start - rising.start
+        ) % (2 * np.pi) == pytest.approx(2 * np.pi, abs=1e-9)
+        assert (found.low, found.high) == pytest.approx((rising.low, rising.high), abs=1e-9)
+
+
 def test_refusals() -> None:
     motion = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.2, 3, 100))
     for output, band, field in (("ground", 0.1, "output"), ("coupler", 0.1, "output"), ("rocker", 0.0, "band")):
