@@ -29,8 +29,9 @@ class RackCutter:
     """A straight-flanked cutting rack, lengths in modules; the defaults are basic rack profile A of ISO 53.
 
     `addendum` is the gear's: how far its teeth reach above the reference line. `dedendum` is how deep
-    the rack's tip cuts below it, `tip_radius` the rounding of that tip.
-    Raises DesignError where the flanks meet above the tip, or the tip has no room for its rounding.
+    the rack's tip cuts below it, `tip_radius` the rounding of that tip. `fillet_radius` is the fillet at the root of
+    the rack's teeth: such a rack cuts the gear's tips, too, and rounds their edges.
+    Raises DesignError where the flanks meet above the tip, or a tip or root has no room for its rounding.
     """
 
     pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
@@ -41,6 +42,9 @@ class RackCutter:
         "depth that the rack cuts below the reference line", "modules", default=1.25, above=0, at_most=5
     )
     tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
+    fillet_radius: float = quantity(
+        "fillet at the root of the rack's teeth, which rounds the gear's tips", "modules", default=0.0, at_least=0
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -59,6 +63,13 @@ class RackCutter:
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
                 f"give at most {rounded_down(largest)}, or a smaller dedendum",
+            )
+        room = max(0.0, np.pi / 4 - self.addendum * np.tan(slope)) * np.cos(slope) / (1 - np.sin(slope))
+        if self.fillet_radius > room:
+            raise DesignError(
+                "fillet_radius",
+                f"found {self.fillet_radius:g}, but the rack's spaces have room for {room:.4g} modules",
+                f"give at most {rounded_down(room)}, or a smaller addendum",
             )
 
     @property
@@ -82,6 +93,22 @@ class RackCutter:
         """Depth below the reference line where the straight flank ends, modules."""
         return float(self.dedendum - self.tip_radius * (1 - np.sin(self.pressure_angle)))
 
+    @property
+    def fillet_height(self) -> float:
+        """Height of the root fillet's centre above the reference line, modules."""
+        return self.addendum - self.fillet_radius
+
+    @property
+    def fillet_side(self) -> float:
+        """Distance of the root fillet's centre from the middle of the rack's space, modules."""
+        a = self.pressure_angle
+        return float(np.pi / 4 - self.fillet_height * np.tan(a) - self.fillet_radius / np.cos(a))
+
+    @property
+    def flank_height(self) -> float:
+        """Height above the reference line where the straight flank ends, modules."""
+        return float(self.addendum - self.fillet_radius * (1 - np.sin(self.pressure_angle)))
+
     def edge(self, module: float, teeth: int, thinning: float = 0.0) -> Polyline:
         """Its cutting edge along the x axis from left to right, mm, round so many teeth of what it cuts.
 
@@ -91,16 +118,18 @@ class RackCutter:
         """
         a = self.pressure_angle
         land = self.corner_side + thinning / 2
-        top = (np.pi / 2 - thinning) / 2 - self.addendum * np.tan(a)
-        # One tooth's right-hand side, downwards: tip, end of the flank, start of the bottom land.
+        top = self.fillet_side - thinning / 2
+        # One tooth's right-hand side, downwards: end of the tip, both ends of the flank, start of the bottom land.
+        flank_start = top + self.fillet_radius * np.cos(a) + 1j * self.flank_height
         flank_end = np.pi / 2 - land - self.tip_radius * np.cos(a) - 1j * self.flank_depth
-        side = np.array([top + 1j * self.addendum, flank_end, np.pi / 2 - land - 1j * self.dedendum])
-        # The rounding turns from the flank's slope to the level: a quarter of it as tan.
+        side = np.array([top + 1j * self.addendum, flank_start, flank_end, np.pi / 2 - land - 1j * self.dedendum])
+        # The roundings turn from the flank's slope to the level: a quarter of it as tan.
         turn = np.tan((np.pi / 2 - a) / 4)
-        bends = [turn, 0, 0, 0, turn, 0]
-        if not self.tip_radius:
-            # Sharp: flank and bottom land meet.
-            side, bends = side[:2], [0, 0, 0, 0]
+        turns = np.array([-turn, 0, turn])
+        # Where a corner is sharp, flank and land meet.
+        first, last = int(self.fillet_radius == 0), 3 - int(self.tip_radius == 0)
+        side, turns = side[first : last + 1], turns[first:last]
+        bends = [*turns[::-1], 0, *turns, 0]
         tooth = np.concatenate([-np.conj(side)[::-1], side])
         places = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
         bulges = np.tile(bends, teeth)[:-1]
@@ -128,7 +157,7 @@ def balanced_shifts(
 
     first, second: numbers of teeth; total: sum of the shifts; 0 keeps the centre distance of gears without.
     The largest specific sliding of each gear, at the tips of the other, becomes the same. Teeth reach the
-    rack's addendum above their shifted reference lines. Derived here. Raises DesignError where tips of either gear meet
+    rack's addendum above their shifted reference lines; a fillet_radius of the rack is left out. Derived here. Raises DesignError where tips of either gear meet
     the line of action outside the base circles whatever the shifts.
     """
     rack = RackCutter() if rack is None else rack
@@ -175,7 +204,8 @@ class PinionCutter:
     """An involute gear with cutting edges that cuts internal gears, lengths in modules.
 
     `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
-    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one.
+    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one. With a
+    `fillet_radius` the roots of its teeth, which then are as deep as the ring's tips ask, round those tips' edges.
     Raises DesignError where its teeth are pointed, or their tips have no room for the rounding.
     """
 
@@ -186,6 +216,9 @@ class PinionCutter:
     )
     tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
+    fillet_radius: float = quantity(
+        "fillet at the root of the cutter's teeth, which rounds the ring's tips", "modules", default=0.0, at_least=0
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -229,24 +262,37 @@ class PinionCutter:
         """The rounding of its tips, modules and rad."""
         return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
 
-    def edge(self, module: float) -> Ring:
+    def fillet(self, root_radius: float) -> TipRounding:
+        """The fillet at its roots, modules and rad, where they reach a radius: as its tips' rounding, from outside."""
+        return tip_rounding(self.base_radius, self.half_angle_at_base, root_radius, -self.fillet_radius)
+
+    def edge(self, module: float, root_radius: float | None = None) -> Ring:
         """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
 
-        module: mm.
+        module: mm. root_radius: of its roots, modules, which count where they have a fillet.
         """
         corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
-        flank = Moved(Involute(module * self.base_radius, 0.0, corner.roll), Pose(0j, turned))
+        fillet = self.fillet(root_radius) if self.fillet_radius and root_radius else None
+        begin = fillet.roll if fillet else 0.0
+        flank = Moved(Involute(module * self.base_radius, begin, corner.roll), Pose(0j, turned))
         # Its spaces are as deep as its teeth reach out.
         root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
         side: list[AbstractCurve] = [flank]
-        if 0 < root < self.base_radius:
+        half_land = max(0.0, np.pi / self.teeth - self.half_angle_at_base)
+        if fillet:
+            inward = 1j * np.exp(-1j * fillet.angle)
+            end, centre = complex(flank.point(begin)), module * fillet.radius * inward
+            start = centre - module * self.fillet_radius * inward
+            side.insert(0, Arc(centre, start, float(np.angle((end - centre) / (start - centre)))))
+            half_land = max(0.0, np.pi / self.teeth - fillet.angle)
+        elif 0 < root < self.base_radius:
             start = complex(flank.point(0.0))
             side.insert(0, Segment(start * root / self.base_radius, start))
         if self.tip_radius:
             towards = 1j * np.exp(-1j * max(0.0, corner.angle))
             start, centre = complex(flank.point(corner.roll)), module * corner.radius * towards
             side.append(Arc(centre, start, float(np.angle(towards / (start - centre)))))
-        return toothed(side, self.teeth, max(0.0, np.pi / self.teeth - self.half_angle_at_base))
+        return toothed(side, self.teeth, half_land)
 
     def _half_angle(self, radius: float) -> float:
         return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))

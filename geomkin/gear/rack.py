@@ -29,8 +29,8 @@ class GearRack(AbstractGear):
     """A straight bar with teeth on top; its reference line is the x axis, a tooth is centred on +y.
 
     The teeth are those that the cutting rack would leave on a gear of infinitely many teeth: straight flanks,
-    roots rounded with the radius of the rack's tips (the basic rack of ISO 53). The bar ends in the middle of a space
-    on both sides. Raises DesignError where the teeth are pointed, or as deep as the bar is high.
+    roots rounded with the radius of the rack's tips (the basic rack of ISO 53), tips with its fillet_radius. The bar
+    ends in the middle of a space on both sides. Raises DesignError where the teeth are pointed, or as deep as the bar is high.
     """
 
     pitch_radius = tip_radius = root_radius = float("inf")
@@ -92,6 +92,11 @@ class GearRack(AbstractGear):
     def form_depth(self) -> float:
         """Depth below the reference line where the straight flanks end, mm."""
         return self.module * self.rack.flank_depth
+
+    @property
+    def form_height(self) -> float:
+        """Height above the reference line where the straight flanks end, mm."""
+        return self.module * self.rack.flank_height
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -208,7 +213,7 @@ class RackPair:
     def contact_lengths(self) -> tuple[float, float]:
         """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
         start, end = self.pinion.flank_lengths
-        high, deep = self._along(-self.rack.tip_height), self._along(self.rack.form_depth)
+        high, deep = self._along(-self.rack.form_height), self._along(self.rack.form_depth)
         return max(start, high), min(end, deep)
 
     @property
@@ -244,7 +249,10 @@ class RackPair:
 
     @property
     def interferences(self) -> tuple[str, ...]:
-        """What hits: `pinion root`, where the rack's tips reach below its true flank, `rack root`, the other way."""
+        """What hits: `pinion root`, where the rack's tips reach below its true flank, `rack root`, the other way.
+
+        Rounded tips of the rack count as sharp ones, which reach farther.
+        """
         pinion, limit = self.pinion, TOUCH * self.pinion.module
         start, end = pinion.flank_lengths
         found = {
@@ -279,4 +287,4 @@ class RackPair:
         a = self.pinion.pressure_angle
         start = self.pinion.flank_lengths[1] - self.rack.pitch * np.cos(a)
         room = (start - self.pinion.pitch_radius * np.sin(a)) * np.sin(a)
-        return float(self.pinion.pitch_radius + self.rack.tip_height + room)
+        return float(self.pinion.pitch_radius + self.rack.form_height + room)

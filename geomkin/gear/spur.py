@@ -145,6 +145,11 @@ class SpurGear(AbstractInvoluteGear):
 
     def _check_tip_edge(self) -> None:
         """The two edges of a tip must leave each other, and the flanks, their room."""
+        given = {"addendum": self.addendum, "tip_rounding": self.tip_rounding, "tip_chamfer": self.tip_chamfer}
+        if self.rack.fillet_radius and (twice := next((name for name, value in given.items() if value), None)):
+            problem = f"found {given[twice]:g} beside a rack whose fillet_radius of {self.rack.fillet_radius:g} cuts tips"
+            remedy = "rack.addendum instead" if twice == "addendum" else "one of them"
+            raise DesignError(twice, problem, f"give {remedy}")
         if self.tip_rounding and self.tip_chamfer:
             raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g} beside a tip_rounding", "give one of them")
         if 0 < self.tip_chamfer < SMALLEST_CHAMFER:
@@ -241,4 +246,8 @@ class SpurGear(AbstractInvoluteGear):
             corner_side=module * rack.corner_side + thinning / 2,
             corner_rounding=module * rack.tip_radius,
             flank_depth=module * (rack.flank_depth - shift),
+            fillet_radius=module * rack.fillet_radius,
+            fillet_height=module * (rack.fillet_height + shift),
+            fillet_side=module * rack.fillet_side - thinning / 2,
+            flank_height=module * (rack.flank_height + shift),
         )
