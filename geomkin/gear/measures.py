@@ -158,6 +158,11 @@ def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
             Column("radius", "mm", "distance from the gear's axis", np.abs(z)),
             *xy_columns("tooth", "mm", "right-hand side of the tooth centred on +y", z),
             Column("half_thickness_angle", "deg", "angle from the tooth's centre line", half),
-            Column("region", "", "region of the tooth that the point lies on", np.repeat(list(sides), [len(side) for side in chords])),
+            Column(
+                "region",
+                "",
+                "region of the tooth",
+                np.repeat(list(sides), [len(side) for side in chords]),
+            ),
         )
     )

@@ -7,6 +7,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from ..arguments import checked
 from ..brief import one_line
 from ..cached import cached_property
 from ..errors import DesignError
@@ -14,7 +15,9 @@ from ..plane.joined import Ring
 from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
-from .cutters import PinionCutter
+from .cutters import HelixAngle
+from .module import Settled, diametral_pitch, module, settle_module
+from .pinion_cutter import PinionCutter
 from .ring_tooth import RingTooth
 from .tooth import toothed, with_land
 
@@ -38,7 +41,7 @@ class RingGear(AbstractInvoluteGear):
     is_ring = True
 
     teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=10_000, example=60)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=2)
+    module: Settled = module()
     profile_shift: float = quantity(
         "outward shift of the teeth", "modules", default=0.0, at_least=-FARTHEST_SHIFT, at_most=FARTHEST_SHIFT
     )
@@ -49,11 +52,13 @@ class RingGear(AbstractInvoluteGear):
     thinning: float = quantity(
         "how much thinner each tooth is along the reference circle, for backlash", "mm", default=0.0, at_least=0
     )
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
@@ -115,6 +120,19 @@ class RingGear(AbstractInvoluteGear):
             "profile_shift",
             f"found {self.profile_shift:g}, with which the flanks meet outside the tip circle",
             "give a smaller profile_shift or addendum",
+        )
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> RingGear:
+        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
+        ratio = float(np.cos(np.radians(helix_angle_deg)))
+        return replace(
+            self,
+            module=self.module / ratio,
+            diametral_pitch=None,
+            profile_shift=self.profile_shift * ratio,
+            cutter=self.cutter.transverse(helix_angle_deg),
+            addendum=self.addendum * ratio,
         )
 
     def _refuse_fillet(self) -> NoReturn:

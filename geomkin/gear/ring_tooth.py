@@ -13,8 +13,8 @@ from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth
-from .cutters import PinionCutter
 from .interference import InternalMesh
+from .pinion_cutter import PinionCutter
 from .tooth import envelope_end
 
 
@@ -100,7 +100,7 @@ class RingTooth(AbstractTooth):
 
     @cached_property
     def _fillet(self) -> RingTrochoid | None:
-        """What the cutter's root fillet leaves of the tip, from the tip circle to the flank; None where it cuts none."""
+        """What the cutter's root fillet leaves of the tip, from the tip circle to the flank; None if it cuts none."""
         if not self.cutter.fillet_radius:
             return None
         whole = self._envelope(self.cutter.fillet(self.cutter_root).radius, -self.cutter.fillet_radius)
@@ -261,7 +261,7 @@ class RingTrochoid(Traced):
 
     def speed(self, t: float) -> float:
         """Signed speed along the tangent, per lean of the normal."""
-        return float(self._bend(*self._away(t))[1])
+        return float(self._bend(*self._away(np.asarray(t)))[1])
 
     def curvature(self, t: ArrayLike) -> Real:
         turn, speed = self._bend(*self._away(np.asarray(t, dtype=float)))

@@ -63,10 +63,10 @@ def envelope_end(
 ) -> float:
     """Where a tip that a tool's root fillet rounds leaves the flank: the parameter of the fillet's envelope.
 
-    envelope: on the tip circle at 0, which is turned to +x, on the flank at `end`; speed: along it. half_angle: of the involute's tooth
-    at a radius; land: half the angle that the envelope leaves of the tip circle, rad. nan where the flanks alone cut
-    the tip. Between a cusp and the flank the envelope runs back through the tooth: then it crosses the flank and leaves
-    a blunt edge.
+    envelope: on the tip circle at 0, which is turned to +x, on the flank at `end`; speed: along it. half_angle: of the
+    involute's tooth at a radius; land: half the angle that the envelope leaves of the tip circle, rad. nan where the
+    flanks alone cut the tip. Between a cusp and the flank the envelope runs back through the tooth: then it crosses the
+    flank and leaves a blunt edge.
     """
 
     def inside(t: float) -> float:
