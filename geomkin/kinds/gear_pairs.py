@@ -71,7 +71,10 @@ class GearPairRecipe(AbstractHelicalRecipe):
     @cached_property
     def design(self) -> GearPair:
         """The gears with the shifts that were asked for, in mesh."""
-        one, two = self.first, self.second
+        with self.naming_section():
+            return self._pair(self.in_section(self.first), self.in_section(self.second))
+
+    def _pair(self, one: SpurGear, two: SpurGear) -> GearPair:
         if self.shifts == "avoid-undercut":
             shifts = undercut_free_shift(one.teeth, one.rack), undercut_free_shift(two.teeth, two.rack)
         elif self.shifts == "balance-sliding":
@@ -176,8 +179,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     @cached_property
     def design(self) -> RackPair:
         """Both in mesh."""
-        given = (self.pinion, self.rack)
-        return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
+        with self.naming_section():
+            given = (self.in_section(self.pinion), self.in_section(self.rack))
+            return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
 
     @cached_property
     def table(self) -> Table:
@@ -185,14 +189,15 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        own = gear_checks(self.pinion, self.stock.rim_under(self.pinion), "pinion")
+        pinion = self.design.pinion
+        own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         return (*mesh_checks(self.design), *own)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        check_tooth_points(self.files, [self.pinion.outline])
-        (pinion,) = gear_parts(self.pinion, self.stock, "pinion", helix=self.helix)
-        (rack,) = gear_parts(self.rack, self.stock, "rack", helix=self.helix)
+        check_tooth_points(self.files, [self.design.pinion.outline])
+        (pinion,) = gear_parts(self.design.pinion, self.stock, "pinion", helix=self.helix)
+        (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
         held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
@@ -227,6 +232,6 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "clearances_mm": [shown(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }
-        sizes = {"pinion": (self.pinion, self.helix, width)}
+        sizes = {"pinion": (pair.pinion, self.helix, width)}
         measures = {"pinion": gear_notes(*sizes["pinion"])}
         return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.joined}

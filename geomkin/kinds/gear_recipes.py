@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -21,7 +22,12 @@ from .assembled import AbstractAssembledRecipe
 
 if TYPE_CHECKING:
     from ..gear.pair import GearPair
+    from ..gear.planetary import PlanetarySet
+    from ..gear.rack import GearRack
+    from ..gear.ring import RingGear
+    from ..gear.spur import SpurGear
 
+G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000
 # What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
@@ -36,8 +42,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """What recipes of involute gears have in common."""
 
     advice: ClassVar[str] = (
-        "Where teeth lie on helices, all sizes, module first, are those of the transverse section, square to the axis, "
-        "which drawings show."
+        "If teeth lie on helices, sizes are those of the transverse section, square to the axis, which drawings show; "
+        'with section = "normal", modules, diametral pitches, pressure angles, profile shifts and heights are those '
+        "square to the teeth, as in catalogues."
     )
 
     kind: str
@@ -46,6 +53,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
     )
     herringbone: bool = entry("the upper half of the face has the other hand", default=False)
+    section: Literal["transverse", "normal"] = entry(
+        "the section that sizes of gears are given in: across the axis, or square to the teeth", default="transverse"
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -55,6 +65,22 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     def helix(self) -> Helix:
         """Of the gear that drives."""
         return Helix(self.helix_angle_deg, self.hand, self.herringbone)
+
+    def in_section(self, gear: G) -> G:
+        """The transverse section of a gear of the recipe, whichever section its sizes are given in."""
+        return gear.transverse(self.helix_angle_deg) if self.section == "normal" else gear
+
+    @contextmanager
+    def naming_section(self) -> Iterator[None]:
+        """Refusals of sizes that were converted: sizes of the transverse section are in them, and what they are."""
+        try:
+            yield
+        except DesignError as error:
+            if self.section == "transverse" or not self.helix_angle_deg:
+                raise
+            ratio = np.cos(np.radians(self.helix_angle_deg))
+            remedy = f"{error.remedy}; sizes in modules are {ratio:.6g} of the normal ones there"
+            raise DesignError(error.field, f"{error.problem}, in the transverse section", remedy) from None
 
     @property
     def subtitle(self) -> str:
@@ -188,6 +214,7 @@ def _helix(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mappi
         "normal_module_mm": shown(helix.normal_module(gear.module)),
         "normal_pressure_angle_deg": shown(np.degrees(helix.normal_pressure_angle(gear))),
         "base_helix_angle_deg": shown(np.degrees(helix.base_angle(gear))),
+        "normal_profile_shift": shown(gear.profile_shift / np.cos(np.radians(helix.helix_angle_deg))),
         "lead_mm": shown(helix.lead(gear)),
     }
 

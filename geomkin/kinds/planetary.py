@@ -51,18 +51,20 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
-    @property
+    @cached_property
     def design(self) -> PlanetarySet:
-        return self.gears
+        """The transverse section of all gears."""
+        with self.naming_section():
+            return self.in_section(self.gears)
 
     @cached_property
     def table(self) -> Table:
         """A turn of the carrier, in steps of the sun; with an acceleration also the rates of carrier and planets."""
-        ratio = self.gears.ratios["sun to carrier"]
+        ratio = self.design.ratios["sun to carrier"]
         steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
         speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
         sun = np.linspace(0, np.copysign(2 * np.pi * ratio, speed), steps + 1)
-        speeds = self.gears.speeds(sun=1.0, ring=0.0)
+        speeds = self.design.speeds(sun=1.0, ring=0.0)
         planet = np.degrees(sun * speeds["planet"])
         return Table(
             (
@@ -84,7 +86,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         return (
             *planetary_checks(gears),
             *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
@@ -94,7 +96,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
         parts = (
             *gear_parts(gears.sun, sun, "sun", "sun_stock", helix=self.helix),
@@ -122,12 +124,12 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     def assembly(self) -> Assembly:
         """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
-        return planetary_assembly(self.gears, stocks, self.base, self.helix)
+        return planetary_assembly(self.design, stocks, self.base, self.helix)
 
     @cached_property
     def scene(self) -> Scene:
         """A turn of the carrier."""
-        return planetary_scene(self.gears, self.table, self.parts)
+        return planetary_scene(self.design, self.table, self.parts)
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
@@ -136,7 +138,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        gears, helix = self.gears, self.helix
+        gears, helix = self.design, self.helix
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         sizes: dict[str, tuple[AbstractInvoluteGear, Helix, float]] = {
             "sun": (gears.sun, helix, sun),
