@@ -34,11 +34,15 @@ Readable = str | Path | Annotated[Mapping[str, Any], Sort(lambda value: isinstan
 
 @dataclasses.dataclass(frozen=True)
 class Made:
-    """What became of a recipe. files: path to size in bytes, empty when nothing was to be written."""
+    """What became of a recipe. files: path to size in bytes, empty when nothing was to be written.
+
+    facts: what `check_recipe` found besides, a line each, such as the peak factors of a cam's segments.
+    """
 
     name: str
     checks: tuple[Check, ...]
     files: Mapping[Path, int]
+    facts: tuple[str, ...] = ()
 
     __repr__ = one_line
 
@@ -107,7 +111,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 _ = job.sheets if writer.flat else job.solids
             else:
                 _ = job.table if writer.needs == "table" else job.scene
-    return Made(name, checks, {})
+        facts = recipe.facts
+    return Made(name, checks, {}, facts)
 
 
 @checked

@@ -82,6 +82,8 @@ def check_command(recipes: tuple[Path, ...]) -> None:
         click.echo(printable(result.name))
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {check}")
+        for fact in result.facts:
+            click.echo(f"        {printable(fact)}")
     sys.exit(1 if failed else 0)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv as text_csv
 import io
-from math import isfinite
+from math import isnan
 
 import numpy as np
 
@@ -41,7 +41,7 @@ def _cells(column: Column) -> list[str]:
     largest = max(column.scale, np.abs(values[np.isfinite(values)]).max(initial=0.0))
     # Rounding to more than 290 decimals overflows; what is so small becomes 0.
     digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
-    return [repr(v) if isfinite(v) else "" for v in rounded(values, digits).tolist()]
+    return ["" if isnan(v) else repr(v) for v in rounded(values, digits).tolist()]
 
 
 def _harmless(text: str) -> str:

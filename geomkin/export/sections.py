@@ -303,7 +303,7 @@ def text(raw: str) -> str:
 def number(value: float) -> str:
     """To four digits, as a reader takes it in."""
     if not np.isfinite(value):
-        return "none"
+        return "none" if np.isnan(value) else "infinite"
     plain = f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
     return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 

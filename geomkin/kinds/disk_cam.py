@@ -119,9 +119,11 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def notes(self) -> Mapping[str, object]:
-        """The least base circle within the usual pressure angle, optimised segments, and what undercut does."""
+        """Peaks of each segment, the least base circle within the usual pressure angle, optimised segments, and what
+        undercut does.
+        """
         cam = self.cam
-        notes: dict[str, object] = {}
+        notes: dict[str, object] = {"peaks": self._peaks()}
         try:
             least = least_base_circle(cam.follower, cam.program, cam.direction, most_pressure_angle(cam))
             notes["least_base_circle"] = {"radius_mm": float(f"{least.radius:.9g}"), "limit": least.limit}
@@ -140,6 +142,30 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             ]
         notes |= self.joined
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
+
+    def _peaks(self) -> dict[str, dict[str, object]]:
+        """Of each segment that moves the largest sizes by cam angle, and its peak factors."""
+        unit = "rad" if self.cam.follower.oscillates else "mm"
+        found: dict[str, dict[str, object]] = {}
+        for k, peaks in self.cam.program.peaks.items():
+            segment = self.cam.program.segments[k]
+            law = getattr(segment, "law", segment.kind)
+            sizes = {"velocity": peaks.velocity, "acceleration": peaks.acceleration, "jerk": peaks.jerk}
+            sizes |= dict(zip(("Cv", "Ca", "Cj"), peaks.factors))
+            found[f"segment_{k + 1}"] = (
+                {"law": law if isinstance(law, str) else "given", "units": f"{unit}/rad, {unit}/rad2, {unit}/rad3"}
+                | {name: float(f"{value:.9g}") for name, value in sizes.items()}
+            )  # fmt: skip
+        return found
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Peak factors of each segment that ends at another lift than it starts."""
+        return tuple(
+            f"{name.replace('_', ' ')}, {peaks['law']}: Cv {peaks['Cv']:.4g}, Ca {peaks['Ca']:.4g}, Cj {peaks['Cj']:.4g}"
+            for name, peaks in self._peaks().items()
+            if peaks["Cv"] == peaks["Cv"]
+        )
 
     def _undercut(self) -> Mapping[str, object]:
         (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit

@@ -120,6 +120,11 @@ class AbstractRecipe(ABC):
         return {}
 
     @property
+    def facts(self) -> tuple[str, ...]:
+        """Lines that `geomkin check` prints below the checks."""
+        return ()
+
+    @property
     def found_recipe(self) -> AbstractRecipe | None:
         """The recipe that a goal found, which is written beside its files; None for a kind that is no goal."""
         return None
@@ -165,6 +170,11 @@ class AbstractGoal(AbstractRecipe):
     @abstractmethod
     def design(self) -> AbstractRecipe:
         """The recipe that was found."""
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Lines that `geomkin check` prints below the checks."""
+        return ()
 
     @property
     def found_recipe(self) -> AbstractRecipe:
