@@ -126,9 +126,9 @@ def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = 
         Column("cam_angle", "deg", "angle the cam has turned", np.degrees(angle)),
         Column("time", "s", "time at the recipe's speed", angle / speed),
         Column("lift", unit, "lift of the follower", motion.lift * size),
-        Column("velocity", f"{rate}/s", "velocity of the follower", motion.velocity * speed),
-        Column("acceleration", f"{rate}/s2", "acceleration of the follower", motion.acceleration * speed**2),
-        Column("jerk", f"{rate}/s3", "jerk of the follower", motion.jerk * speed**3),
+        _rate("velocity", f"{rate}/s", motion.velocity * speed),
+        _rate("acceleration", f"{rate}/s2", motion.acceleration * speed**2),
+        _rate("jerk", f"{rate}/s3", motion.jerk * speed**3),
         Column("pressure_angle", "deg", "between path and force", np.degrees(contact.pressure_angle)),
         *_pitch(cam, angle),
         *xy_columns("profile", "mm", "profile on the cam", cam.profile.point(angle)),
@@ -140,6 +140,10 @@ def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = 
         lost = left.lost_lift(angle) * size
         columns.append(Column("lost_lift", unit, "how far undercut leaves the follower below its lift", lost))
     return Table(tuple(columns))
+
+
+def _rate(name: str, unit: str, values: Real) -> Column:
+    return Column(name, unit, f"{name} of the follower", values, float(np.abs(values).max(initial=0.0)))
 
 
 def _pitch(cam: Cam, angle: Real) -> Iterator[Column]:
