@@ -129,9 +129,9 @@ def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = 
         Column("cam_angle", "deg", "angle the cam has turned", np.degrees(angle)),
         Column("time", "s", "time at the recipe's speed", angle / speed),
         Column("lift", unit, "lift of the follower", motion.lift * size),
-        Column("velocity", f"{rate}/s", "velocity of the follower", motion.velocity * speed),
-        Column("acceleration", f"{rate}/s2", "acceleration of the follower", np.where(step, np.inf, motion.acceleration * speed**2)),
-        Column("jerk", f"{rate}/s3", "jerk of the follower", np.where(step | smooth_step, np.inf, motion.jerk * speed**3)),
+        _rate("velocity", f"{rate}/s", motion.velocity * speed),
+        _rate("acceleration", f"{rate}/s2", np.where(step, np.inf, motion.acceleration * speed**2)),
+        _rate("jerk", f"{rate}/s3", np.where(step | smooth_step, np.inf, motion.jerk * speed**3)),
         Column("pressure_angle", "deg", "between path and force", np.degrees(contact.pressure_angle)),
         *_pitch(cam, angle),
         *xy_columns("profile", "mm", "profile on the cam", cam.profile.point(angle)),
@@ -151,6 +151,12 @@ def _at_steps(cam: Cam, angle: Real) -> tuple[Mask, Mask]:
     k = np.searchsorted(joints, turned - JOINT)
     there, k = joints[k] <= turned + JOINT, k % (len(joints) - 1)
     return there & (jumps.velocity[k] != 0), there & (jumps.acceleration[k] != 0)
+
+
+def _rate(name: str, unit: str, values: Real) -> Column:
+    return Column(
+        name, unit, f"{name} of the follower", values, float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    )
 
 
 def _pitch(cam: Cam, angle: Real) -> Iterator[Column]:

@@ -68,7 +68,9 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     jumps = np.abs(cam.program.jumps.acceleration)
     if jumps.any():
         at = np.degrees(cam.program.breaks[:-1][jumps > 0])
-        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (" and more" if len(at) > MOST_PLACES else "")
+        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (
+            " and more" if len(at) > MOST_PLACES else ""
+        )
         advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
         unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
         yield Check("jump in acceleration", jumps.max(), "at most", 0, unit, advice)

@@ -183,7 +183,10 @@ def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
     for point in points:
         yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
         yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
-    yield from of("mechanical advantage", "_mechanical_advantage")
+    # Ratios and forces for a torque are not of one scale.
+    for unit in dict.fromkeys(c.unit for c in named.values() if c.name.endswith("_mechanical_advantage")):
+        names = tuple(c.name for c in named.values() if c.name.endswith("_mechanical_advantage") and c.unit == unit)
+        yield from of(f"mechanical advantage{f' in {unit}' * bool(unit)}", *names)
     for order in ("first", "second"):
         yield from of(f"{order} kinematic coefficients of angles", f"_angle_{order}_coefficient")
         yield from of(f"{order} kinematic coefficient of sliding", f"_displacement_{order}_coefficient")

@@ -286,7 +286,7 @@ class Player {
   csv() {
     const { columns, frames } = this.data;
     const lines = [columns.map((column) => column.header).join(",")];
-    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? row[k] : "")).join(","));
+    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? +row[k].toPrecision(7) : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
 }

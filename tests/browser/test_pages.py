@@ -73,21 +73,25 @@ def test_play_moves_the_linkage_and_the_wish_for_less_motion_stops_it(folder, op
     playing.page.wait_for_function("() => +document.querySelector('#player').dataset.frame > 5")
 
 
-@pytest.mark.parametrize("name", ["crank-rocker", "walking-leg", "slider-crank-by-slider"])
+@pytest.mark.parametrize("name", ["crank-rocker", "walking-leg", "slider-crank-by-slider", "inflection-circle"])
 def test_the_slider_s_end_is_the_last_row_of_the_csv(name, folder, opened):
     recipe, file = page_of(name, folder)
-    gk.write(recipe.table, folder / f"{name}.csv")
+    gk.write(recipe.scene.table, folder / f"{name}.csv")
     rows = list(csv.reader((folder / f"{name}.csv").read_text().splitlines()))
     tab = opened(file)
     go_to(tab.page, len(rows) - 2)
     tab.page.click("summary")
-    shown = tab.page.eval_on_selector_all(".values tbody tr", "rows => rows.map((row) => row.children[2].textContent)")
+    cells = "rows => rows.map((row) => [2, 3, 5].map((k) => row.children[k].textContent))"
+    shown = tab.page.eval_on_selector_all(".values tbody tr", cells)
     assert len(shown) == len(rows[0])
-    for column, (header, cell) in enumerate(zip(rows[0], shown)):
-        largest = max(abs(float(row[column])) for row in rows[1:] if row[column])
-        # The page keeps five digits of a length, six of another column, counted from its largest, and prints five of each.
-        room = 5e-5 * largest + 1e-4 * abs(float(rows[-1][column]))
-        assert number(cell) == pytest.approx(float(rows[-1][column]), abs=room), header
+    for header, *column, (now, least, largest) in zip(*rows, shown):
+        known = [float(cell) for cell in column if cell]
+        # It shows five digits of each.
+        assert [number(least), number(largest)] == pytest.approx([min(known), max(known)], rel=5.1e-5, abs=1e-9), header
+        if column[-1]:
+            assert number(now) == pytest.approx(float(column[-1]), rel=5.1e-5, abs=1e-9), header
+        else:
+            assert now == "–"
     assert number(tab.page.inner_text(".drive output")) == pytest.approx(float(rows[-1][0]))
 
 
@@ -99,7 +103,7 @@ def test_data_are_saved_as_the_csv_has_them(folder, opened):
     saved = list(csv.reader(Path(download.value.path()).read_text().splitlines()))
     assert download.value.suggested_filename == "crank-rocker.csv" and saved[0] == list(recipe.table.to_columns())
     for k, values in enumerate(recipe.table.to_columns().values()):
-        assert [float(row[k]) for row in saved[1:]] == pytest.approx(list(values), abs=5e-5 * max(abs(values)))
+        assert [float(row[k]) for row in saved[1:]] == pytest.approx(list(values), rel=1e-6, abs=1e-9)
     assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
 
 

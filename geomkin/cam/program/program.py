@@ -144,7 +144,9 @@ class Program:
         stretches, tops = self._stretches, self._stretches.tops()
         return {
             number: SegmentPeaks(*tops[:, stretches.segment == k].max(axis=1).tolist(), rise, width)
-            for k, (number, rise, width) in enumerate(zip(stretches.numbers, stretches.rises, stretches.widths.tolist()))
+            for k, (number, rise, width) in enumerate(
+                zip(stretches.numbers, stretches.rises, stretches.widths.tolist())
+            )
             if stretches.law_of[k] < len(stretches.laws)
         }
 
