@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import sys
+from contextlib import suppress
+from typing import NoReturn
 
 
 def main() -> None:
@@ -23,9 +25,10 @@ def main() -> None:
             sys.stderr.writelines(f"{harmless(line)}\n" for line in told.getvalue().splitlines())
             sys.exit(error.exit_code)
         except click.Abort:
-            sys.exit(130)
+            _stop()
     except KeyboardInterrupt:
-        sys.exit(130)
+        # One that came before there was a handler for it.
+        _stop()
     except BrokenPipeError:
         # The reader of our output left (`geomkin list | head`): nothing more to say, not even at exit.
         sys.stderr.close()
@@ -46,13 +49,14 @@ def main() -> None:
 
 def _calm() -> None:
     """Settings for a short process, before anything heavy is loaded."""
-    import gc
-    import os
     import signal
 
-    # Ctrl-C ends the process itself: as an exception it would be swallowed by libraries that try their
-    # own optional imports, and wait for compiled code. Files are whole all the same.
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # Ctrl-C ends the process itself: as an exception it would be swallowed by libraries that try their own optional
+    # imports.
+    signal.signal(signal.SIGINT, _stop)
+    import gc
+    import os
+
     # NumPy's linear algebra would start a thread for every core; nothing here multiplies matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Looking through every package there is for plugins of the validator takes longer, the more there are.
@@ -60,6 +64,17 @@ def _calm() -> None:
     # Importing makes objects that stay: collecting among them every 700 costs a tenth of the run, every 100 000 still
     # 7 %. Larger, and what many recipes leave behind piles up in the memory.
     gc.set_threshold(1_000_000)
+
+
+def _stop(*_: object) -> NoReturn:
+    """End at once, with a line and a terminal's cursor back: files are written whole or not at all."""
+    import os
+
+    # Not by the stream, which may be in the middle of a line itself.
+    with suppress(OSError):
+        os.write(2, b"\x1b[?25h\n" if os.isatty(2) else b"")
+        os.write(2, b"geomkin was stopped; nothing is half written\n")
+    os._exit(130)
 
 
 if __name__ == "__main__":

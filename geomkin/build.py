@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -221,18 +222,38 @@ def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
     try:
         yield
     except DesignError as error:
-        raise RecipeError(file, [Problem(_key(recipe, error.field), error.problem, error.remedy)]) from None
+        key = _key(recipe, error.field)
+        problem = (
+            re.sub("^found ", "found the default of ", error.problem) if _is_default(recipe, key) else error.problem
+        )
+        raise RecipeError(file, [Problem(key, problem, error.remedy)]) from None
 
 
 def _key(recipe: AbstractRecipe, field: str) -> str:
     """The recipe's key for a field: one of its own, else of `files`, else of the mechanism, its table after `kind`."""
     own = [f.name for f in dataclasses.fields(recipe)]
-    if field.split(".")[0] in own:
+    # A whole table that is left out is not at fault: what does not go with its defaults is the mechanism.
+    whole = field in own and dataclasses.is_dataclass(getattr(recipe, field))
+    if field.split(".")[0] in own and not (whole and _is_default(recipe, field)):
         return field
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # A part may have a link's name, or none that a key has.
     mechanism = next(name for name in own if name != "kind")
     table = getattr(recipe, mechanism)
-    named = dataclasses.is_dataclass(table) and field in (f.name for f in dataclasses.fields(table))
+    # What was left out of the recipe was found, as a goal's linkage is.
+    named = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None
+    named = named and field in (f.name for f in dataclasses.fields(table))
     return f"{mechanism}.{field}" if named else mechanism
+
+
+def _is_default(recipe: AbstractRecipe, key: str) -> bool:
+    """Whether a key of a recipe has its default, so that most likely nobody wrote it."""
+    table: object = recipe
+    default: object = dataclasses.MISSING
+    for name in key.split("."):
+        named = {f.name: f for f in dataclasses.fields(table)} if dataclasses.is_dataclass(table) else {}
+        if name not in named:
+            return False
+        default, table = named[name].default, getattr(table, name)
+    return default is not dataclasses.MISSING and bool(table == default)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import sys
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -51,7 +49,7 @@ def cli() -> None:
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
     from .build import index, make
-    from .errors import FileError, printable
+    from .errors import FileError, harmless, printable
 
     files = _files(recipes)
     _refuse_twins(files)
@@ -66,7 +64,7 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     for result in made:
         for check in result.checks:
             if not check.passed:
-                click.secho(f"{printable(result.name)}: check failed: {check}", fg="yellow", err=True)
+                click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
     sys.exit(1 if failed else 0)
 
 
@@ -75,13 +73,13 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
 def check_command(recipes: tuple[Path, ...]) -> None:
     """Validate recipes and show their checks; write nothing."""
     from .build import check_recipe
-    from .errors import printable
+    from .errors import harmless, printable
 
     made, failed = _each(_files(recipes), check_recipe)
     for result in made:
         click.echo(printable(result.name))
         for check in result.checks:
-            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {check}")
+            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
         for fact in result.facts:
             click.echo(f"        {printable(fact)}")
     sys.exit(1 if failed else 0)
@@ -91,7 +89,8 @@ def check_command(recipes: tuple[Path, ...]) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
-    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5; once for each key.",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5, or of a list's item, "
+    "the first being [0]: cam.program[1].rise=10,20; once for each key.",
 )  # fmt: skip
 @click.option(
     "--tell", multiple=True, metavar="NAME",
@@ -103,7 +102,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
 
     One that was stopped goes on where it was.
     """
-    from .errors import GeomkinError, printable
+    from .errors import GeomkinError, harmless, printable
     from .progress import shown
     from .sweeps.sweep import by_processes, swept
 
@@ -122,12 +121,15 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
         click.secho(str(error), fg="red", err=True)
         sys.exit(1)
     if found.anew:
-        click.echo("the recipe, what is to be told, or geomkin has changed since: begun anew", err=True)
+        click.echo(
+            "begun anew: the rows of an earlier run are of another recipe, --tell or version of geomkin, or damaged",
+            err=True,
+        )
     refused = [row.refused for row in found.rows if row.refused]
     told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refused):,} refused"
     click.echo(f"{', '.join(map(printable, found.files))}: {told}")
     if len(refused) == len(found.rows):
-        click.secho(f"all are refused, the first for this: {refused[0]}", fg="red", err=True)
+        click.secho(f"all are refused, the first for this: {harmless(refused[0])}", fg="red", err=True)
         sys.exit(1)
 
 
@@ -261,9 +263,6 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
         bar.current_item = file
         bar.render_progress()
 
-    if not hidden:
-        # The bar hides the cursor, and only code of ours brings it back.
-        signal.signal(signal.SIGINT, _leave)
     counted: ProgressBar[Path] = click.progressbar(
         length=len(files),
         label="Recipes",
@@ -302,13 +301,6 @@ def _tried(action: Callable[[Path], Made], file: Path) -> Made | str:
 def _is_terminal(stream: TextIO | None) -> bool:
     """Whether someone watches; a closed stream is None."""
     return stream is not None and stream.isatty()
-
-
-def _leave(*_: object) -> None:
-    """End at once on Ctrl-C, with the cursor back."""
-    sys.stderr.write("\x1b[?25h\n")
-    sys.stderr.flush()
-    os._exit(130)
 
 
 def _row(result: Made) -> tuple[str, str, str, str]:

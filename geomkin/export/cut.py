@@ -16,7 +16,7 @@ from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
-from ..sizes import WIDEST
+from ..sizes import WIDEST, rounded_up
 from .lettering import lettered
 
 # Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
@@ -138,7 +138,7 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, num
     Marks are always chords, and stay where they are whatever the kerf. number: of the part, which is then engraved
     with its name, or with that number where the name finds no room; 0 for neither.
     """
-    _check_scale(part, tolerance)
+    check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
     holes = [_loop(h, "HOLE", -kerf / 2, tolerance, arcs, part.name) for h in part.holes]
     _check_holes(part, outline, holes, tolerance)
@@ -162,7 +162,8 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
         raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
 
 
-def _check_scale(part: Part, tolerance: float) -> None:
+def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
+    """Refuse a part too small or too large for files, or a tolerance of which this share is too fine for it."""
     size = reach(part.outline)
     if not 10 * tolerance < size < WIDEST:
         raise DesignError(
@@ -174,11 +175,11 @@ def _check_scale(part: Part, tolerance: float) -> None:
     if far > WIDEST:
         # The digits left there tell no corner of it from another.
         raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm")
-    if tolerance < FINEST * size:
+    if tolerance * share < FINEST * size:
         raise DesignError(
             "tolerance",
             f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
-            f"give at least {FINEST * size:.2g} mm",
+            f"give at least {rounded_up(FINEST * size / share, 2)} mm",
         )
 
 

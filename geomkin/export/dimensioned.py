@@ -201,14 +201,17 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
     lines = [f"{harmless(part.name)}: {pieces}, {told(part.thickness)} mm thick"]
     lines += _callouts(holes)
-    level = 0
+    spans: list[tuple[float, float]] = []
     for (one, start), (other, end) in _pairs([(hole.name, hole.centre) for hole in holes if hole.centre is not None]):
         apart = end - start
-        if abs(apart.imag) < SAME and level < 3 and width_of(told(abs(apart)), LETTER) < scale * abs(apart):
-            left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
-            top = complex(0, high.imag - left.imag + AWAY + level * (LINE + 1))
+        left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
+        # The end lines of one that begins within another would cross its number.
+        nested = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
+        in_row = abs(apart.imag) < SAME and width_of(told(abs(apart)), LETTER) < scale * abs(apart)
+        if in_row and nested and len(spans) < 3:
+            top = complex(0, high.imag - left.imag + AWAY + len(spans) * (LINE + 1))
             cell.size(left, right, top, abs(apart))
-            level += 1
+            spans.append((left.real, right.real))
         else:
             lines.append(f"{one} to {other}: {told(abs(apart))}")
     for number, line in enumerate((*lines, *measures)):
@@ -257,12 +260,13 @@ def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
 
 def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
     """Pairs of holes whose distances are told: all of three, the next of more, those with letters first."""
-    if len(holes) <= 3:
-        # The longest last, and so outermost: farther in, the end lines of the others would cross its number.
-        yield from sorted(combinations(holes, 2), key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
-    elif len(holes) <= MOST_HOLES:
+    pairs = list(combinations(holes, 2))
+    if len(holes) > 3:
         # What turns is at the letters: screws between two of them would hide the distance that must be right.
-        yield from pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED)))
+        pairs = list(pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED))))
+    if len(holes) <= MOST_HOLES:
+        # The longest last, and so outermost: farther in, the end lines of the others would cross its number.
+        yield from sorted(pairs, key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
 
 
 def _measures(job: Job, part: Part) -> Sequence[str]:

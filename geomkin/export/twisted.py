@@ -10,7 +10,7 @@ from ..errors import DesignError
 from ..part import Part, Twist
 from ..plane import region
 from ..plane.vec import Complex, Mask, Real, Whole, dot, rounded, xy
-from .cut import Cut, cut, signed_area
+from .cut import Cut, check_scale, cut, signed_area
 
 # Triangles of what moves in a part: a file of so many has 50 MB and is written in seconds. More, and programs take
 # minutes to show it; fewer would refuse fine gears.
@@ -28,6 +28,7 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
     """
     if part.twist is None:
         return cut(part, tolerance)
+    check_scale(part, tolerance, 0.5)
     made = cut(part, tolerance / 2)
     _check_apart(made, part.twist)
     if (count := _triangles(made, part.twist)) > MOST:

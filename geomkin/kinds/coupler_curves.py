@@ -15,6 +15,7 @@ from ..judge.linkage import SAME_CURVE, collision_check, reached
 from ..linkage.bars import FourBar
 from ..linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..linkage.coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
+from ..linkage.measures import driver_limits
 from ..linkage.motion import Motion
 from ..linkage.sliders import SliderCrank
 from ..linkage.solve.move import move
@@ -273,7 +274,13 @@ class CognatesRecipe(AbstractMovedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
-        curve = CouplerCurve(self.linkage, "coupler_point", self.branch, self.drive.rising)
+        try:
+            curve = CouplerCurve(self.linkage, "coupler_point", self.branch, self.drive.rising)
+        except DesignError:
+            turn, limits = self.drive, np.degrees(driver_limits(self.linkage, self.branch))
+            closes = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in limits.tolist()) or "nowhere"
+            problem = f"found {turn.start_deg:g} to {turn.end_deg:g} deg, and the linkage closes only from {closes} deg"
+            raise DesignError("drive", problem, "give start_deg and end_deg inside it, or other lengths") from None
         shown = {"drawing": self.figure} | {f"{name}_drawing": motion for name, motion in zip(NAMES, self.motions)}
         drawings = (engraved(name, [curve, *skeleton(motion, 0, plate)], plate) for name, motion in shown.items())
         return (*link_parts(self.figure, self.stock, self.stack), *drawings)

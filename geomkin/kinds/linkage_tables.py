@@ -222,14 +222,14 @@ class BodyList(AbstractLinkage):
         """The general linkage."""
         bodies = {name: dict(points) for name, points in self.bodies.items()}
         for k, corner in enumerate(self.corners):
-            check_names(f"corners.{k + 1}.body", [corner.body], "a body")
-            check_names(f"corners.{k + 1}.point", [corner.point], "a point")
-            check_names(f"corners.{k + 1}.base", corner.base, "a point")
+            check_names(f"corners[{k}].body", [corner.body], "a body")
+            check_names(f"corners[{k}].point", [corner.point], "a point")
+            check_names(f"corners[{k}].base", corner.base, "a point")
             bodies.setdefault(corner.body, {})
             lacking = [p for p in corner.base if p not in bodies[corner.body]]
             if lacking:
                 raise DesignError(
-                    f"corners.{k + 1}",
+                    f"corners[{k}]",
                     f"{corner.body} has no point {lacking[0]}",
                     f"give it under bodies.{corner.body}",
                 )
@@ -244,7 +244,7 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     base, (b, c) = abs(two - one), corner.lengths
     if not abs(b - c) < base < b + c:
         raise DesignError(
-            f"corners.{k + 1}",
+            f"corners[{k}]",
             f"{b:g} and {c:g} mm make no triangle on the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
             f"give two lengths that differ by less than {base:g} mm and together exceed it",
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,9 @@ from ..brief import clipped
 from ..errors import DesignError, printable, shown
 from ..plane.vec import Complex
 from ..sizes import FARTHEST
+from ..synthesis.path.drawings import drawing_points
 from ..synthesis.path.path import MOST_POINTS
 from ..synthesis.path.points import svg_path_points
-
-PATH = re.compile(r"<path\b[^>]*?\sd\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", re.DOTALL)
 
 
 class FileName:
@@ -56,10 +54,10 @@ class FileName:
         """The points, of a drawing so many."""
         text = text_beside(self.name, self.folder, "a CSV or an SVG file")
         if self.name.lower().endswith(".svg"):
-            found = PATH.search(text)
-            if found is None:
-                raise DesignError("file", f"{printable(self.name)} has no path", "give a drawing with a path in it")
-            return as_field("file", found.group(1) or found.group(2) or "", count)
+            try:
+                return drawing_points(text, count)
+            except DesignError as error:
+                raise DesignError("file", f"{printable(self.name)}: {error.problem}", error.remedy) from None
         return _rows(text, printable(self.name))
 
 

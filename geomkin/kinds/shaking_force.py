@@ -151,8 +151,10 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if product <= 0:
             return []
         stock, hole = self.stock, self.stock.hole_diameter / 2
-        # The product is density thickness pi r^2 times r / 2: what the shaft's hole lacks has no radius.
-        radius = float((2 * product / (np.pi * self.weight_density * 1e-9 * stock.thickness)) ** (1 / 3))
+        # The product is density thickness pi times r^2 r / 2 - h^2 r: the shaft's hole is at the axis, and the other,
+        # which is there so that the disc may be turned over, r from it.
+        moment = product / (np.pi * self.weight_density * 1e-9 * stock.thickness)
+        radius = float(np.roots([0.5, 0, -(hole**2), -moment]).real.max())
         if radius <= 4 * hole:
             return []
         if stock.motor is not None:

@@ -6,7 +6,7 @@ import dataclasses
 import re
 from collections.abc import Iterable
 from dataclasses import MISSING
-from difflib import get_close_matches
+from difflib import SequenceMatcher
 from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -22,6 +22,15 @@ NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*
 PLAIN = re.compile(r"([\w.-]+)[ \t]*=[ \t]*([^\s\"'\[{,}#][^\"'\[{}#]*?|)[ \t]*(?=,\s*[\w.-]+\s*=|[}#]|$)")
 # Lines longer than this are no slip of a person, and looking into them would take long.
 LONGEST_LINE = 1000
+WORD = re.compile(r"[^\W_]+")
+# What recipes have no keys for, and words of keys that ask for it.
+UNSUPPORTED = {
+    "friction and wear": "friction wear efficiency lubrication lubricant damping",
+    "strength and deformation": "stress stresses strength hardness fatigue stiffness deflection",
+    "forces, torques and power": "force forces torque torques load loads payload power gravity weight mass inertia",
+    "springs": "spring springs",
+    "other units than mm and deg": "unit units inch inches",
+}
 
 
 @cache
@@ -39,9 +48,34 @@ def explain(error: ValidationError, recipe: type) -> list[Problem]:
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """`did you mean ...? ` where a known name is close, else nothing: what a remedy begins with."""
-    close = get_close_matches(name[:100], list(known), n=1) if isinstance(name, str) else []
-    return f"did you mean {close[0]}? " if close else ""
+    """`did you mean ...? ` if a known name is spelt much alike, or has all words of this one; else nothing.
+
+    It is what a remedy begins with. One word alike is not enough: a worm gear is no spur gear.
+    """
+    if not isinstance(name, str) or not (words := WORD.findall(name[:100].lower())):
+        return ""
+    close = {other: _likeness(words, WORD.findall(other.lower())) for other in known}
+    best = max(close, key=lambda other: close[other], default="")
+    return f"did you mean {best}? " if best and close[best] else ""
+
+
+def _likeness(words: list[str], others: list[str]) -> float:
+    """How alike two names are, 0 to 1; 0 if they are no misspelling of each other."""
+
+    def ratio(one: str, other: str) -> float:
+        return SequenceMatcher(None, one, other).ratio()
+
+    whole = ratio("".join(words), "".join(others))
+    each = all(
+        any(ratio(one, two) >= (0.6 if max(len(one), len(two)) < 5 else 0.82) for two in others) for one in words
+    )
+    return whole if each or whole >= 0.85 else 0.0
+
+
+def _unsupported(key: object) -> str:
+    """What a key asks for that geomkin does not know of; else nothing."""
+    words = set(WORD.findall(str(key)[:100].lower()))
+    return next((topic for topic, signs in UNSUPPORTED.items() if words & set(signs.split())), "")
 
 
 def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
@@ -61,6 +95,8 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
                 if any(f.name == e["loc"][-1] for f in dataclasses.fields(recipe)):
                     near = "it belongs above the first [table], beside kind; "
                 remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
+                if not homes and not near and (topic := _unsupported(e["loc"][-1])):
+                    return Problem(key, f"unknown key: recipes of this kind know nothing of {topic}", remedy)
             return Problem(key, "unknown key", remedy)
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):
             cause = e["ctx"]["error"]

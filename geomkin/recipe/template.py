@@ -6,7 +6,8 @@ import dataclasses
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter
 
@@ -110,13 +111,20 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
     if "unit" in field.metadata:
         limits = allowed(field.metadata | {"unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
         note += f"; {limits}" if limits else ""
-    elif get_origin(hint) is Literal and len(get_args(hint)) > 1:
-        note += "; " + " or ".join(map(str, get_args(hint)))
+    elif len(words := _words(hint)) > (get_origin(hint) is Literal):
+        note += "; " + " or ".join(words)
     if value is None:
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
     optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
+
+
+def _words(hint: Any) -> list[str]:
+    """The texts that a type hint allows, or that stand there unless it is left out."""
+    if get_origin(hint) is Literal:
+        return [str(word) for word in get_args(hint)]
+    return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in _words(part)]
 
 
 def _toml(value: Any) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import DesignError
 from ..part import HoleFit
 from ..plane.primitives import Circle, Polyline
-from ..sizes import FARTHEST, quantity
+from ..sizes import FARTHEST, quantity, rounded_down
 
 # mm. No cutter makes a smaller hole, and no file tells one apart.
 SMALLEST = 0.01
@@ -51,13 +51,15 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
     """
     if diameter == 0:
         return ()
-    room = f"in a part {widest:.4g} mm wide where it is narrowest"
+    room = f"in a part {rounded_down(widest)} mm wide where it is narrowest"
     if not SMALLEST <= diameter < widest - min(clearance, 0.0):
-        raise DesignError(
-            key,
-            f"found {diameter:g} mm {room}",
-            f"give 0 for none, or at least {SMALLEST:g} and less than {max(widest - clearance, SMALLEST):.4g} mm",
+        most = widest - clearance
+        sizes = (
+            f"at least {SMALLEST:g} and less than {rounded_down(most)} mm"
+            if most > SMALLEST
+            else "make the part larger"
         )
+        raise DesignError(key, f"found {diameter:g} mm {room}", f"give 0 for none, or {sizes}")
     if diameter + clearance >= widest:
         raise DesignError(
             f"{key.rpartition('.')[0]}.clearance",

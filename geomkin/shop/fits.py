@@ -183,9 +183,9 @@ class AbstractBored:
         if across is None:
             shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
             raise DesignError(
-                "flat",
-                f"it is left out, and no usual D-shaft is {self.bore:g} mm thick",
-                f"give more than {half:g} and less than {self.bore:g} mm, or bore as one of {shafts}",
+                "bore",
+                f"found {self.bore:g} mm, and no usual D-shaft is so thick",
+                f"give one of {shafts}, or flat, more than {half:g} and less than {self.bore:g} mm",
             )
         if not half < across < self.bore:
             raise DesignError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,28 @@ LARGEST = 500_000_000
 
 
 class Ledger:
-    """Rows by key in a file of JSON lines, whose first says what they are of; where that is another, it begins anew.
+    """Rows by key in a file of JSON lines, whose first says what they are of.
 
-    known: rows by key; anew: whether there were rows, but of another recipe, other wishes or another version.
+    It begins anew if that is something else, or if any line is damaged: then no other can be relied on.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    title : Mapping
+        What the rows are of: recipe, wishes, version.
+    is_row : callable
+        Whether a row is one that may be used.
+
+    Attributes
+    ----------
+    known : dict
+        Rows by key.
+    anew : bool
+        Whether there were rows, of something else or damaged.
     """
 
-    def __init__(self, path: Path, title: Mapping[str, Any]):
+    def __init__(self, path: Path, title: Mapping[str, Any], is_row: Callable[[Any], bool]):
         self.path = path
         self.known: dict[str, Any] = {}
         with naming(path, "used"):
@@ -28,14 +44,17 @@ class Ledger:
             # What follows the last end of a line was being written when the run was stopped.
             whole = content[: content.rfind(b"\n") + 1]
             lines = whole.split(b"\n")
-            self.anew: bool = bool(whole) and _read(lines[0]) != title
+            entries = list(map(_read, lines[1:-1]))
+            sound = _read(lines[0]) == title and all(
+                isinstance(entry, dict) and isinstance(entry.get("key"), str) and is_row(entry.get("row"))
+                for entry in entries
+            )
+            self.anew: bool = bool(whole) and not sound
             if self.anew or not whole:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(_line(title))
                 return
-            for read in map(_read, lines[1:]):
-                if isinstance(read, dict) and isinstance(read.get("key"), str) and isinstance(read.get("row"), dict):
-                    self.known[read["key"]] = read["row"]
+            self.known |= {entry["key"]: entry["row"] for entry in entries}
             if len(whole) < len(content):
                 os.truncate(path, len(whole))
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..build import naming
+from ..check import Check
 from ..errors import DesignError, GeomkinError, printable, shown
 from ..kinds import KINDS
 from ..plane.vec import Real
@@ -22,6 +23,8 @@ from .values import with_values
 
 # What is told of a table's column, and how it is found among its values that are not nan.
 WAYS: dict[str, Callable[[Real], float]] = {"least": np.min, "largest": np.max, "last": lambda values: values[-1]}
+# What any number that is told of stays below; a larger whole number is no float.
+LARGEST_NUMBER = 1e300
 # Bytes of a file that a recipe names; see `beside`.
 LARGEST = 10_000_000
 
@@ -62,6 +65,28 @@ def _worked_out(task: Task, changes: Mapping[str, Any]) -> dict[str, Any]:
     except Exception as error:
         row["refused"] = f"geomkin failed by a fault of its own ({printable(error, 200)}); please report it"
     return row
+
+
+def is_row(task: Task, row: Any) -> bool:
+    """Whether a row that a file has kept is such as `worked_out` gives."""
+    if not isinstance(row, dict) or row.keys() != {"refused", "checks", "told"}:
+        return False
+    refused, checks, told = row["refused"], row["checks"], row["told"]
+    if not (isinstance(refused, str) and isinstance(checks, list) and isinstance(told, dict)):
+        return False
+    try:
+        judged = [Check(*check) for check in checks]
+    except (TypeError, DesignError):
+        return False
+    texts = [refused, *(text for check in judged for text in (check.name, check.unit))]
+    texts += [value for value in told.values() if isinstance(value, str)]
+    numbers = [value for value in told.values() if value is not None and not isinstance(value, str)]
+    return (
+        told.keys() <= set(task.tell)
+        and all(map(str.isprintable, texts))
+        and all(isinstance(number, float) for check in judged for number in (check.value, check.limit))
+        and all(isinstance(value, (int, float)) and not abs(value) > LARGEST_NUMBER for value in numbers)
+    )
 
 
 def check_tell(task: Task, recipe: AbstractRecipe) -> None:

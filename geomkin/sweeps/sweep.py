@@ -30,7 +30,7 @@ from ..table import Table
 from .columns import columns
 from .ledger import Ledger
 from .report import report
-from .row import Task, check_tell, file_marks, worked_out
+from .row import Task, check_tell, file_marks, is_row, worked_out
 from .values import combinations, listed
 
 # What follows the recipe's name in those of a sweep's files.
@@ -73,8 +73,8 @@ class SweepRow:
 class Sweep:
     """What came of a sweep: a row for each combination, the last key's values running fastest.
 
-    kept: rows that an earlier run had worked out; anew: whether an earlier run was of another recipe or version, and
-    was begun anew; files: path to size in bytes, empty where nothing was to be written.
+    kept: rows that an earlier run had worked out; anew: whether what an earlier run kept is of another recipe or
+    version, or damaged, and was begun anew; files: path to size in bytes, empty where nothing was to be written.
     """
 
     name: str
@@ -131,7 +131,8 @@ def swept(
     every = list(combinations(keyed))
     _check_keys(task, keyed)
     _check_tell(task, every)
-    ledger = None if out is None else Ledger(Path(out) / name / f"{name}{ENDING}.jsonl", _title(task))
+    kept_in = None if out is None else Path(out) / name / f"{name}{ENDING}.jsonl"
+    ledger = None if kept_in is None else Ledger(kept_in, _title(task), partial(is_row, task))
     known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
     keys = [_key_of(task, changes) for changes in every]
     left = [k for k, key in enumerate(keys) if key not in known]

@@ -74,7 +74,18 @@ def test_no_text_lies_on_another_or_on_a_line(name):
 
 
 @pytest.mark.parametrize(
-    "places", [(0, 25, 50), (0, 50, 25), (50, 0, 25), (0, 15, 60), (60, 0, 20), (0, 30), (0, 20, 45, 70)]
+    "places",
+    [
+        (0, 25, 50),
+        (0, 50, 25),
+        (50, 0, 25),
+        (0, 15, 60),
+        (60, 0, 20),
+        (0, 30),
+        (0, 20, 45, 70),
+        (0, 70, 20, 45),
+        (20, 70, 45, 0),
+    ],
 )
 def test_nor_does_one_where_holes_are_in_a_row(places):
     holes = tuple(Circle(complex(x), 3.0) for x in places)
@@ -83,7 +94,9 @@ def test_nor_does_one_where_holes_are_in_a_row(places):
     is_legible(made)
     pairs = combinations(places, 2) if len(places) < 4 else zip(places, places[1:])
     lengths = [float(text.text) for text in made.texts if text.layer == "DIM"]
-    assert sorted(lengths) == sorted([124, 24, *(abs(b - a) for a, b in pairs)])
+    in_words = [float(text.text.split(": ")[1]) for text in made.texts if " to " in text.text]
+    assert sorted(lengths + in_words) == sorted([124, 24, *(abs(b - a) for a, b in pairs)])
+    assert len(in_words) == (places == (20, 70, 45, 0))
 
 
 def is_legible(made):

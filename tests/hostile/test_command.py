@@ -25,7 +25,7 @@ CSV = {"files.write": '["csv"]'}
         (["run", "."], "no recipe"),
         (["check", "."], "no recipe"),
         (["new"], "Missing argument"),
-        (["new", "five-bar"], "did you mean four-bar?"),
+        (["new", "for-bar"], "did you mean four-bar?"),
         (["new", "four-bar", "spur-gear"], "unexpected extra argument"),
         (["list", "all"], "unexpected extra argument"),
         (["schema", "all"], "unexpected extra argument"),

@@ -157,7 +157,52 @@ def test_interrupted_while_loading_it_ends_at_once(command, recipe, here, name):
     assert done.returncode != 0, "the interrupt was lost"
     assert not (here / "out").exists()
     # A status of its own: 1 would say that a recipe is at fault.
-    assert done.returncode in (130, -signal.SIGINT)
+    assert done.returncode == 130 and done.stderr.count("\n") == 1
+
+
+# Counts the calls of functions from the program's first line on, and interrupts at one of them.
+AT_FUNCTION = """
+import os, signal, sys
+left = {count}
+def met(frame, event, argument):
+    global left
+    if event == "call":
+        left -= 1
+        if left == 0:
+            sys.setprofile(None)
+            os.kill(os.getpid(), signal.SIGINT)
+import geomkin.__main__ as door
+start, exit = door.main, os._exit
+def main():
+    sys.setprofile(met)
+    try:
+        start()
+    finally:
+        sys.setprofile(None)
+        print({count} - left)
+door.main = main
+"""
+NEVER = 10**9
+
+
+@pytest.fixture(scope="module")
+def calls_in_all(recipe, tmp_path_factory):
+    """How many functions a whole run calls."""
+    folder = tmp_path_factory.mktemp("calls")
+    (folder / "r.toml").write_text(recipe("four-bar"))
+    code = AT_FUNCTION.format(count=NEVER) + "door.main()"
+    call = [sys.executable, "-c", code, "run", "r.toml", "--only", "csv"]
+    return int(subprocess.run(call, cwd=folder, capture_output=True, text=True, check=True).stdout.split()[-1])
+
+
+@pytest.mark.parametrize("moment", range(30))
+def test_interrupted_at_any_moment_it_says_so_in_one_line(command, recipe, here, calls_in_all, moment):
+    (here / "r.toml").write_text(recipe("four-bar"))
+    # A third of them while the command itself is loaded.
+    share = (moment + 1) / 1000 if moment < 10 else (moment - 9) / 22
+    done = command("run", "r.toml", "--only", "csv", before=AT_FUNCTION.format(count=max(1, int(share * calls_in_all))))
+    assert done.returncode == 130 and done.stderr.count("\n") == 1
+    assert list(here.rglob(".making*")) == [] and all(p.read_text().endswith("\n") for p in here.rglob("*.csv"))
 
 
 def test_interrupted_while_a_library_computes_it_ends_at_once(here, recipe):

@@ -210,3 +210,15 @@ def test_a_curve_whose_branch_is_followed_is_followed_from_its_start():
         assert told == pytest.approx(row[1:][[2, 0, 1]], abs=1e-9)
     straight = gk.move(bars, np.append(0.0, drive), "follow").point("coupler_point").position[1:]
     assert np.abs(curve.point(drive) - straight).min() > 0.1
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 1e-3])
+@pytest.mark.parametrize("coupler", [90, 53])
+def test_dashes_of_a_path_that_turns_back_reach_its_ends(coupler, tolerance):
+    """A slider's pin goes out and back on a line: its dashes must not be cut off between two of their points."""
+    linkage = gk.SliderCrank(30, coupler)
+    steps = [-1, 1.2, 2, 3.9]
+    (runs,) = gk.linkage.dashes(linkage, [coupler], steps, tolerance)
+    for run, low, high in zip(runs, steps[::2], steps[1::2]):
+        fine = gk.move(linkage, np.linspace(low, high, 20_001)).point("slider_pin").position.real
+        assert abs(run.real.max() - fine.max()) <= tolerance and abs(run.real.min() - fine.min()) <= tolerance

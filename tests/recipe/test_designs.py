@@ -79,4 +79,4 @@ def test_steps_tell_of_a_counterweight_where_one_is_cut_and_it_has_the_best_prod
         # Mass of the plate times the distance of its middle from the shaft, on the side away from the crank pin.
         whole, *holes = [gk.area(c) * gk.plane.centroid(c) for c in (part.outline, *part.holes)]
         product = (whole - sum(holes)) * 4 * 2700e-9
-        assert product == pytest.approx(-recipe.best.product.real, rel=5e-3)
+        assert product == pytest.approx(-recipe.best.product.real, rel=1e-6)

@@ -22,13 +22,13 @@ def test_no_line_of_a_polygon_is_drawn_twice(frame):
         assert len(lines) == sum(abs(b - a) > 1e-9 for a, b in ends) > 5
 
 
-@pytest.mark.parametrize(("share", "made"), [(0.98, False), (1.02, True)])
+@pytest.mark.parametrize(("share", "made"), [(0.9, False), (1.02, True)])
 def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(share, made):
     text = template_of("shaking-force").replace("# bar_width = 14 ", "bar_width = 20 ")
     for heavy, light in (("crank = 0.5 ", "crank = 0.02 "), ("coupler = 0.6 ", "coupler = 0.01 "), ("0.8 ", "0.01 ")):
         text = text.replace(heavy, light)
     radius = np.ptp(gk.flatten(parts(text)["counterweight"].outline, 1e-4).real) / 2
-    # The hole is wider than its pin by the clearance of 0.2 mm.
+    # The hole is wider than its pin by the clearance of 0.2 mm, and a larger hole makes a larger disc, by 4 %.
     pin = radius / share / 2 - 0.2
     assert ("counterweight" in parts(text.replace("# pin_diameter = 4 ", f"pin_diameter = {pin:.6g} "))) is made
 

@@ -16,7 +16,6 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.commands import cli
-from geomkin.sweeps import ledger
 from geomkin.sweeps import sweep as sweeping
 from geomkin.sweeps.values import MOST, combinations, listed, with_values
 
@@ -401,16 +400,6 @@ def test_no_other_file_is_written_over(file, tmp_path):
     with pytest.raises(gk.FileError, match="no plain file"):
         swept(file, tmp_path)
     assert (tmp_path / "mine").read_text() == "mine"
-
-
-def test_a_ledger_bears_whatever_stands_in_it(tmp_path):
-    path, title = tmp_path / "kept.jsonl", {"a": 1}
-    path.write_bytes(b'{"a": 1}\n\xff\xfe\n[1]\n{"key": 3}\n' + b"[" * 5000 + b'\n{"key": "x", "row": {"b": 2}}\n')
-    held = ledger.Ledger(path, title)
-    assert held.known == {"x": {"b": 2}} and not held.anew
-    held.add({"y": {"b": 3}})
-    assert ledger.Ledger(path, title).known == {"x": {"b": 2}, "y": {"b": 3}}
-    assert ledger.Ledger(path, {"a": 2}).anew and ledger.Ledger(path, {"a": 2}).known == {}
 
 
 def test_a_recipe_a_table_and_a_text_are_swept_alike(file):

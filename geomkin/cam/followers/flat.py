@@ -198,11 +198,13 @@ class OscillatingFlat(AbstractFace):
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
         low, high = self.base_radii(lift)
         if not low < base_radius < high:
+            digits = ".4g" if high - low > 1e-2 * high else ".12g"
+            limits = f"cams with a base_radius above {low:{digits}} and below {high:{digits}} mm, not {base_radius:g}"
+            reached = limits if low < high else "no cam"
             raise DesignError(
                 "follower.pivot_distance",
                 f"found {self.pivot_distance:g} mm with face_offset {self.face_offset:g} mm and lifts up to "
-                f"{np.degrees(lift):.4g} deg: the face reaches cams with a base_radius above {low:.4g} and below "
-                f"{high:.4g} mm, not {base_radius:g}",
+                f"{np.degrees(lift):.4g} deg: the face reaches {reached}",
                 "change pivot_distance, face_offset or base_radius",
             )
         tau = side_sign(self.side)

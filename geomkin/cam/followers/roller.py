@@ -207,11 +207,13 @@ class OscillatingRoller(AbstractRoller):
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
         low, high = self.base_radii(lift)
         if not low < base_radius < high:
+            digits = ".4g" if high - low > 1e-2 * high else ".12g"
+            limits = f"cams with a base_radius above {low:{digits}} and below {high:{digits}} mm, not {base_radius:g}"
+            reached = limits if low < high else "no cam"
             raise DesignError(
                 "follower.arm_length",
                 f"found {self.arm_length:g} mm with pivot_distance {self.pivot_distance:g} mm and lifts up to "
-                f"{np.degrees(lift):.4g} deg: the arm reaches cams with a base_radius above {low:.4g} and below "
-                f"{high:.4g} mm, not {base_radius:g}",
+                f"{np.degrees(lift):.4g} deg: the arm reaches {reached}",
                 "change arm_length, pivot_distance or base_radius",
             )
 

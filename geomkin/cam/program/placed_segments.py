@@ -157,12 +157,14 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
             raise DesignError("rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees")
         end, oscillates = given[0]
     unit = "deg" if oscillates else "mm"
+    names = ("rise", "rise_deg", "end_lift", "end_lift_deg")
+    field = next((name for name in names if getattr(segment, name, None) not in (None, 0)), "")
+    field = field or next((name for name in names if getattr(segment, name, None) is not None), "rise")
     if isinstance(segment, Rise) and end <= before:
-        raise DesignError("rise", f"it ends at {end:g} {unit}, not above its start", "use a return to go down")
+        raise DesignError(field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down")
     if isinstance(segment, Return) and end >= before:
-        raise DesignError("end_lift", f"found {end:g} {unit}, not below its start", "use a rise to go up")
+        raise DesignError(field, f"found {end:g} {unit}, not below its start", "use a rise to go up")
     if end < 0:
-        field = "rise" if not isinstance(segment, Return) and (segment.rise or segment.rise_deg) else "end_lift"
         raise DesignError(field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more")
     return end, oscillates
 

@@ -14,8 +14,10 @@ from ...sizes import FARTHEST
 
 # Characters of a path at most: more are another thing by mistake.
 LONGEST = 1_000_000
+# Commands of a run at most: more are a traced picture, and take seconds.
+MOST_COMMANDS = 5_000
 # Places on each curve of a path that its length is taken from: fewer set points unevenly.
-LOOKS = 64
+SHARES = np.arange(1, 65) / 64
 # Numbers that each command takes at a time.
 TAKES = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
 NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
@@ -31,7 +33,11 @@ def svg_path_points(path: str, count: Annotated[int, whole_between(3, 1000)] = 6
     open one both ends are among the points, of a closed one its start once. Further runs are left out. DesignError for
     what is no such text. The grammar: Scalable Vector Graphics 1.1, 8.3, its arcs by F.6.5.
     """
-    line, closed = _run(path)
+    return evenly_spaced(*first_run(path), count)
+
+
+def evenly_spaced(line: Complex, closed: bool, count: int) -> tuple[Complex, bool]:
+    """So many points at equal lengths along a line of many points, mirrored so that y goes up; and `closed`."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
     if not 0 < length[-1] < FARTHEST:
         raise DesignError("path", f"is {length[-1]:g} mm long", "give a path with a length")
@@ -64,14 +70,16 @@ class _Reader:
                 found = printable(repr(self.text[self.at : self.at + 20]))
                 raise DesignError("path", f"at character {self.at} holds {found}", f"give {TAKES[command]} numbers")
             told.append(float(number))
+            if abs(told[-1]) > FARTHEST:
+                raise DesignError("path", f"holds {printable(number, 30)}", f"give numbers within {FARTHEST:g} of 0")
         return told
 
 
-def _run(path: str) -> tuple[Complex, bool]:
-    """The first run as a line of many points, in SVG's own coordinates, and whether it closes."""
+def first_run(path: str) -> tuple[Complex, bool]:
+    """The first run of a path's text as a line of many points, in SVG's own coordinates, and whether it closes."""
     if len(path) > LONGEST:
         raise DesignError("path", f"has {len(path):,} characters", f"give at most {LONGEST:,}")
-    reader, pieces = _Reader(path), []
+    reader, line, commands = _Reader(path), [], 0
     first = reader.take(COMMAND)
     if first is None or first.lower() != "m":
         raise DesignError(
@@ -79,7 +87,7 @@ def _run(path: str) -> tuple[Complex, bool]:
         )
     here = start = complex(*reader.numbers("m"))
     command, handle, before = ("L" if first == "M" else "l"), here, ""
-    pieces.append(np.array([here]))
+    line.append(here)
     while True:
         told = reader.take(COMMAND)
         if told is None and not reader.text[reader.at :].strip(" ,\t\r\n"):
@@ -90,61 +98,71 @@ def _run(path: str) -> tuple[Complex, bool]:
             found = printable(repr(reader.text[reader.at - 1 : reader.at + 10]))
             raise DesignError("path", f"at character {reader.at} holds {found}", "give the commands of SVG paths")
         if kind == "z":
-            pieces.append(np.array([start]))
-            return np.concatenate(pieces), True
+            return _within_reach([*line, start]), True
         if kind == "m":
             break
+        commands += 1
+        if commands > MOST_COMMANDS:
+            raise DesignError("path", f"has more than {MOST_COMMANDS:,} commands", "simplify it")
         piece, handle = _piece(kind, reader.numbers(kind), here, 0 if command.isupper() else here, handle, before)
-        pieces.append(piece)
-        here, before = complex(piece[-1]), kind
-    line = np.concatenate(pieces)
-    if not (np.abs(line) < FARTHEST).all():
-        raise DesignError("path", "runs farther than can be told", f"give places within {FARTHEST:g} of 0")
-    size = float(np.abs(line - line[0]).max())
-    return line, bool(len(line) > 3 and abs(line[-1] - line[0]) <= 1e-6 * size)
+        line.extend(piece)
+        here, before = line[-1], kind
+    points = _within_reach(line)
+    size = float(np.abs(points - points[0]).max())
+    return points, bool(len(points) > 3 and abs(points[-1] - points[0]) <= 1e-6 * size)
+
+
+def _within_reach(line: list[complex]) -> Complex:
+    points = np.array(line)
+    if not (np.abs(points) < FARTHEST).all():
+        raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} of 0")
+    return points
 
 
 def _piece(
     kind: str, told: list[float], here: complex, base: complex, handle: complex, before: str
-) -> tuple[Complex, complex]:
+) -> tuple[list[complex], complex]:
     """The points of one command after its start, and the handle that a smooth one after it takes up."""
-    t = np.arange(1, LOOKS + 1) / LOOKS
+    t = SHARES
     if kind in "hv":
         across = complex(told[0] + base.real, here.imag) if kind == "h" else complex(here.real, told[0] + base.imag)
-        return np.array([across]), across
+        return [across], across
     if kind == "a":
         end = complex(told[5], told[6]) + base
-        return _arc(here, end, told, t), end
+        return _arc(here, end, told), end
     places = [complex(x, y) + base for x, y in zip(told[::2], told[1::2])]
     if kind == "l":
-        return np.array(places), places[0]
+        return places, places[0]
     if kind in "st":
         same = before in ("cs" if kind == "s" else "qt") and before != ""
         places = [2 * here - handle if same else here, *places]
     if len(places) == 3:
         one, two, end = places
         curve = (1 - t) ** 3 * here + 3 * t * (1 - t) ** 2 * one + 3 * t**2 * (1 - t) * two + t**3 * end
-        return curve, two
+        return curve.tolist(), two
     one, end = places
-    return (1 - t) ** 2 * here + 2 * t * (1 - t) * one + t**2 * end, one
+    return ((1 - t) ** 2 * here + 2 * t * (1 - t) * one + t**2 * end).tolist(), one
 
 
-def _arc(start: complex, end: complex, told: list[float], t: np.ndarray) -> Complex:
-    """An elliptic arc from its ends."""
-    wide, high, turn = abs(told[0]), abs(told[1]), np.exp(1j * np.radians(told[2]))
+def _arc(start: complex, end: complex, told: list[float]) -> list[complex]:
+    """An elliptic arc from its ends: seen from the middle of its chord, so that huge radii lose no digits."""
+    wide, high, turn = abs(told[0]), abs(told[1]), complex(np.exp(1j * np.radians(told[2])))
+    radius = max(wide, high)
     if wide == 0 or high == 0 or start == end:
-        return np.array([end])
-    half = (start - end) / 2 / turn
-    # In the frame in which the ellipse is a circle of radius 1; too small a one is enlarged.
-    from_middle = complex(half.real / wide, half.imag / high)
-    size = max(1.0, abs(from_middle))
-    wide, high, from_middle = wide * size, high * size, from_middle / size
-    side = 1 if told[3] == told[4] else -1
-    reach = np.sqrt(max(0.0, 1 / abs(from_middle) ** 2 - 1))
-    centre = side * 1j * reach * from_middle
-    first, last = np.angle(from_middle - centre), np.angle(-from_middle - centre)
-    sweep = (last - first) % (2 * np.pi) if told[4] else -((first - last) % (2 * np.pi))
-    on = np.exp(1j * (first + sweep * t)) + centre
-    points: Complex = (start + end) / 2 + turn * (wide * on.real + 1j * high * on.imag)
-    points[-1] = end
-    return points
+        return [end]
+    # In the frame in which the ellipse is a circle of this radius; too small a one is enlarged.
+    wide, high, chord = wide / radius, high / radius, (end - start) / 2 / turn
+    if wide * high == 0:
+        return [complex(np.inf)]
+    chord = complex(chord.real / wide, chord.imag / high)
+    radius = max(radius, abs(chord))
+    if not 0 < abs(chord) < np.inf:
+        return [end if chord == 0 else complex(np.inf)]
+    half_turn = float(np.arcsin(min(1.0, abs(chord) / radius)))
+    if told[3]:
+        half_turn = np.pi - half_turn
+    along = radius * np.sin(half_turn * (2 * SHARES - 1))
+    aside = 2 * radius * np.sin(half_turn * SHARES) * np.sin(half_turn * (1 - SHARES))
+    on = chord / abs(chord) * (along + (-1j if told[4] else 1j) * aside)
+    points: list[complex] = ((start + end) / 2 + turn * (wide * on.real + 1j * high * on.imag)).tolist()
+    return [*points[:-1], end]
