@@ -95,14 +95,18 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     @cached_property
     def position(self) -> Motion:
-        """The linkage where it is drawn, its last frame; the first is that of the table, where a branch starts."""
-        motion = move(self.linkage, [float(self.way.frames[0]), self.place], self.signs)
-        if not motion.closed[-1]:
-            alone = move(self.linkage, [self.place], self.signs)
+        """The linkage where it is drawn, on the branch that it comes there on from the table's first frame."""
+        general = self.linkage.linkage
+        motion = move(general, [float(self.way.frames[0]), self.place], self.signs)
+        if not motion.closed[1]:
+            alone = move(general, [self.place], self.signs)
             found = self.place if self.stroke else np.degrees(self.place)
             problem = f"found {found:g}, which is not reached: {opening(alone)}"
             raise DesignError(self.position_key, problem, "give another")
-        return motion
+        if general.estimate:
+            pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
+            general = replace(general, estimate=pins)
+        return move(general, [self.place], {joint: int(sign[1]) or 1 for joint, sign in motion.solution.signs.items()})
 
     @cached_property
     def local(self) -> complex:
@@ -146,7 +150,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        size = inflection_circle(self.position, self.body).diameter[-1] / self.longest
+        size = inflection_circle(self.position, self.body).diameter[0] / self.longest
         remedy = f"give another {self.position_key}"
         advice = f"near a position with parallel cranks the circle does not fit a plate; {remedy}"
         if goes_without_turning(self.position, self.body):
@@ -158,11 +162,11 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     def parts(self) -> tuple[Part, ...]:
         motion, stock = self.position, self.stock
         circle = inflection_circle(motion, self.body)
-        centre, pole = complex(circle.instant_centre.position[-1]), complex(circle.pole[-1])
-        diameter = circle.diameter[-1]
-        marks = skeleton(motion, -1, stock)
+        centre, pole = complex(circle.instant_centre.position[0]), complex(circle.pole[0])
+        diameter = circle.diameter[0]
+        marks = skeleton(motion, 0, stock)
         if 0 < diameter <= LARGEST_DRAWN * self.longest:
-            tangent, dot = complex(circle.tangent[-1]), stock.pin_diameter / 4
+            tangent, dot = complex(circle.tangent[0]), stock.pin_diameter / 4
             marks += [Circle((centre + pole) / 2, float(diameter) / 2), Circle(centre, dot), Circle(pole, dot)]
             marks += [*arrow(centre, pole), Segment(centre - tangent * diameter / 2, centre + tangent * diameter / 2)]
         return (engraved("inflection-circle", marks + self._path(), stock),)
@@ -170,9 +174,9 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     def _path(self) -> list[AbstractCurve]:
         """The point, its path near by, and the arc about its centre of curvature that the path hugs."""
         path = path_curvature(self.position, self.body, self.local)
-        point = complex(path.position[-1])
+        point = complex(path.position[0])
         marks = self._near(point)
-        centre, radius = complex(path.centre[-1]), abs(float(path.radius[-1]))
+        centre, radius = complex(path.centre[0]), abs(float(path.radius[0]))
         if 1e-3 < radius < LARGEST_DRAWN * self.longest:
             half = min(np.pi, ARC * self.longest / radius)
             marks += [Arc(centre, centre + (point - centre) * np.exp(-1j * half), 2 * half)]
@@ -181,15 +185,15 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     def _near(self, point: complex) -> list[AbstractCurve]:
         """The path near the position, on the branch that the linkage is on there; none where it opens."""
-        general, name = self.linkage.linkage, "traced"
+        position, name = self.position, "traced"
+        general = position.linkage
         while any(name in points for points in general.bodies.values()):
             name += "_"
         bodies = {**general.bodies, self.body: {**general.bodies[self.body], name: self.local}}
         half = NEAR_OF_STROKE * (self.stroke.end - self.stroke.start) if self.stroke else NEAR
-        branch = {joint: int(sign[-1]) or 1 for joint, sign in self.position.solution.signs.items()}
         try:
             span = (self.place - half, self.place + half)
-            curve = CouplerCurve(replace(general, bodies=bodies), name, branch, span)
+            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.asked, span)
         except DesignError:
             return []
         missed = abs(complex(curve.point(self.place)) - point)

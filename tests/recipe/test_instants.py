@@ -1,6 +1,8 @@
 """Inflection circles and centrodes of any body of any linkage."""
 
 import dataclasses
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from geomkin.linkage import inflection_circle
 from geomkin.recipe import to_toml
 from tests.texts import parse, schema_of_all, template_of
 
+GALLERY = Path(__file__).parents[2] / "recipes"
 SLIDER_CRANK = """
 kind = "inflection-circle"
 position_deg = 40
@@ -165,3 +168,16 @@ def test_a_list_of_bodies_has_a_ground_of_any_name() -> None:
     for name in ("fixed_centrode_x", "moving_centrode_y"):
         np.testing.assert_allclose(listed.table[name], named.table[name], rtol=1e-9, atol=1e-9)
     assert len(listed.parts) == 2
+
+
+def test_loops_and_followed_branches_come_to_the_position_from_the_table_s_first_frame() -> None:
+    sieve = tomllib.loads((GALLERY / "sieve.toml").read_text())["linkage"]
+    loops = {"body": "sieve", "linkage": {**sieve, "kind": "linkage"}}
+    platform = {"branch": "follow", "linkage": {"ground": 100, "crank": 30, "coupler": 100, "rocker": 30}}
+    for changes in (loops, platform):
+        recipe = gk.load({"kind": "inflection-circle", "position_deg": 200, **changes})
+        place = recipe.position.bodies[recipe.body].point(recipe.local).position[0]
+        assert place == pytest.approx(recipe.motion.bodies[recipe.body].point(recipe.local).position[200], abs=1e-9)
+        (part,) = recipe.parts
+        paths = [mark for mark in part.marks if isinstance(mark, gk.CouplerCurve)]
+        assert [abs(path.point(recipe.place) - place) < 1e-9 for path in paths] == [True]
