@@ -239,7 +239,8 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # A part may have a link's name, or none that a key has.
-    mechanism = next(name for name in own if name != "kind")
+    # Words and numbers of the recipe itself, such as a helix angle, are no mechanism.
+    mechanism = next(n for n in own if n != "kind" and not isinstance(getattr(recipe, n), str | float | bool))
     table = getattr(recipe, mechanism)
     # What was left out of the recipe was found, as a goal's linkage is.
     named = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None

@@ -21,6 +21,8 @@ from .thumbnail import extent, thumbnail
 FOUR_DIGITS = 5e-5
 # How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
 SAME = 0.02
+# Digits of a number in a text, and of what is measured on gears: there the last tell how a tooth was cut.
+DIGITS, MEASURED = 4, 6
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
 MOST_ROWS = 200
 
@@ -210,10 +212,11 @@ def _said_of(told: Mapping[str, str]) -> str:
 
 def _more(name: str, value: object, found: object) -> str:
     """What has sizes of its own, or alike things as a table, without the sizes that all share with the one `found`."""
+    digits = MEASURED if name == "measures_mm" else DIGITS
     if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
-        things = [{"name": key.replace("_", " "), **_flat(one)} for key, one in value.items()]
+        things = [{"name": key.replace("_", " "), **_flat(one, digits)} for key, one in value.items()]
     elif isinstance(value, Mapping):
-        told = _said_of(_flat(value))
+        told = _said_of(_flat(value, digits))
         return f"<h3>{_head(name)}</h3>{told}" if told else ""
     else:
         alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
@@ -230,10 +233,10 @@ def _more(name: str, value: object, found: object) -> str:
     return f"<h3>{_head(name)}</h3>{wide(_head(name), table)}"
 
 
-def _flat(thing: Mapping[str, object]) -> dict[str, str]:
+def _flat(thing: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]:
     """Everything of a thing that is said in a word or some numbers, what it holds in turn under both names."""
-    said = {key: _said(value) for key, value in thing.items()}
-    inner = {key: _flat(value) for key, value in thing.items() if isinstance(value, Mapping)}
+    said = {key: _said(value, digits) for key, value in thing.items()}
+    inner = {key: _flat(value, digits) for key, value in thing.items() if isinstance(value, Mapping)}
     said |= {f"{key}, {name}": one for key, flat in inner.items() for name, one in flat.items()}
     return {key: one for key, one in said.items() if one}
 
@@ -250,14 +253,14 @@ def _named(name: str) -> str:
     return name
 
 
-def _said(value: object) -> str:
+def _said(value: object, digits: int = DIGITS) -> str:
     """A value in words; "" for one of many parts."""
     if isinstance(value, str):
         return value
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
-        return number(float(value))
+        return number(float(value), digits)
     if isinstance(value, list) and len(value) <= 6 and all(isinstance(one, int | float) for one in value):
         return ", ".join(number(float(one)) for one in value)
     if (
@@ -300,11 +303,11 @@ def text(raw: str) -> str:
     return escape(harmless(raw))
 
 
-def number(value: float) -> str:
-    """To four digits, as a reader takes it in."""
+def number(value: float, digits: int = DIGITS) -> str:
+    """To four digits, as a reader takes it in, or more."""
     if not np.isfinite(value):
         return "none" if np.isnan(value) else "infinite"
-    plain = f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
+    plain = f"{value:.{digits}g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
     return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 
 

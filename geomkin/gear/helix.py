@@ -34,8 +34,9 @@ class Helix:
 
     All sizes of a gear, module, pressure angle and tool included, are those of its transverse section, square to the
     axis; its method `transverse` makes it of sizes in the normal section, square to the teeth. The drawing is the
-    section at the bottom, z = 0; the teeth of a right-handed gear go counterclockwise on the way up, as seen from above,
-    and so do a right-handed ring's. hand: of a herringbone, that of its lower half. Terms and formulas of ISO 21771.
+    section at the bottom, z = 0; the teeth of a right-handed gear go counterclockwise on the way up, as seen from
+    above, and so do a right-handed ring's. hand: of a herringbone, that of its lower half. Terms and formulas of ISO
+    21771.
     """
 
     helix_angle_deg: float = helix_angle()

@@ -31,6 +31,8 @@ from ..sizes import entry, quantity
 from ..table import Table
 from .gear_recipes import (
     AbstractHelicalRecipe,
+    backlash_notes,
+    boss_checks,
     check_tooth_points,
     gear_notes,
     helices_notes,
@@ -97,7 +99,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
     @property
     def judged(self) -> tuple[Check, ...]:
         own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
-        return (*mesh_checks(self.design), *own)
+        boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -120,7 +123,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if all(holes):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
-            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
+            keys = ("first_stock.bore", "second_stock.bore")
+            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
             bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
         return *parts, *self.first_stock.motor_parts
@@ -191,7 +195,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def judged(self) -> tuple[Check, ...]:
         pinion = self.design.pinion
         own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
-        return (*mesh_checks(self.design), *own)
+        boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -228,7 +233,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "travel_per_turn_mm": shown(pair.travel),
             "contact_ratio": shown(pair.contact_ratio),
             **overlap_notes(pair.contact_ratio, pair.module, self.helix, width),
-            "backlash_mm": round(pair.backlash, 9) + 0.0,
+            **backlash_notes(pair, pair.distance, self.helix),
             "clearances_mm": [shown(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }

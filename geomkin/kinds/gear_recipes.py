@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import numpy as np
 
+from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Hand, Helix, helix_angle
@@ -17,13 +18,15 @@ from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
 from ..recipe.settings import Files
+from ..shop.base import BaseStock
+from ..shop.motors import MOTORS, MotorName
 from ..sizes import WIDEST, check_sizes, entry
 from .assembled import AbstractAssembledRecipe
 
 if TYPE_CHECKING:
     from ..gear.pair import GearPair
     from ..gear.planetary import PlanetarySet
-    from ..gear.rack import GearRack
+    from ..gear.rack import GearRack, RackPair
     from ..gear.ring import RingGear
     from ..gear.spur import SpurGear
 
@@ -137,6 +140,17 @@ def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str
     return f"give at most {teeth:,} teeth"
 
 
+def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseStock | None) -> tuple[Check, ...]:
+    """Whether a wheel on a motor under the base rests on the base, beside the hole for the motor's boss.
+
+    radius: mm, within which the wheel has no gaps, such as that of its roots; derived here.
+    """
+    if motor is None or base is None:
+        return ()
+    rests = radius - (MOTORS[motor].pilot + base.clearance) / 2
+    return (Check(f"{name} beyond the hole for the motor's boss", rests, "at least", 0, "mm", "give a larger wheel"),)
+
+
 def shown(value: float) -> float:
     """A number with the digits that a summary carries."""
     return float(f"{value:.9g}")
@@ -229,15 +243,28 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
     return {"overlap_ratio": shown(overlap), "total_contact_ratio": shown(contact_ratio + overlap)}
 
 
+def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
+    """The play of two gears, mm, and if they have none, how to give them some. distance: of the axes, mm."""
+    backlash = round(pair.backlash, 9) + 0.0
+    if backlash:
+        return {"backlash_mm": backlash}
+    # Least normal backlash of ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
+    least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
+    along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
+    advice = f"teeth without backlash jam: give thinning to both gears, about {along / 2:.2f} mm each"
+    return {"backlash_mm": backlash, "backlash_advice": advice}
+
+
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
     """What two gears do together. face_width: mm, that both have; asked for where teeth lie on helices."""
     start, end = pair.contact_lengths
     return {
+        "ratio": shown(pair.ratio),
         "centre_distance_mm": shown(pair.centre_distance),
         "working_pressure_angle_deg": shown(np.degrees(pair.working_pressure_angle)),
         "contact_ratio": shown(pair.contact_ratio),
         **overlap_notes(pair.contact_ratio, pair.module, helix, face_width),
-        "backlash_mm": round(pair.backlash, 9) + 0.0,
+        **backlash_notes(pair, pair.centre_distance, helix),
         "clearances_mm": [shown(c) for c in pair.clearances],
         "largest_specific_sliding": [shown(float(pair.sliding(start)[0])), shown(float(pair.sliding(end)[1]))],
         "interferences": list(pair.interferences),

@@ -22,12 +22,22 @@ from ..scene import Scene
 from ..scenes.mesh import planetary_scene
 from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.gear.assemblies import planetary_assembly
+from ..shop.gear.assemblies import planetary_assembly, turns_with_shaft
 from ..shop.gear.bases import carrier, planetary_base
 from ..shop.gear.gears import GearStock, RingStock, gear_parts
+from ..shop.motors import plate_radius
+from ..shop.shafts import collar_across
 from ..sizes import entry
 from ..table import Column, Table
-from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes, shown
+from .gear_recipes import (
+    AbstractHelicalRecipe,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    helices_notes,
+    mesh_notes,
+    shown,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +102,18 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
             *gear_checks(gears.planet, planet.rim_under(gears.planet), "planet"),
             *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
+            *boss_checks("sun", gears.sun.root_radius, sun.motor, self.base),
+            *self._collar_checks(),
         )
+
+    def _collar_checks(self) -> tuple[Check, ...]:
+        """Whether collars under the carrier pass beside the plate of the sun's motor, which is under them."""
+        motor, planet = self.sun_stock.motor, self.planet_stock
+        if motor is None or self.base is not None or not planet.bore or not turns_with_shaft(planet):
+            return ()
+        room = self.design.inner.centre_distance - collar_across(planet.bore) / 2 - plate_radius(motor)
+        advice = 'give a base, more teeth, or planets that run on their shafts: fit = "running" in a round bore'
+        return (Check("collars under the carrier beside motor_plate", room, "at least", 0, "mm", advice),)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
