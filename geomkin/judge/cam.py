@@ -43,7 +43,8 @@ def most_pressure_angle(cam: Cam) -> float:
 @checked
 def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
     """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
-    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift that undercut takes.
+    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift
+    that undercut takes.
 
         [check for check in gk.judge.cam_checks(cam) if not check.passed]
 
@@ -68,7 +69,9 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     jumps = np.abs(cam.program.jumps.acceleration)
     if jumps.any():
         at = np.degrees(cam.program.breaks[:-1][jumps > 0])
-        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (" and more" if len(at) > MOST_PLACES else "")
+        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (
+            " and more" if len(at) > MOST_PLACES else ""
+        )
         advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
         unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
         yield Check("jump in acceleration", jumps.max(), "at most", 0, unit, advice)
@@ -76,6 +79,8 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
         # What cannot be told is no check.
         if not np.isnan(table.noise):
             advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            if np.isinf(table.noise):
+                advice += ", or a dwell or a steady motion in its place, for they show no other"
             name = f"acceleration from scatter of the rows of program[{k}]"
             yield Check(name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
     yield from _room(cam, cut)
