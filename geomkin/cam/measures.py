@@ -110,9 +110,9 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
 def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = None) -> Table:
     """Follower motion, pressure angle and coordinates at cam angles, rad, of a cam that turns at `speed`, rad/s.
 
-    One row for each angle. Rates are by time, infinite at a joint where a lower one jumps; coordinates, mm, are those of profile and pitch curve on the cam, of
-    the contact on the ground. Where the follower undercuts, a last column tells the lift that is lost. cut: what
-    `undercut` found, where it is known already.
+    One row for each angle. Rates are by time, infinite at a joint where a lower one jumps; coordinates, mm, are those
+    of profile and pitch curve on the cam, of the contact on the ground. If the follower undercuts, a last column has
+    the lift that is lost. cut: what `undercut` found, where it is known already.
 
         gk.cam.cam_table(cam, speed=10.0, angle=np.radians(np.arange(360)))
 

@@ -22,14 +22,14 @@ APART = 5e-10
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 # Share of the curve's size by which a chord may miss the curve; where it misses by more it is halved, so often at most.
 # Larger loses crossings of steep short segments, whose contact runs far in a small cam angle; smaller takes longer.
-MISS, HALVINGS = 1e-6, 16
+MISS, HALVINGS = 2e-7, 16
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
 # six are enough; where they touch each step only halves the gap, and fewer would lose that crossing.
 STEPS = 60
 # Last bits of the parameter by which two branches of one place may lie apart: one for each branch, and as much for what
 # is rounded on the way. Fewer lose crossings of what runs fast, more take a near miss there for one.
 BITS = 4
-# Share of the curve's size from which a loop is one: smaller is a single place that rounding found twice. A smaller share
+# Share of the curve's size from which a loop is one: less is a single place that rounding found twice. A smaller share
 # takes rounding at joints for crossings, a larger one loses loops that can be found.
 ONE_PLACE = 3e-11
 # Pairs of chords looked at in one go: more takes more memory; fewer than a thousand take longer.

@@ -134,7 +134,7 @@ def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
-        *(number(walls[name]) for name in [part.name] if name in walls),
+        *(number(walls[name]) if np.isfinite(walls[name]) else "none" for name in [part.name] if name in walls),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'

@@ -43,7 +43,8 @@ def most_pressure_angle(cam: Cam) -> float:
 @checked
 def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
     """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
-    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift that undercut takes.
+    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift
+    that undercut takes.
 
         [check for check in gk.judge.cam_checks(cam) if not check.passed]
 
@@ -78,6 +79,8 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
         # What cannot be told is no check.
         if not np.isnan(table.noise):
             advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            if np.isinf(table.noise):
+                advice += ", or a dwell or a steady motion in its place, for they show no other"
             name = f"acceleration from scatter of the rows of program[{k}]"
             yield Check(name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
     yield from _room(cam, cut)

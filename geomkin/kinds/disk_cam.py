@@ -74,6 +74,11 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        speed = self.drive.speed_rpm
+        if speed < 0:
+            other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
+            remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
+            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction is the way the cam turns", remedy)
         self.drive.check_rows()
 
     @property
@@ -161,8 +166,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     @property
     def facts(self) -> tuple[str, ...]:
         """Peak factors of each segment that ends at another lift than it starts."""
+        factors = "Cv {Cv:.4g}, Ca {Ca:.4g}, Cj {Cj:.4g}"
         return tuple(
-            f"{name.replace('_', ' ')}, {peaks['law']}: Cv {peaks['Cv']:.4g}, Ca {peaks['Ca']:.4g}, Cj {peaks['Cj']:.4g}"
+            f"{name.replace('_', ' ')}, {peaks['law']}: {factors.format(**peaks)}"
             for name, peaks in self._peaks().items()
             if peaks["Cv"] == peaks["Cv"]
         )

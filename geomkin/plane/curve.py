@@ -185,7 +185,8 @@ class Stretch(Derived):
     def _inside(self, t: ArrayLike) -> Real:
         """At its end, if that is a break, the curve would answer for the piece beyond."""
         t, end = np.asarray(t, dtype=float), self.run[-1:]
-        return just_before(t, end) if (self.curve.breaks == end).any() else t
+        near = 64 * np.spacing(np.abs(end))
+        return just_before(t, end) if (np.abs(self.curve.breaks - end) <= near).any() else t
 
     @property
     def breaks(self) -> Real:

@@ -142,13 +142,12 @@ class Program:
     def peaks(self) -> dict[int, SegmentPeaks]:
         """Largest velocity, acceleration and jerk of each segment that moves, by its place in `segments`."""
         stretches, tops = self._stretches, self._stretches.tops()
-        return {
-            number: SegmentPeaks(*tops[:, stretches.segment == k].max(axis=1).tolist(), rise, width)
-            for k, (number, rise, width) in enumerate(
-                zip(stretches.numbers, stretches.rises, stretches.widths.tolist())
-            )
-            if stretches.law_of[k] < len(stretches.laws)
-        }
+        found = {}
+        for k, (number, rise, width) in enumerate(zip(stretches.numbers, stretches.rises, stretches.widths.tolist())):
+            if stretches.law_of[k] < len(stretches.laws):
+                velocity, acceleration, jerk = tops[:, stretches.segment == k].max(axis=1).tolist()
+                found[number] = SegmentPeaks(velocity, acceleration, jerk, rise, width)
+        return found
 
     def motion(self, angle: ArrayLike) -> FollowerMotion:
         """The follower at cam angles of any shape, rad; at a joint, that of the segment that starts there."""
