@@ -67,6 +67,10 @@ def check_fields(thing: Any) -> None:
 
 def refused(name: str, value: object, sort: Sort) -> DesignError:
     """The error for an argument that is not of its sort."""
+    if isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value)) and sort.fits(complex(*value)):
+        # A place as a recipe has it.
+        problem = f"found {shown(value)}, and a place is a complex number: {complex(*value):g}"
+        return DesignError(name, problem, f"give {sort.allowed}")
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 

@@ -156,6 +156,8 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
         return False
     if not np.isfinite(number).all():
         return False
+    # The limits do not fit into half precision.
+    number = number.astype(float) if number.dtype.kind == "f" else number
     return all(np.all(test(number, about[key])) for key, test in _TESTS.items() if key in about)
 
 

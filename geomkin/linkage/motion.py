@@ -11,7 +11,7 @@ from ..arguments import checked
 from ..brief import clipped, short
 from ..cached import cached_property
 from ..display import moving
-from ..errors import DesignError
+from ..errors import DesignError, shown
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from ..table import Column, Table, finite, xy_columns
 from .body_motion import Body, PointMotion, SlideMotion
@@ -109,6 +109,7 @@ class Motion:
             return bodies[name]
         raise AttributeError(f"no body named {name!r}; there are {', '.join(bodies) or 'none'}")
 
+    @checked
     def point(self, name: str) -> PointMotion:
         """Motion of a named point; of a pin, as a point of the first body it joins."""
         if name in self._points:
@@ -118,14 +119,15 @@ class Motion:
                 self._points[name] = PointMotion(self.bodies[body], points[name], name)
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
-        raise KeyError(f"no point named {name!r}; there are {', '.join(named)}")
+        raise DesignError("name", f"found {shown(name)}, which is no point", f"give one of {', '.join(named)}")
 
     def slide(self, name: str) -> SlideMotion:
         """Motion of a sliding joint."""
         for slider in self.linkage.sliders:
             if slider.name == name:
                 return _slide(self, slider)
-        raise KeyError(f"no slider named {name!r}; there are {', '.join(s.name for s in self.linkage.sliders)}")
+        sliders = ", ".join(slider.name for slider in self.linkage.sliders)
+        raise DesignError("name", f"found {shown(name)}, which is no slider", f"give one of {sliders or 'none'}")
 
     def to_columns(self) -> dict[str, Real]:
         """The columns of `motion_table`, (frames,), by name and unit, `rocker_omega_rad_per_s`: feeds any data frame.

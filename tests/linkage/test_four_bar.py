@@ -165,7 +165,7 @@ def test_unknown_names_say_what_there_is():
     motion = gk.move(CRANK_ROCKER, [0.0])
     with pytest.raises(AttributeError, match="coupler"):
         motion.slider
-    with pytest.raises(KeyError, match="coupler_point"):
+    with pytest.raises(gk.DesignError, match="coupler_point"):
         motion.point("pen")
     with pytest.raises(gk.DesignError):
         gk.move(CRANK_ROCKER, [0.0], branch=2)

@@ -61,18 +61,22 @@ def harmonic(x: Real) -> Real:
     return 0.5 * np.stack([lift, np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
 
 
-def _polynomial(coefficients: list[float]) -> Law:
-    f = Polynomial(coefficients)
-    # Rows: the polynomial and its derivatives; columns: powers from the highest, as Horner takes them.
-    rows = [np.pad(f.deriv(k).coef if k else f.coef, (0, k))[::-1] for k in range(4)]
+@dataclass(frozen=True, eq=False)
+class PolynomialLaw:
+    """A law whose lift is a polynomial. rows (4, n): its coefficients and its derivatives', the highest power first."""
 
-    def law(x: Real) -> Real:
+    rows: Real
+
+    def __call__(self, x: Real) -> Real:
         value = np.zeros((4, *np.shape(x)))
-        for column in np.array(rows).T:
+        for column in self.rows.T:
             value = value * x + column.reshape(4, *[1] * np.ndim(x))
         return value
 
-    return law
+
+def _polynomial(coefficients: list[float]) -> PolynomialLaw:
+    f = Polynomial(coefficients)
+    return PolynomialLaw(np.array([np.pad(f.deriv(k).coef if k else f.coef, (0, k))[::-1] for k in range(4)]))
 
 
 # Peaks 15/8, 10/sqrt(3), 60: continuous acceleration.

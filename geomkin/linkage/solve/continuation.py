@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...arguments import Extended, checked
 from ...brief import one_line
-from ...errors import DesignError
+from ...errors import DesignError, shown
 from ...plane.vec import Mask, Real
 
 # From points (k, n + 1), n unknowns and the drive, to conditions (k, n) and their slopes (k, n, n + 1).
@@ -37,6 +37,8 @@ NEAR_ENOUGH, SLOW = 1e-5, 1e-3
 CLOSE, HALVINGS = 1e-9, 30
 # Steps of an iteration: it needs three or four, or beside a singular point one for each bit. Fewer lose those.
 STEPS = 60
+# Unknowns of `newton_raphson` at most: their matrix takes 0.2 GB.
+MOST_UNKNOWNS = 5_000
 # A step of Newton's, by the size of the unknowns, that is the last one. It misses its square by how bent the equations
 # are over how steep; rounding over the same steepness is ten times that, beside a limit as anywhere. Longer, and digits
 # are lost; shorter, and what has converged is looked at once more.
@@ -78,12 +80,14 @@ def newton_raphson(
     """
     if np.ndim(estimate) > 1 or not np.size(estimate):
         raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)")
+    if (count := np.size(estimate)) > MOST_UNKNOWNS:
+        raise DesignError("estimate", f"found {count:,} unknowns", f"give at most {MOST_UNKNOWNS:,}")
     x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
     path = [x]
     converged = False
     for _ in range(steps):
-        value = np.atleast_1d(np.asarray(f(x), dtype=float))
-        slope = np.asarray(jacobian(x), dtype=float).reshape(len(x), len(x))
+        value = _numbers("f", f(x), (count,))
+        slope = _numbers("jacobian", jacobian(x), (count, count))
         try:
             step = np.linalg.solve(slope, value)
         except np.linalg.LinAlgError:
@@ -95,7 +99,16 @@ def newton_raphson(
         if np.abs(step).max() <= tolerance * max(1.0, float(np.abs(x).max())):
             converged = True
             break
-    return Root(x, converged, float(np.abs(np.atleast_1d(np.asarray(f(x), dtype=float))).max()), np.array(path))
+    return Root(x, converged, float(np.abs(_numbers("f", f(x), (count,))).max()), np.array(path))
+
+
+def _numbers(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Real:
+    """What a function of the caller's returned, refused by the function's name if it is something else."""
+    try:
+        return np.asarray(given, dtype=float).reshape(shape)
+    except (TypeError, ValueError):
+        wanted = " x ".join(map(str, shape))
+        raise DesignError(name, f"returned {shown(given)}", f"return {wanted} real numbers") from None
 
 
 def solved(matrices: Real, right: Real) -> Real:

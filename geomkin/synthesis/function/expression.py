@@ -52,6 +52,10 @@ class Expression:
     def _value(self) -> Value:
         return _Reader(self.text).whole()
 
+    def __reduce__(self) -> tuple[type[Expression], tuple[str]]:
+        # What was read of the text is functions, which cannot be pickled.
+        return Expression, (self.text,)
+
     def __call__(self, x: ArrayLike) -> Real:
         """Values (...,) at x (...,)."""
         places = np.asarray(x, dtype=float)
