@@ -92,7 +92,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return cam_table(self.cam, self.drive.speed, self.drive.angles, self.cut)
+        drive = self.drive
+        return cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
 
     @property
     def judged(self) -> tuple[Check, ...]:
