@@ -47,7 +47,8 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     Parameters
     ----------
     motion : Motion
-        Of one linkage, over rising or falling drives. Between frames the output is a cubic with its values and slopes there.
+        Of one linkage, its drives rising or falling. Between frames the output is a cubic with its
+        values and slopes there.
     output : str
         The body.
     band : float
