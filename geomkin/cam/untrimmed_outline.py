@@ -100,7 +100,9 @@ class UntrimmedOutline:
         parts: list[AbstractCurve] = []
         for k in range(int(start), int(np.ceil(end))):
             b = self.pieces[k].breaks
-            low, high = (b[0] + (min(max(t, k), k + 1) - k) * (b[-1] - b[0]) for t in (start, end))
+            # Its own ends exactly: beside them by rounding, its last break would lie within.
+            low = b[0] if start <= k else b[0] + (start - k) * (b[-1] - b[0])
+            high = b[-1] if end >= k + 1 else min(b[0] + (end - k) * (b[-1] - b[0]), b[-1])
             # What is left of a piece beyond a crossing at its very end is rounding.
             if high - low > 1e-13 * (b[-1] - b[0]):
                 parts.append(Stretch(self.pieces[k], np.array([low, *b[(b > low) & (b < high)], high])))
