@@ -38,12 +38,14 @@ class Made:
     """What became of a recipe. files: path to size in bytes, empty when nothing was to be written.
 
     facts: what `check_recipe` found besides, a line each, such as the peak factors of a cam's segments.
+    remarks: sentences on the result, such as that a list may be incomplete.
     """
 
     name: str
     checks: tuple[Check, ...]
     files: Mapping[Path, int]
     facts: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     __repr__ = one_line
 
@@ -97,7 +99,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     write_whole(folder, contents)
     for path in sorted(before - set(contents)):
         remove(folder / path)
-    return Made(name, checks, {folder / path: len(content) for path, content in contents.items()})
+    return Made(name, checks, {folder / path: len(content) for path, content in contents.items()}, (), recipe.remarks)
 
 
 @checked
@@ -112,8 +114,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 _ = job.sheets if writer.flat else job.solids
             else:
                 _ = job.table if writer.needs == "table" else job.scene
-        facts = recipe.facts
-    return Made(name, checks, {}, facts)
+        facts, remarks = recipe.facts, recipe.remarks
+    return Made(name, checks, {}, facts, remarks)
 
 
 @checked
@@ -203,7 +205,8 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    return dataclasses.replace(job, about=source.subtitle, recipe=partial(to_toml, source))
+    about = " ".join((source.subtitle, *source.remarks))
+    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source))
 
 
 def name_of(file: str, name: str) -> str:

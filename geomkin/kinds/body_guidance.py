@@ -74,6 +74,9 @@ class WantedPoses:
     fixed_points: PointPair | None = entry(
         "the driving and the driven ground pivot of a four-bar, [[x, y], [x, y]] in mm, instead", default=None
     )
+    driving_point: Literal["first", "either"] = entry(
+        "which of two points that are given drives: the first, or either, the better one first", default="first"
+    )
     region: PointPair | None = entry(
         "corners of the box that holds all pins and pivots, [[x, y], [x, y]] in mm; left out, one about the poses",
         default=None,
@@ -133,6 +136,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 wanted.largest_ratio,
                 self.search.seed,
                 self.search.seconds,
+                wanted.driving_point,
             )
         except DesignError as error:
             raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
@@ -246,6 +250,15 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         circles = self.near(self.rectified.circles) if len(self.wanted.pairs) == 3 else []
         return [*skeleton(motion, 0, plate), *self.axes, *circles]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Which pin drives, if points were given."""
+        given = self.wanted.moving_points or self.wanted.fixed_points
+        if given is None or not np.isfinite(self.found.pins).all():
+            return ()
+        driving, driven = (f"[{pin.real:.6g}, {pin.imag:.6g}]" for pin in self.found.pins)
+        return (f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -254,6 +254,15 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """That linkages through nine points may be missing."""
+        if not self.best.may_be_incomplete:
+            return ()
+        why = "its time ended it" if self.best.cut_short else "new starts brought nothing new"
+        listed = f"{len(self.ranked)} linkages through the nine points are listed"
+        return (f"The list of linkages may be incomplete: {listed}, and the search ended because {why}.",)
+
+    @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
         cognates = [{**sizes_told(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
@@ -261,6 +270,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
+            "may_be_incomplete": best.may_be_incomplete,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
             "usable": None if usable is None else self.shortened(usable).summary(),
             "cognates": cognates,

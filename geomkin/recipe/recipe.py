@@ -125,6 +125,11 @@ class AbstractRecipe(ABC):
         return ()
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on the result that its page and the terminal show."""
+        return ()
+
+    @property
     def found_recipe(self) -> AbstractRecipe | None:
         """The recipe that a goal found, which is written beside its files; None for a kind that is no goal."""
         return None

@@ -30,7 +30,9 @@ class PathFound(Found):
     drive: the crank's angle at each point, rad from the ground line; of a closed path at the nearest point of it.
     square_error: sum of squared distances of the points from the path, mm2, of timed ones from where the coupler point
     then is. largest_distance: the largest of them, mm. closed: whether a full turn draws the path. at_limits: in words,
-    the limits that it stands on. cut_short: the search was ended by its time. ranked: distinct linkages, the best
+    the limits that it stands on. cut_short: the search was ended by its time. may_be_incomplete: nine points have a
+    finite number of linkages, of which the search may have missed some; another seed or more time may find them. ranked:
+    distinct linkages, the best
     first, this one among them; those with a defect come last. least_squares: more points are given than linkages can be
     made to meet.
     """
@@ -41,6 +43,7 @@ class PathFound(Found):
     closed: bool = False
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
+    may_be_incomplete: bool = False
     least_squares: bool = False
     ranked: tuple[PathFound, ...] = ()
     again: Callable[[], PathFound | None] | None = field(default=None, repr=False)
