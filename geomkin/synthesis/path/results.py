@@ -31,10 +31,9 @@ class PathFound(Found):
     square_error: sum of squared distances of the points from the path, mm2, of timed ones from where the coupler point
     then is. largest_distance: the largest of them, mm. closed: whether a full turn draws the path. at_limits: in words,
     the limits that it stands on. cut_short: the search was ended by its time. may_be_incomplete: nine points have a
-    finite number of linkages, of which the search may have missed some; another seed or more time may find them. ranked:
-    distinct linkages, the best
-    first, this one among them; those with a defect come last. least_squares: more points are given than linkages can be
-    made to meet.
+    finite number of linkages, of which the search may have missed some; another seed or more time may find them.
+    ranked: distinct linkages, the best first, this one among them; those with a defect come last. least_squares: more
+    points are given than linkages can be made to meet.
     """
 
     points: Complex
