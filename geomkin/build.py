@@ -83,6 +83,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         wanted = wanted if only else _had(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+        if not recipe.expected_failures:
+            del told["expected_failures"]
         contents = {file: content for files in written.values() for file, content in files.items()}
         goal_met = recipe.found_recipe
         besides = {} if goal_met is None else {f"{name}{FOUND}": to_toml(goal_met).encode()}
@@ -227,7 +229,7 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # A part may have a link's name, or none that a key has.
-    mechanism = next(name for name in own if name != "kind")
+    mechanism = next(name for name in own if name not in ("kind", "expected_failures"))
     table = getattr(recipe, mechanism)
     named = dataclasses.is_dataclass(table) and field in (f.name for f in dataclasses.fields(table))
     return f"{mechanism}.{field}" if named else mechanism

@@ -78,7 +78,7 @@ def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]
 def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Lines of a table: plain keys first, then its own tables."""
     plain, tables = [], []
-    for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
+    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name == "expected_failures")):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
         rows = getattr(inner, "segments", inner)
