@@ -90,6 +90,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         wanted = wanted if only else _had(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+        if not recipe.expected_failures:
+            del told["expected_failures"]
         contents = {file: content for files in written.values() for file, content in files.items()}
         goal_met = recipe.found_recipe
         besides = {} if goal_met is None else {f"{name}{FOUND}": to_toml(goal_met).encode()}
@@ -243,7 +245,10 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
         return f"files.{field}"
     # A part may have a link's name, or none that a key has.
     # Words and numbers of the recipe itself, such as a helix angle, are no mechanism.
-    mechanism = next(n for n in own if n != "kind" and not isinstance(getattr(recipe, n), str | float | bool))
+    plain = str | float | bool
+    mechanism = next(
+        n for n in own if n not in ("kind", "expected_failures") and not isinstance(getattr(recipe, n), plain)
+    )
     table = getattr(recipe, mechanism)
     # What was left out of the recipe was found, as a goal's linkage is.
     named = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None

@@ -55,9 +55,10 @@ class Column:
             raise DesignError("scale", f"found {len(self.scale)} numbers", f"give one, or {len(self.values)}")  # type: ignore[arg-type]
 
     @property
-    def written(self) -> Real:
-        """The values as files state them: `DIGITS` significant digits of each, rounding noise as 0."""
-        return significant(self.values, self.scale)
+    def written(self) -> Array:
+        """The values as files state them: `DIGITS` significant digits of each real number, rounding noise as 0."""
+        values = np.asarray(self.values)
+        return significant(values, self.scale) if values.dtype.kind == "f" else values
 
     @property
     def header(self) -> str:

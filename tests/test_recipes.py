@@ -80,15 +80,9 @@ def part_of(hole, found):
     return min((c for c in found["CUT"] if c.contains_properly(hole)), key=lambda c: c.area, default=None)
 
 
-def told_to_fail(text):
-    """Checks that a recipe's comment says fail on purpose, in brackets and with semicolons between."""
-    comment = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
-    return {name for names in re.findall(r"fails? on purpose \(([^)]*)\)", comment) for name in names.split("; ")}
-
-
 def test_checks_of_the_gallery_pass_but_for_those_that_show_a_failing_one_and_say_so(made):
     failed = {check.name for check in made[2].checks if not check.passed}
-    assert failed == told_to_fail(made[0].read_text())
+    assert failed == set(gk.load(made[0]).expected_failures)
 
 
 def test_every_part_is_in_the_dxf_with_the_area_that_its_solid_stands_on(made):

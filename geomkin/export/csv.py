@@ -6,8 +6,6 @@ import csv as text_csv
 import io
 from math import isnan
 
-import numpy as np
-
 from ..errors import harmless
 from ..table import Column, Table
 from .job import Job
@@ -28,12 +26,12 @@ def csv(table: Table) -> bytes:
 
 
 def _cells(column: Column) -> list[str]:
-    values = np.asarray(column.values)
+    values = column.written
     if values.dtype.kind in "iub":
         return [str(int(v)) for v in values.tolist()]
     if values.dtype.kind != "f":
         return [_harmless(str(v)) for v in values.tolist()]
-    return ["" if isnan(v) else repr(v) for v in column.written.tolist()]
+    return ["" if isnan(v) else repr(v) for v in values.tolist()]
 
 
 def _harmless(text: str) -> str:

@@ -90,7 +90,7 @@ class _Island:
                     "name": harmless(column.name),
                     "unit": harmless(column.unit),
                     "meaning": harmless(column.meaning),
-                    "row": self._row(floats(column.written[self.frames])),
+                    "row": self._row(floats(column.written[self.frames].astype(float))),
                 }
                 for column in columns
             ],

@@ -35,13 +35,14 @@ def verdict(checks: tuple[Check, ...]) -> str:
     if not failed:
         told = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
         return f'<p class="verdict holds">{told}</p>'
+    failed.sort(key=lambda check: bool(check.expected))
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
     return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
 
 
 def checks(job: Job) -> str:
     """The checks as a table, those that failed first, each with the frame where it is worst where that is known."""
-    held = sorted(job.source.checks, key=lambda check: check.passed)
+    held = sorted(job.source.checks, key=lambda check: (check.passed, bool(check.expected)))
     if not held:
         return ""
     rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
@@ -58,12 +59,14 @@ def _check(check: Check, scene: Scene) -> str:
         drive = scene.drive
         place = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
         there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
-    means = "fine" if check.passed else check.advice or "see the limit"
+    digits = check.digits(4)
+    value, limit = (text(with_unit(one, check.unit, digits)) for one in (check.value, check.limit))
+    means = "fine" if check.passed else check.expected or check.advice or "see the limit"
+    expected = " as expected" * bool(check.expected and not check.passed)
     return (
-        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
+        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
         f'<th scope="row">{text(capital(check.name))}</th>'
-        f"<td>{text(with_unit(check.value, check.unit))}{there}</td>"
-        f"<td>{check.side} {text(with_unit(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
+        f"<td>{value}{there}</td><td>{check.side} {limit}</td><td>{text(means)}</td></tr>"
     )
 
 
@@ -304,17 +307,18 @@ def text(raw: str) -> str:
 
 
 def number(value: float, digits: int = DIGITS) -> str:
-    """To four digits, as a reader takes it in, or more."""
+    """To so many digits, as a reader takes it in: in full up to ten millions, in groups of three."""
     if not np.isfinite(value):
         return "none" if np.isnan(value) else "infinite"
-    plain = f"{value:.{digits}g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
+    decimals = max(0, digits - len(f"{abs(value):.0f}"))
+    plain = f"{value:,.{decimals}f}" if 1e4 <= abs(value) < 1e7 else f"{value:.{digits}g}"
     return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 
 
-def with_unit(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """A value with its unit, as a reader takes it in."""
     sign = _unit(unit)
-    return f"{number(float(value))}{'' if sign in ('', '°') else ' '}{sign}"
+    return f"{number(float(value), digits)}{'' if sign in ('', '°') else ' '}{sign}"
 
 
 def _unit(unit: str) -> str:

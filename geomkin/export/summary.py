@@ -45,11 +45,12 @@ def summary(
         "checks": [
             {
                 "name": c.name,
-                "value": float(f"{c.value:.10g}"),
+                "value": float(f"{c.value:.{c.digits(10)}g}"),
                 "side": c.side,
                 "limit": c.limit,
                 "unit": c.unit,
                 "passed": bool(c.passed),
+                **({"expected": c.expected} if c.expected and not c.passed else {}),
             }
             for c in checks
         ],

@@ -6,6 +6,7 @@ import copy
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 from ..arguments import checked
@@ -24,7 +25,21 @@ from .settings import Files
 UNSCALED = ("stock", "base", "files")
 
 
-class AbstractRecipe(ABC):
+@dataclass(frozen=True, kw_only=True)
+class _Shared:
+    """Keys of every kind."""
+
+    expected_failures: Mapping[str, str] = dataclasses.field(
+        default_factory=dict,
+        hash=False,
+        metadata={
+            "description": 'checks that fail on purpose, by name: "least transmission angle" = "the reason"',
+            "examples": [{}],
+        },
+    )
+
+
+class AbstractRecipe(_Shared, ABC):
     """A recipe: a frozen dataclass of keyword arguments, on which all that can be known of it hangs.
 
     A subclass has the field `kind`, a Literal with itself as default, then its tables, the mechanism's first, and
@@ -93,7 +108,8 @@ class AbstractRecipe(ABC):
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
         # Parts first: what cannot be made at all is told before what is poor.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
-        return (*self.judged, *walls)
+        reasons = self.expected_failures
+        return tuple(replace(check, expected=reasons.get(check.name, "")) for check in (*self.judged, *walls))
 
     @cached_property
     def walls(self) -> Mapping[str, float]:

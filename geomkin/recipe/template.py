@@ -83,7 +83,7 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
     plain, tables = [], []
     if not path and value.can_be_scaled:
         plain.append(("# scale = 1", SCALE))
-    for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
+    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name == "expected_failures")):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
         rows = getattr(inner, "segments", inner)

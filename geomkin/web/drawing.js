@@ -115,6 +115,7 @@ export class Drawing {
     mark.group = make(this.above, "g", { class: `mark ${sort.replace(" ", "-")} ${role}` });
     const add = (name, attributes) => make(mark.group, name, attributes);
     make(mark.group, "title", {}, spaced(mark.label || sort));
+    if (["pin", "slide"].includes(sort) || role === "traced") add("circle", { r: 12.5, class: "touch" });
     if (sort === "slide") {
       mark.shape = add("rect", { x: -11, y: -7, width: 22, height: 14, rx: 2 });
       this.drawGuide(mark);

@@ -129,9 +129,10 @@ class Player {
   // What the plots show for readers who see none: every quantity now, its least and its largest value and where.
   tabulate() {
     const { data, drive } = this, { columns } = data;
-    const fold = make(make(this.root, "section", { class: "values" }), "details");
-    make(fold, "summary", {}, "Every quantity, now and at its least and largest");
-    const table = make(make(fold, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
+    // The table stands after what folds it away, so that it prints in either case.
+    const section = make(this.root, "section", { class: "values" });
+    make(make(section, "details"), "summary", {}, "Every quantity, now and at its least and largest");
+    const table = make(make(section, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
     const head = make(make(table, "thead"), "tr"), body = make(table, "tbody");
     const at = `at ${drive.name}, ${unitOf(drive.unit)}`;
     for (const title of ["Quantity", "Unit", "Now", "Least", at, "Largest", at]) make(head, "th", { scope: "col" }, title);

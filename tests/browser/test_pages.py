@@ -2,6 +2,7 @@
 
 import csv
 import re
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -138,7 +139,7 @@ def test_a_failed_check_s_click_lands_on_its_frame(folder, opened):
     tab = opened(file)
     assert "least transmission angle" in tab.page.inner_text("header")
     row = tab.page.query_selector("#checks tbody tr")
-    assert row.query_selector("td").inner_text().endswith("fails")
+    assert "fails" in row.query_selector("td").inner_text()
     row.query_selector("button").click()
     assert frame_of(tab.page) == int(recipe.table["transmission_angle"].argmin())
 
@@ -353,8 +354,38 @@ def test_no_name_is_cut_by_the_edge_of_a_narrow_drawing(name, folder, opened):
           return seen.map((text) => [text.textContent, text.getBoundingClientRect()]).filter(([, box]) => box.right > left && box.left < right)
             .map(([text, box]) => [text, box.left - left, right - box.right]);
         }""")
-        assert len(told) > 3 and all(min(room) >= 0 for _, *room in told), told
+        assert len(told) > 2 and all(min(room) >= 0 for _, *room in told), told
         assert not any("copy" in text and "foot" not in text for text, *_ in told)
+
+
+SEEN = """() => [...document.querySelectorAll("svg.drawing")].map((svg) => [...svg.querySelectorAll("text.name:not(.off)")]
+  .filter((text) => text.checkVisibility({ visibilityProperty: true })).map((text) => text.getBoundingClientRect())
+  .map((box) => [box.left, box.right, box.top, box.bottom]))"""
+
+
+@pytest.mark.parametrize("width", [360, 1400])
+@pytest.mark.parametrize("name", ["crank-rocker", "walking-leg", "sieve", "cognates", "inflection-circle", "gear-pair"])
+def test_no_name_lies_over_another(name, width, folder, opened):
+    recipe, file = page_of(name, folder)
+    page = opened(file, viewport={"width": width, "height": 800}).page
+    page.evaluate("for (const box of document.querySelectorAll('.switch input')) if (!box.checked) box.click()")
+    for frame in range(0, len(recipe.scene.time), 30):
+        go_to(page, frame)
+        for names in page.evaluate(SEEN):
+            assert names
+            for (a, b, c, d), (e, f, g, h) in combinations(names, 2):
+                assert a >= f or e >= b or c >= h or g >= d
+
+
+@pytest.mark.parametrize("name", ["crank-rocker", "slider-crank", "walking-leg", "gear-pair"])
+def test_on_a_phone_play_and_slider_are_on_the_first_screen_and_large_enough_for_fingers(name, folder, opened):
+    _, file = page_of(name, folder)
+    page = opened(file, viewport={"width": 360, "height": 640}, is_mobile=True, has_touch=True).page
+    low = "(what) => document.querySelector(what).getBoundingClientRect().bottom"
+    assert max(page.evaluate(low, what) for what in ("button[aria-label=Play]", ".drive input")) < 480
+    targets = page.evaluate("""() => [...document.querySelectorAll("button, select, input, summary, .touch")]
+      .map((target) => target.getBoundingClientRect()).filter((box) => box.width).map((box) => [box.width, box.height])""")
+    assert len(targets) > 15 and min(map(min, targets)) >= 24
 
 
 def test_a_long_table_says_that_it_is_thinned(folder, opened):
@@ -373,7 +404,9 @@ def test_trails_are_cut_every_five_degrees(folder, opened):
 def test_prints_all_of_it(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file, color_scheme="dark").page
+    assert not page.is_visible(".values table")
     page.emulate_media(media="print")
+    assert page.is_visible(".values table")
     assert page.is_visible("svg.drawing") and page.is_visible("#checks") and not page.is_visible(".controls")
     assert len(page.pdf()) > 20_000
 
