@@ -258,7 +258,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         """That linkages through nine points may be missing."""
         if not self.best.may_be_incomplete:
             return ()
-        why = "its time ended it" if self.best.cut_short else "new starts brought nothing new"
+        why = "its time was over" if self.best.cut_short else "new starts brought nothing new"
         listed = f"{len(self.ranked)} linkages through the nine points are listed"
         return (f"The list of linkages may be incomplete: {listed}, and the search ended because {why}.",)
 

@@ -114,6 +114,20 @@ def test_the_checks_say_what_is_missed_and_which_defects_there_are():
     assert not check.passed and wrong.found.defects[0] in check.advice
 
 
+def test_given_points_drive_in_their_order_or_either_and_the_driving_pin_is_stated():
+    wanted = f"{THREE}\nmoving_points = [[-20, 10], [30, 40]]"
+    first, either = recipe(wanted), recipe(f'{wanted}\ndriving_point = "either"')
+    assert first.notes["found"]["driving_pin_on_body_mm"] == pytest.approx([-20, 10])
+    assert first.notes["found"]["driven_pin_on_body_mm"] == pytest.approx([30, 40])
+    assert len(first.ranked) == 1 and len(either.ranked) == 2
+    driving = {tuple(np.round(entry["driving_pin_on_body_mm"], 6)) for entry in either.notes["ranked"]}
+    assert driving == {(-20, 10), (30, 40)}
+    assert len(first.remarks) == 1 and not recipe().remarks
+    # The rod of a trammel holds both pins, and neither drives.
+    rod = recipe(f'{THREE}\ntype = "elliptic-trammel"\ntrammel_driver = "rod"')
+    assert rod.notes["found"]["driver"] == "rod" and "driving_pin_on_body_mm" not in rod.notes["found"]
+
+
 def test_poles_are_told_and_those_at_infinity_by_their_direction():
     told = recipe("poses = [[0, 0, 0], [40, 20, 0], [60, 60, 80]]").notes["poles_mm"]
     assert "at_infinity_deg" in told["1 and 2"] and len(told["1 and 3"]) == 2
