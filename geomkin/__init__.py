@@ -78,6 +78,7 @@ if TYPE_CHECKING:
     from .plane.measure import curvature as curvature
     from .plane.measure import length as length
     from .plane.measure import nearest as nearest
+    from .scaling import scaled as scaled
     from .sweeps.sweep import sweep as sweep
     from .synthesis.function.function import function_generator as function_generator
     from .synthesis.guidance.dyads import dyads_through as dyads_through

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+import re
 from pathlib import Path
 
 from .errors import DesignError, printable, shown
 
 # Bytes of a file at most. A larger one is something else by mistake, and may fill the memory.
 LARGEST = 10_000_000
+# A number with a decimal comma, as spreadsheets write it where a comma stands for the point.
+WITH_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 
 
 def text_beside(name: str | Path, folder: str | Path | None, what: str) -> str:
@@ -37,3 +41,20 @@ def text_beside(name: str | Path, folder: str | Path | None, what: str) -> str:
         told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
         reason = (error.strerror if isinstance(error, OSError) else None) or told
         raise DesignError("file", f"{printable(name)} cannot be read ({reason})", f"give {what}") from None
+
+
+def csv_cells(text: str, name: str | Path) -> list[list[str]]:
+    """The cells of a CSV file, line by line; refused under the field `file`.
+
+    Semicolons separate them if the first line that is not empty has one, commas if not. Decimal commas of a file with
+    semicolons become points.
+    """
+    lines = text.splitlines()
+    separator = ";" if ";" in next((line for line in lines if line.strip()), "") else ","
+    try:
+        cells = list(csv.reader(lines, delimiter=separator))
+    except csv.Error as error:
+        raise DesignError("file", f"{printable(name)} is not CSV ({error})", "give a CSV file") from None
+    if separator == ",":
+        return cells
+    return [[cell.replace(",", ".") if WITH_COMMA.fullmatch(cell) else cell for cell in line] for line in cells]

@@ -35,11 +35,17 @@ Readable = str | Path | Annotated[Mapping[str, Any], Sort(lambda value: isinstan
 
 @dataclasses.dataclass(frozen=True)
 class Made:
-    """What became of a recipe. files: path to size in bytes, empty when nothing was to be written."""
+    """What became of a recipe. files: path to size in bytes, empty when nothing was to be written.
+
+    facts: what `check_recipe` found besides, a line each, such as the peak factors of a cam's segments.
+    remarks: sentences on the result, such as that a list may be incomplete.
+    """
 
     name: str
     checks: tuple[Check, ...]
     files: Mapping[Path, int]
+    facts: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     __repr__ = one_line
 
@@ -84,6 +90,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         wanted = wanted if only else _had(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+        if not recipe.expected_failures:
+            del told["expected_failures"]
         contents = {file: content for files in written.values() for file, content in files.items()}
         goal_met = recipe.found_recipe
         besides = {} if goal_met is None else {f"{name}{FOUND}": to_toml(goal_met).encode()}
@@ -93,7 +101,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     write_whole(folder, contents)
     for path in sorted(before - set(contents)):
         remove(folder / path)
-    return Made(name, checks, {folder / path: len(content) for path, content in contents.items()})
+    return Made(name, checks, {folder / path: len(content) for path, content in contents.items()}, (), recipe.remarks)
 
 
 @checked
@@ -108,7 +116,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 _ = job.sheets if writer.flat else job.solids
             else:
                 _ = job.table if writer.needs == "table" else job.scene
-    return Made(name, checks, {})
+        facts, remarks = recipe.facts, recipe.remarks
+    return Made(name, checks, {}, facts, remarks)
 
 
 @checked
@@ -198,7 +207,8 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    return dataclasses.replace(job, about=source.subtitle, recipe=partial(to_toml, source))
+    about = " ".join((source.subtitle, *source.remarks))
+    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source))
 
 
 def name_of(file: str, name: str) -> str:
@@ -236,7 +246,11 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # A part may have a link's name, or none that a key has.
-    mechanism = next(name for name in own if name != "kind")
+    # Words and numbers of the recipe itself, such as a helix angle, are no mechanism.
+    plain = str | float | bool
+    mechanism = next(
+        n for n in own if n not in ("kind", "expected_failures") and not isinstance(getattr(recipe, n), plain)
+    )
     table = getattr(recipe, mechanism)
     # What was left out of the recipe was found, as a goal's linkage is.
     named = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None

@@ -7,13 +7,15 @@ from typing import Literal
 
 from .arguments import Found, check_fields
 from .brief import clipped
+from .errors import harmless
 
 
 @dataclass(frozen=True)
 class Check:
     """One quality of a design against its limit.
 
-    A failed check is advice, not an error: the design exists, and its files are still made.
+    A failed check is advice, not an error: the design exists, and its files are still made. expected: the reason that
+    a recipe gives for a failure that is meant; "" if there is none.
     """
 
     name: str
@@ -22,6 +24,7 @@ class Check:
     limit: Found
     unit: str = ""
     advice: str = ""
+    expected: str = ""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -31,16 +34,23 @@ class Check:
         """False also for nan: what could not be measured has not passed."""
         return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
 
+    def digits(self, least: int) -> int:
+        """Significant digits, `least` or more, with which the value of a failed check and its limit differ."""
+        counts = (n for n in range(least, 17) if self.passed or f"{self.value:.{n}g}" != f"{self.limit:.{n}g}")
+        return next(counts, 17)
+
     def __repr__(self) -> str:
         verdict = "passed" if self.passed else "FAILED"
         unit = f" {self.unit}" if self.unit else ""
-        return clipped(f"Check({verdict}: {self.name} {self.value:.6g}{unit}, limit {self.side} {self.limit:.6g})")
+        n = self.digits(6)
+        return clipped(f"Check({verdict}: {self.name} {self.value:.{n}g}{unit}, limit {self.side} {self.limit:.{n}g})")
 
     def __str__(self) -> str:
-        # A value close to its limit is printed in full, or "14 should be at least 14" comes out.
-        digits = ".3g" if abs(self.value - self.limit) > 5e-3 * abs(self.limit) else ".6g"
-        text = f"{self.name} {self.value:{digits}} {self.unit}".rstrip()
+        n = self.digits(3)
+        text = f"{self.name} {self.value:.{n}g} {self.unit}".rstrip()
         if self.passed:
             return text
-        text = f"{text}, should be {self.side} {self.limit:.3g} {self.unit}".rstrip()
+        text = f"{text}, should be {self.side} {self.limit:.{n}g} {self.unit}".rstrip()
+        if self.expected:
+            return f"{text}; expected: {harmless(self.expected)}"
         return f"{text}: {self.advice}" if self.advice else text

@@ -62,6 +62,8 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
     if made:
         click.echo(_report(made) if _is_terminal(sys.stdout) else "\n".join(map(_line, made)))
     for result in made:
+        for remark in result.remarks:
+            click.echo(f"{printable(result.name)}: {remark}", err=True)
         for check in result.checks:
             if not check.passed:
                 click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
@@ -80,6 +82,10 @@ def check_command(recipes: tuple[Path, ...]) -> None:
         click.echo(printable(result.name))
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
+        for fact in result.facts:
+            click.echo(f"        {printable(fact)}")
+        for remark in result.remarks:
+            click.echo(f"        {printable(remark)}")
     sys.exit(1 if failed else 0)
 
 

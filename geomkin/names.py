@@ -63,18 +63,23 @@ def _flaw(name: object) -> str:
 @lru_cache(NAMES)
 def _letters_flaw(name: str) -> str:
     """The same of a text that is neither empty nor too long."""
-    kinds = [unicodedata.category(c) for c in name]
-    for k, (letter, category) in enumerate(zip(name, kinds)):
-        mark = category in MARKS and k > 0 and kinds[k - 1] in LETTERS | MARKS
-        if letter in UNSEEN or not (category in LETTERS or mark or letter in " _-"):
+    for before, letter in zip(f" {name}", name):
+        if not (is_letter(letter, before) or letter in " _-"):
             return f"has the sign {shown(letter)}"
-    if kinds[0] not in LETTERS:
+    if not is_letter(name[0]):
         return f"begins with {shown(name[0])}"
     if name[-1] == " ":
         return "ends with a space"
     if folded(name) in DEVICES:
         return "Windows takes for a device"
     return ""
+
+
+def is_letter(letter: str, before: str = "") -> bool:
+    """Whether it is a letter or digit of any script that shows, or a mark on the one `before` it."""
+    category = unicodedata.category(letter)
+    on_letter = bool(before) and unicodedata.category(before) in LETTERS | MARKS
+    return letter not in UNSEEN and (category in LETTERS or (category in MARKS and on_letter))
 
 
 def file_name_flaw(name: str) -> str:

@@ -12,7 +12,7 @@ from .brief import one_line
 from .errors import DesignError
 from .part import Part
 from .plane.curve import AbstractCurve
-from .plane.vec import Array, Complex, Mask, Real
+from .plane.vec import Array, Complex, Mask, Real, as_unit
 from .table import Column, Table
 
 # What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
@@ -38,10 +38,10 @@ Role = Literal[
 class SceneBody:
     """A body: the very parts that are cut of it, and its frame at each frame of the scene.
 
-    origin: (frames,) complex, mm; direction: (frames,) unit complex, of the body's x axis; nan where the mechanism
-    cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what lies over
-    what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its name, as they
-    need not for one of many that are alike.
+    origin: (frames,) complex, mm; direction: (frames,) complex, of the body's x axis, kept as a unit one; nan where the
+    mechanism cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what
+    lies over what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its
+    name, as they need not for one of many that are alike.
     """
 
     name: str
@@ -56,6 +56,7 @@ class SceneBody:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "direction", as_unit(self.direction))
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,7 @@ class SceneMark:
     sort: "pin" and "fixed pin" are small circles, "slide" a block along `direction`, "point" a dot; a point leaves a
     trail of where it was, in dashes of equal steps of the drive, when `trail` is true. "vector" is an arrow from
     `place` to `place + vector`, in mm that show what `label` says; "line" one without a head, "circle" one of radius
-    `radius` about `place`. place, vector: (frames,) complex, mm; direction: (frames,) unit complex; radius: (frames,)
+    `radius` about `place`. place, vector: (frames,) complex, mm; direction: (frames,) of any length; radius: (frames,)
     mm; nan where there is none.
     """
 
@@ -111,6 +112,8 @@ class SceneMark:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.direction is not None:
+            object.__setattr__(self, "direction", as_unit(self.direction))
 
 
 @dataclass(frozen=True)

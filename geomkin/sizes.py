@@ -38,23 +38,40 @@ def quantity(
     below: float | None = None,
     at_most: float | None = None,
     whole: bool = False,
+    filled_in: float | None = None,
 ) -> Any:
-    """A dataclass field for a number: what it means, its unit, its limits, and an example for templates."""
+    """A dataclass field for a number: what it means, its unit, its limits, and an example for templates.
+
+    filled_in: what usually becomes of one that is left out, whose default is None.
+    """
     limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
     metadata |= {name: limit for name, limit in limits.items() if limit is not None}
     metadata |= {"whole": True, "strict": True} if whole else {"strict": True, "allow_inf_nan": False}
     metadata["examples"] = [example if example is not None else default]
+    metadata["filled_in"] = filled_in
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def entry(meaning: str, *, default: Any = MISSING, default_factory: Any = MISSING, example: Any = None) -> Any:
-    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example."""
+def entry(
+    meaning: str,
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    example: Any = None,
+    units: tuple[str, ...] | None = None,
+) -> Any:
+    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example.
+
+    units: of the numbers in a row, or in each of many.
+    """
     shown = example if example is not None else default
     metadata: dict[str, Any] = {
         "description": meaning,
         "examples": [shown if default_factory is MISSING else default_factory()],
     }
+    if units is not None:
+        metadata["units"] = units
     if isinstance(default, bool):
         metadata["strict"] = True  # or "yes" and 1 would do for true
     if default_factory is not MISSING:

@@ -76,3 +76,18 @@ def test_what_is_no_file_is_told(tmp_path):
 )
 def test_the_sign_that_makes_no_name_is_the_one_that_is_told(name, flaw):
     assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")
+
+
+@pytest.mark.parametrize(("separator", "point"), [(",", "."), (";", "."), (";", ",")])
+def test_cells_are_the_same_whatever_separates_them(separator, point):
+    numbers = [["0", "-1.5", ".25"], ["10", "+2.5e-3", "7"]]
+    text = "\n".join(separator.join(row).replace(".", point) for row in [["a", "b", "c"], *numbers])
+    cells = beside.csv_cells(f"\n{text}\n", "a.csv")
+    assert cells[1] == ["a", "b", "c"] and [list(map(float, row)) for row in cells[2:]] == [
+        list(map(float, row)) for row in numbers
+    ]
+
+
+def test_only_a_plain_decimal_comma_becomes_a_point():
+    cells = beside.csv_cells('a;b\n1.234,5;1,2,3\nx, y;"1,5"', "a.csv")
+    assert cells[1:] == [["1.234,5", "1,2,3"], ["x, y", "1.5"]]

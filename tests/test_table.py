@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.table import finite
+from geomkin.table import finite, significant
 
 ANGLE = gk.Column("crank_angle", "deg", "angle of the crank", np.arange(4.0))
 OMEGA = gk.Column("rocker_omega", "rad/s", "angular velocity of the rocker", np.arange(4.0) ** 2)
@@ -78,3 +78,33 @@ def test_at_most_three_names_that_are_near_are_told_the_nearest_first(name, advi
         table[name]
     told = " or ".join(advice) if advice else "a name that `to_columns` tells"
     assert refusal.value.remedy == f"give {told}"
+
+
+HUGE = np.array([1e17, 1e17, -133.33333333333, 1.23456789012e-5, np.nan, np.inf, 0.0, 2e300])
+
+
+def test_ten_digits_of_each_value_however_large_others_are():
+    told = significant(HUGE)
+    assert told == pytest.approx(HUGE, rel=5e-10, abs=1e-9, nan_ok=True) and told[2] == -133.3333333
+    assert [float(f"{value:.9e}") for value in told[:4]] == told[:4].tolist()
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0, 1e9])
+def test_rounding_noise_is_written_as_0_and_what_is_more_is_not(size):
+    values = size * np.array([2e-16, -3e-15, 1.0, 1e-11, -1e-17])
+    known = significant(values, size)
+    assert known.tolist()[:2] == [0, 0] and known[4] == 0 and not np.signbit(known[[0, 1, 4]]).any()
+    assert known[3] == pytest.approx(values[3], rel=0.1) or size > 1
+
+
+def test_the_terms_of_one_frame_do_not_round_another():
+    """A point that is nearly at infinity at one frame, with noise in its other coordinate, and at hand at the others."""
+    x, y = gk.table.xy_columns("p", "mm", "", np.array([1e17 + 3j, 2e9 + 1e-8j, 1.234567890123 - 4e-6j]))
+    assert y.written.tolist() == [0.0, 0.0, -4e-6] and x.written.tolist() == [1e17, 2e9, 1.23456789]
+
+
+@pytest.mark.parametrize("scale", [np.ones(3), np.array(["a"] * 4), [1.0] * 4, "large"])
+def test_a_scale_that_is_none_is_refused_by_its_name(scale):
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.Column("a", "mm", "", np.zeros(4), scale)
+    assert refusal.value.field == "scale"

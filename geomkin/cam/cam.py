@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,6 +43,7 @@ class Cam:
     )
     base_radius: float = quantity("radius of the cam where the lift is 0", "mm", above=0, at_most=FARTHEST, example=40)
     direction: Direction = entry("way the cam turns", default="counterclockwise")
+    can_be_scaled: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_sizes(self)

@@ -13,7 +13,7 @@ from ..arguments import Positive, RealRow, Reals, checked
 from ..brief import one_line
 from ..errors import DesignError
 from ..plane.curve import AbstractCurve
-from ..plane.vec import Complex, Real, Whole
+from ..plane.vec import Complex, Mask, Real, Whole
 from ..table import Column, Table, finite, xy_columns
 from .cam import Cam
 from .maxima import highest, largest, samples
@@ -23,6 +23,8 @@ from .undercut import Undercut, undercut
 LOOKS = 129
 # Newton's steps from a bracket a hundredth of a piece wide: five reach the last digit, one is spare.
 STEPS = 6
+# rad from a joint within which a row is at the joint: what rounding of degrees explains.
+JOINT = 1e-9
 # rad; larger takes neighbours for chords that pass, smaller lets a direction slip between two.
 ROUNDING = 1e-14
 
@@ -105,30 +107,52 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
 
 
 @checked
-def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = None) -> Table:
-    """Follower motion, pressure angle and coordinates at cam angles, rad, of a cam that turns at `speed`, rad/s.
+def cam_table(
+    cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = None, acceleration: float = 0.0
+) -> Table:
+    """Follower motion, pressure angle and coordinates at cam angles.
 
-    One row for each angle. Rates are by time; coordinates, mm, are those of profile and pitch curve on the cam, of
-    the contact on the ground. Where the follower undercuts, a last column tells the lift that is lost. cut: what
-    `undercut` found, where it is known already.
+    Parameters
+    ----------
+    cam : Cam
+    speed, acceleration : float
+        Of the cam at every row, rad/s and rad/s2, counted in the direction in which it turns.
+    angle : array, shape (rows,)
+        Cam angles, rad.
+    cut : Undercut, optional
+        The result of `undercut`, if it is known already.
 
-        gk.cam.cam_table(cam, speed=10.0, angle=np.radians(np.arange(360)))
+    Returns
+    -------
+    Table
+        Rates are by time, infinite at a joint where a lower one jumps; time is nan if the cam accelerates.
+        Coordinates, mm, of profile and pitch curve are on the cam, those of the contact on the ground. If the
+        follower undercuts, a last column has the lost lift.
 
-    Source: derived here, by the chain rule from the motion programme.
+    Notes
+    -----
+    Derived here, by the chain rule from the motion program.
+
+    Examples
+    --------
+    >>> table = gk.cam.cam_table(cam, speed=10.0, angle=np.radians(np.arange(360)))
     """
     motion, (unit, size) = cam.program.motion(angle), cam.follower.lift_unit
+    step, smooth_step = _at_steps(cam, angle)
     rate = "rad" if cam.follower.oscillates else "mm"
     contact, left = cam.contact(angle), cut or undercut(cam)
     radius = polar_radius(left.outline, angle)
+    second = motion.acceleration * speed**2 + motion.velocity * acceleration
+    third = motion.jerk * speed**3 + 3 * motion.acceleration * speed * acceleration
     # At a sharp point of the profile it is infinite, which no number tells.
     bend = finite(-cam.sense * cam.profile.curvature(angle))
     columns = [
         Column("cam_angle", "deg", "angle the cam has turned", np.degrees(angle)),
-        Column("time", "s", "time at the recipe's speed", angle / speed),
+        Column("time", "s", "time at the recipe's speed", angle / (np.nan if acceleration else speed)),
         Column("lift", unit, "lift of the follower", motion.lift * size),
-        Column("velocity", f"{rate}/s", "velocity of the follower", motion.velocity * speed),
-        Column("acceleration", f"{rate}/s2", "acceleration of the follower", motion.acceleration * speed**2),
-        Column("jerk", f"{rate}/s3", "jerk of the follower", motion.jerk * speed**3),
+        _rate("velocity", f"{rate}/s", motion.velocity * speed),
+        _rate("acceleration", f"{rate}/s2", np.where(step, np.inf, second)),
+        _rate("jerk", f"{rate}/s3", np.where(step | smooth_step, np.inf, third)),
         Column("pressure_angle", "deg", "between path and force", np.degrees(contact.pressure_angle)),
         *_pitch(cam, angle),
         *xy_columns("profile", "mm", "profile on the cam", cam.profile.point(angle)),
@@ -140,6 +164,20 @@ def cam_table(cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = 
         lost = left.lost_lift(angle) * size
         columns.append(Column("lost_lift", unit, "how far undercut leaves the follower below its lift", lost))
     return Table(tuple(columns))
+
+
+def _at_steps(cam: Cam, angle: Real) -> tuple[Mask, Mask]:
+    """Which angles are those of a joint at which the velocity jumps, and at which the acceleration does."""
+    joints, jumps, turned = cam.program.breaks, cam.program.jumps, np.mod(angle, 2 * np.pi)
+    k = np.searchsorted(joints, turned - JOINT)
+    there, k = joints[k] <= turned + JOINT, k % (len(joints) - 1)
+    return there & (jumps.velocity[k] != 0), there & (jumps.acceleration[k] != 0)
+
+
+def _rate(name: str, unit: str, values: Real) -> Column:
+    return Column(
+        name, unit, f"{name} of the follower", values, float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    )
 
 
 def _pitch(cam: Cam, angle: Real) -> Iterator[Column]:

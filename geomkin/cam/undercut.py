@@ -18,7 +18,7 @@ from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole
 from .cam import Cam
 from .maxima import climb, highest_between, samples
-from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings
+from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
 
 # Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within
 # which its loop closes. Fewer may miss a small loop, more take longer.
@@ -278,7 +278,7 @@ def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) 
     for a, b in loops:
         near = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
         grid.append(near[(near >= np.floor(a)) & (near < np.ceil(b))])
-    chosen = np.unique(np.concatenate(grid))
+    chosen = refined(raw.curve, np.unique(np.concatenate(grid)))
     for a, b in points:
         before, after = chosen <= a, chosen >= b
         chosen = chosen[before | after if a < b else before & after]

@@ -9,7 +9,7 @@ import numpy as np
 from ..cached import cached_property
 from ..plane.curve import AbstractCurve, Stretch, just_before
 from ..plane.joined import Path
-from ..plane.vec import Complex, Pose, Real, Whole, cross
+from ..plane.vec import Complex, Mask, Pose, Real, Whole, cross
 from .cam import Cam
 from .maxima import samples
 
@@ -20,12 +20,18 @@ APART = 5e-10
 # Chords over one turn in the search for crossings, and at least in each segment. Loops of the profile are looked
 # at more closely. Fewer miss flanks that just cross; these, crossings less deep than 3e-7 of the radius of curvature.
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
+# Share of the curve's size by which a chord may miss the curve; where it misses by more it is halved, so often at most.
+# Larger loses crossings of steep short segments, whose contact runs far in a small cam angle; smaller takes longer.
+MISS, HALVINGS = 2e-7, 16
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
 # six are enough; where they touch each step only halves the gap, and fewer would lose that crossing.
 STEPS = 60
 # Last bits of the parameter by which two branches of one place may lie apart: one for each branch, and as much for what
 # is rounded on the way. Fewer lose crossings of what runs fast, more take a near miss there for one.
 BITS = 4
+# Share of the curve's size from which a loop is one: less is a single place that rounding found twice. A smaller share
+# takes rounding at joints for crossings, a larger one loses loops that can be found.
+ONE_PLACE = 3e-11
 # Pairs of chords looked at in one go: more takes more memory; fewer than a thousand take longer.
 BLOCK = 1_000_000
 
@@ -45,16 +51,17 @@ class UntrimmedOutline:
     def pieces(self) -> tuple[AbstractCurve, ...]:
         """Pieces end to end, all the way round; every second one is a joint."""
         profile, breaks = self.cam.profile, self.cam.program.breaks
-        before = profile.point(just_before(breaks[1:], breaks[1:]))
+        ends = just_before(breaks[1:], breaks[1:])
         after = profile.point(np.append(breaks[1:-1], breaks[0]))
-        jumps = np.flatnonzero(np.abs(after - before) > APART * self.cam.base_radius)
+        jumps = np.flatnonzero(np.abs(after - profile.point(ends)) > APART * self.cam.base_radius)
         if not len(jumps):
             return (profile,)
         pieces: list[AbstractCurve] = []
         first = 0
         for k in jumps.tolist():
-            joint = _joint(self.cam, float(breaks[k + 1]), complex(before[k]), complex(after[k]))
-            pieces += [Stretch(profile, breaks[first : k + 2]), joint]
+            piece = Stretch(profile, breaks[first : k + 2])
+            joint = _joint(self.cam, float(breaks[k + 1]), complex(piece.point(breaks[k + 1])), complex(after[k]))
+            pieces += [piece, joint]
             first = k + 1
         return (*pieces, Stretch(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
 
@@ -93,7 +100,9 @@ class UntrimmedOutline:
         parts: list[AbstractCurve] = []
         for k in range(int(start), int(np.ceil(end))):
             b = self.pieces[k].breaks
-            low, high = (b[0] + (min(max(t, k), k + 1) - k) * (b[-1] - b[0]) for t in (start, end))
+            # Its own ends exactly: beside them by rounding, its last break would lie within.
+            low = b[0] if start <= k else b[0] + (start - k) * (b[-1] - b[0])
+            high = b[-1] if end >= k + 1 else min(b[0] + (end - k) * (b[-1] - b[0]), b[-1])
             # What is left of a piece beyond a crossing at its very end is rounding.
             if high - low > 1e-13 * (b[-1] - b[0]):
                 parts.append(Stretch(self.pieces[k], np.array([low, *b[(b > low) & (b < high)], high])))
@@ -144,9 +153,37 @@ def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
             break
         step = np.stack([cross(apart, v[:, 1]), cross(apart, v[:, 0])], axis=1) / -turned[:, None]
         t = np.clip(t + step, low[live], high[live])
-    # Two parameters that have become one are no crossing.
-    best[(least >= close) | (np.abs(best[:, 0] - best[:, 1]) <= 1e-12 * (last - first))] = np.nan
+    best[(least >= close) | _is_one_place(curve, best, ONE_PLACE * size)] = np.nan
     return best
+
+
+def _is_one_place(curve: AbstractCurve, pairs: Real, small: float) -> Mask:
+    """Whether a closed curve stays within `small`, mm, from one parameter of a pair to the other: the shorter way."""
+    first, last = curve.breaks[[0, -1]].tolist()
+    way = pairs[:, 1] - pairs[:, 0]
+    way -= (last - first) * np.rint(way / (last - first))
+    between = pairs[:, :1] + way[:, None] * np.linspace(0, 1, 5)
+    z = curve.point(first + np.mod(between - first, last - first))
+    return np.asarray(np.abs(z - z[:, :1]).max(axis=1) <= small)
+
+
+def refined(curve: AbstractCurve, places: Real) -> Real:
+    """Rising parameters of a closed curve, with as many more between them as its chords need to follow it."""
+    end = float(curve.breaks[-1])
+    low, high = places, np.append(places[1:], end)
+    found = [places]
+    miss = MISS * float(np.abs(curve.point(places)).max())
+    for _ in range(HALVINGS):
+        # Not at the middle, where an S crosses its chord.
+        chord = 0.6 * curve.point(low) + 0.4 * curve.point(np.minimum(high, np.nextafter(end, 0)))
+        bad = np.abs(curve.point(0.6 * low + 0.4 * high) - chord) > miss
+        if not bad.any():
+            break
+        low, high = low[bad], high[bad]
+        middle = 0.5 * (low + high)
+        found.append(middle)
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+    return np.unique(np.concatenate(found))
 
 
 def chord_crossings(z: Complex, reach: float = np.inf) -> tuple[Whole, Whole, Real, Real]:

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import csv as text_csv
 import io
-from math import isfinite
-
-import numpy as np
+from math import isnan
 
 from ..errors import harmless
-from ..plane.vec import rounded
 from ..table import Column, Table
 from .job import Job
-
-# Digits kept of each column, counted from its largest value or its scale: more would print the last bit of a
-# processor's sine, and the same recipe would no longer give the same bytes everywhere.
-DIGITS = 10
 
 
 def write(job: Job) -> dict[str, bytes]:
@@ -33,15 +26,12 @@ def csv(table: Table) -> bytes:
 
 
 def _cells(column: Column) -> list[str]:
-    values = np.asarray(column.values)
+    values = column.written
     if values.dtype.kind in "iub":
         return [str(int(v)) for v in values.tolist()]
     if values.dtype.kind != "f":
         return [_harmless(str(v)) for v in values.tolist()]
-    largest = max(column.scale, np.abs(values[np.isfinite(values)]).max(initial=0.0))
-    # Rounding to more than 290 decimals overflows; what is so small becomes 0.
-    digits = min(290, DIGITS - 1 - int(np.floor(np.log10(largest)))) if largest > 0 else 0
-    return [repr(v) if isfinite(v) else "" for v in rounded(values, digits).tolist()]
+    return ["" if isnan(v) else repr(v) for v in values.tolist()]
 
 
 def _harmless(text: str) -> str:

@@ -102,11 +102,14 @@ def _verdict(checks: object) -> str:
     """How many checks hold, and which one fails first."""
     if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
         return ""
-    failed = [check["name"] for check in checks if _is_check(check) and not check["passed"]]
+    failing = [check for check in checks if _is_check(check) and not check["passed"]]
+    failing.sort(key=lambda check: "expected" in check)
+    failed = [check["name"] for check in failing]
     if not failed:
         told = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
         return f'<p class="holds">{told}</p>'
     fails = "fails" if len(failed) == 1 else "fail"
+    fails += " as expected" * all("expected" in check for check in failing)
     told = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
     return f'<p class="fails">{told}{" and others" if len(failed) > 1 else ""}.</p>'
 

@@ -197,9 +197,10 @@ def _line(still: Still, curve: AbstractCurve, shown: str) -> str:
 def _trail(still: Still, mark: SceneMark) -> str:
     """Every second of the equal steps of the drive: where a dash is long, the point is fast."""
     drive = np.asarray(still.scene.drive.values, dtype=float)
-    every = DASH_DEG if still.scene.drive.unit == "deg" else (drive[-1] - drive[0]) / STROKE_DASHES
+    passed = np.abs(drive - drive[0])
+    every = DASH_DEG if still.scene.drive.unit == "deg" else passed[-1] / STROKE_DASHES
     place = np.asarray(mark.place)
-    step = (drive - drive[0]) / every if every > 0 else np.zeros(len(drive))
+    step = passed / every if every > 0 else np.zeros(len(drive))
     dashes = []
     for start in range(0, int(np.ceil(step[-1])), 2):
         ends = np.array([start, min(start + 1, step[-1])])

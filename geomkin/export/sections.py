@@ -21,6 +21,8 @@ from .thumbnail import extent, thumbnail
 FOUR_DIGITS = 5e-5
 # How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
 SAME = 0.02
+# Digits of a number in a text, and of what is measured on gears: there the last tell how a tooth was cut.
+DIGITS, MEASURED = 4, 6
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
 MOST_ROWS = 200
 
@@ -33,13 +35,14 @@ def verdict(checks: tuple[Check, ...]) -> str:
     if not failed:
         told = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
         return f'<p class="verdict holds">{told}</p>'
+    failed.sort(key=lambda check: bool(check.expected))
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
     return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
 
 
 def checks(job: Job) -> str:
     """The checks as a table, those that failed first, each with the frame where it is worst where that is known."""
-    held = sorted(job.source.checks, key=lambda check: check.passed)
+    held = sorted(job.source.checks, key=lambda check: (check.passed, bool(check.expected)))
     if not held:
         return ""
     rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
@@ -56,12 +59,14 @@ def _check(check: Check, scene: Scene) -> str:
         drive = scene.drive
         place = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
         there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
-    means = "fine" if check.passed else check.advice or "see the limit"
+    digits = check.digits(4)
+    value, limit = (text(with_unit(one, check.unit, digits)) for one in (check.value, check.limit))
+    means = "fine" if check.passed else check.expected or check.advice or "see the limit"
+    expected = " as expected" * bool(check.expected and not check.passed)
     return (
-        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}</td>'
+        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
         f'<th scope="row">{text(capital(check.name))}</th>'
-        f"<td>{text(with_unit(check.value, check.unit))}{there}</td>"
-        f"<td>{check.side} {text(with_unit(check.limit, check.unit))}</td><td>{text(means)}</td></tr>"
+        f"<td>{value}{there}</td><td>{check.side} {limit}</td><td>{text(means)}</td></tr>"
     )
 
 
@@ -132,7 +137,7 @@ def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
         number(part.thickness),
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
-        *(number(walls[name]) for name in [part.name] if name in walls),
+        *(number(walls[name]) if np.isfinite(walls[name]) else "none" for name in [part.name] if name in walls),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
@@ -210,10 +215,11 @@ def _said_of(told: Mapping[str, str]) -> str:
 
 def _more(name: str, value: object, found: object) -> str:
     """What has sizes of its own, or alike things as a table, without the sizes that all share with the one `found`."""
+    digits = MEASURED if name == "measures_mm" else DIGITS
     if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
-        things = [{"name": key.replace("_", " "), **_flat(one)} for key, one in value.items()]
+        things = [{"name": key.replace("_", " "), **_flat(one, digits)} for key, one in value.items()]
     elif isinstance(value, Mapping):
-        told = _said_of(_flat(value))
+        told = _said_of(_flat(value, digits))
         return f"<h3>{_head(name)}</h3>{told}" if told else ""
     else:
         alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
@@ -230,10 +236,10 @@ def _more(name: str, value: object, found: object) -> str:
     return f"<h3>{_head(name)}</h3>{wide(_head(name), table)}"
 
 
-def _flat(thing: Mapping[str, object]) -> dict[str, str]:
+def _flat(thing: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]:
     """Everything of a thing that is said in a word or some numbers, what it holds in turn under both names."""
-    said = {key: _said(value) for key, value in thing.items()}
-    inner = {key: _flat(value) for key, value in thing.items() if isinstance(value, Mapping)}
+    said = {key: _said(value, digits) for key, value in thing.items()}
+    inner = {key: _flat(value, digits) for key, value in thing.items() if isinstance(value, Mapping)}
     said |= {f"{key}, {name}": one for key, flat in inner.items() for name, one in flat.items()}
     return {key: one for key, one in said.items() if one}
 
@@ -250,14 +256,14 @@ def _named(name: str) -> str:
     return name
 
 
-def _said(value: object) -> str:
+def _said(value: object, digits: int = DIGITS) -> str:
     """A value in words; "" for one of many parts."""
     if isinstance(value, str):
         return value
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
-        return number(float(value))
+        return number(float(value), digits)
     if isinstance(value, list) and len(value) <= 6 and all(isinstance(one, int | float) for one in value):
         return ", ".join(number(float(one)) for one in value)
     if (
@@ -300,18 +306,19 @@ def text(raw: str) -> str:
     return escape(harmless(raw))
 
 
-def number(value: float) -> str:
-    """To four digits, as a reader takes it in."""
+def number(value: float, digits: int = DIGITS) -> str:
+    """To so many digits, as a reader takes it in: in full up to ten millions, in groups of three."""
     if not np.isfinite(value):
-        return "none"
-    plain = f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e7 else f"{value:,.0f}"
+        return "none" if np.isnan(value) else "infinite"
+    decimals = max(0, digits - len(f"{abs(value):.0f}"))
+    plain = f"{value:,.{decimals}f}" if 1e4 <= abs(value) < 1e7 else f"{value:.{digits}g}"
     return "0" if plain == "-0" else plain.replace("-", "\N{MINUS SIGN}")
 
 
-def with_unit(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """A value with its unit, as a reader takes it in."""
     sign = _unit(unit)
-    return f"{number(float(value))}{'' if sign in ('', '°') else ' '}{sign}"
+    return f"{number(float(value), digits)}{'' if sign in ('', '°') else ' '}{sign}"
 
 
 def _unit(unit: str) -> str:

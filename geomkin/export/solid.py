@@ -8,7 +8,7 @@ from ..errors import GeomkinError
 from ..plane import region
 from ..plane.vec import Complex, Real, Whole, xy
 from .cut import Cut, signed_area
-from .twisted import twisted
+from .twisted import moving_triangles, twisted
 from .twisted import volume as twisted_volume
 
 
@@ -34,6 +34,13 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
             "please report this with the recipe"
         )
     return points, faces
+
+
+def triangles(cut: Cut) -> int:
+    """About how many triangles the solid of a cut takes: two for each point of its walls, and those of both ends."""
+    points = sum(len(loop.points) for loop in cut.loops)
+    walls = moving_triangles(cut, cut.part.twist) if cut.part.twist else 2 * points
+    return walls + 2 * points
 
 
 def volume(cut: Cut) -> float:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import DesignError, shown
+from ..progress import tell
 from .cut import Cut
 from .job import Job
-from .solid import solid
+from .solid import solid, triangles
 
 # A triangle as the format has it: numbers of 24 bits, then two bytes without a meaning.
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = bytes(80)
+# Bytes of a file whose size is stated before it is written: it takes seconds.
+LARGE = 10_000_000
 
 
 def write(job: Job) -> dict[str, bytes]:
@@ -20,7 +24,11 @@ def write(job: Job) -> dict[str, bytes]:
         name = f"{cut.part.name}.stl"
         if name in contents:
             raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+        if (size := len(HEADER) + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
+            tell(0.0, f"{name}, about {size / 1e6:.0f} MB")
         contents[name] = stl(cut)
+        if size >= LARGE:
+            tell(1.0, name)
     return contents
 
 
@@ -31,5 +39,5 @@ def stl(cut: Cut) -> bytes:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     told = np.zeros(len(corners), dtype=TRIANGLE)
     told["normal"], told["corners"] = normals / np.sqrt(np.vecdot(normals, normals))[:, None], corners
-    header = bytes(80) + len(told).to_bytes(4, "little")
+    header = HEADER + len(told).to_bytes(4, "little")
     return header + told.tobytes()

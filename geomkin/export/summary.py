@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Collection, Mapping
 from functools import cache
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 
 from .. import __version__
@@ -45,11 +45,12 @@ def summary(
         "checks": [
             {
                 "name": c.name,
-                "value": float(f"{c.value:.10g}") if c.value == c.value else None,
+                "value": float(f"{c.value:.{c.digits(10)}g}"),
                 "side": c.side,
                 "limit": c.limit,
                 "unit": c.unit,
                 "passed": bool(c.passed),
+                **({"expected": c.expected} if c.expected and not c.passed else {}),
             }
             for c in checks
         ],
@@ -59,7 +60,18 @@ def summary(
         "files": files,
         "versions": _versions(written),
     }
-    return (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
+    return (json.dumps(_as_json(told), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
+
+
+def _as_json(held: object) -> object:
+    """The same with numbers that JSON has not as "inf", "-inf", or null for nan."""
+    if isinstance(held, Mapping):
+        return {name: _as_json(value) for name, value in held.items()}
+    if isinstance(held, (list, tuple)):
+        return [_as_json(value) for value in held]
+    if isinstance(held, float) and not isfinite(held):
+        return None if held != held else str(float(held))
+    return held
 
 
 def _part(part: Part) -> dict[str, object]:

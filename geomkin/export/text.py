@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from unicodedata import east_asian_width
 
 from ..brief import one_line
 
-# Width of a letter in the height of capitals: that of the widest fonts of programs for drawings. Less, and texts meet.
-WIDE = 1.0
+# Width of a letter in the height of capitals: that of the widest fonts of programs for drawings, and of letters as wide
+# as a line is high, as in Chinese. Less, and texts meet.
+WIDE, WIDEST = 1.0, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,4 +37,4 @@ class Text:
 
 def width_of(words: str, height: float) -> float:
     """Room that a text takes at most, mm."""
-    return WIDE * height * len(words)
+    return height * sum(WIDEST if east_asian_width(letter) in "WF" else WIDE for letter in words)

@@ -8,11 +8,12 @@ from dataclasses import dataclass, fields
 
 from ..brief import one_line
 from ..errors import DesignError, shown
+from ..names import is_letter
 from ..sizes import check_sizes, entry
 
 # Letters of an entry: more make the title wider than most parts.
 LONGEST = 60
-# Signs besides those of ASCII that the fonts of programs for drawings have.
+# Signs besides letters, digits and those of ASCII that the fonts of programs for drawings have.
 SIGNS = "°±µ²³Øøß§"
 # What such programs read as the beginning of a code.
 CODES = "\\^"
@@ -37,7 +38,7 @@ class Title:
         for field in fields(self):
             value = getattr(self, field.name)
             if flaw := _flaw(value):
-                allowed = f"give at most {LONGEST} letters, digits and signs, accents and {SIGNS} too"
+                allowed = f"give at most {LONGEST} letters of any script, digits and signs, {SIGNS} too"
                 raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed)
 
     def told(self) -> Iterator[str]:
@@ -53,8 +54,10 @@ def _flaw(text: str) -> str:
         return f"has {len(text)} letters"
     if text != text.strip():
         return "begins or ends with a space"
+    before = ""
     for sign in unicodedata.normalize("NFC", text):
-        plain = unicodedata.normalize("NFD", sign)[0]
-        if not (plain.isascii() and sign.isprintable() and sign not in CODES) and sign not in SIGNS:
+        plain = sign.isascii() and sign.isprintable() and sign not in CODES
+        if not (plain or sign in SIGNS or is_letter(sign, before)):
             return f"has the sign {shown(sign)}"
+        before = sign
     return "has two signs of per cent in a row" if "%%" in text else ""

@@ -31,7 +31,7 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
     check_scale(part, tolerance, 0.5)
     made = cut(part, tolerance / 2)
     _check_apart(made, part.twist)
-    if (count := _triangles(made, part.twist)) > MOST:
+    if (count := moving_triangles(made, part.twist)) > MOST:
         # A little less, so that the number still works when rounded.
         thickness = f"{0.95 * part.thickness * MOST / count:.2g}"
         raise DesignError(
@@ -63,7 +63,7 @@ def _wider(part: Part, twist: Twist, tolerance: float) -> str:
     for k in range(1, LOOKS + 1):
         wider = float(f"{tolerance * WIDER**k:.3g}")
         try:
-            if _triangles(cut(part, wider / 2), twist) <= MOST:
+            if moving_triangles(cut(part, wider / 2), twist) <= MOST:
                 return f"at least {wider:g} mm, or "
         except DesignError:
             # So wide that nothing is left of the part.
@@ -89,7 +89,8 @@ def slices(loops: list[Complex], twist: Twist, tolerance: float) -> int:
     return (2 if twist.herringbone else 1) * max(1, int(np.ceil(abs(twist.turn) / (2 * half) - 1e-9)))
 
 
-def _triangles(made: Cut, twist: Twist) -> int:
+def moving_triangles(made: Cut, twist: Twist) -> int:
+    """Triangles between the slices of what moves in a part."""
     moving, _ = _parted([loop.points for loop in made.loops], twist)
     return 2 * slices(moving, twist, made.tolerance) * sum(map(len, moving))
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from .contract import AbstractGear as AbstractGear
     from .contract import AbstractInvoluteGear as AbstractInvoluteGear
     from .contract import AbstractShaper as AbstractShaper
-    from .cutters import PinionCutter as PinionCutter
     from .cutters import RackCutter as RackCutter
     from .cutters import balanced_shifts as balanced_shifts
     from .cutters import undercut_free_shift as undercut_free_shift
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from .measures import over_pins as over_pins
     from .measures import span as span
     from .measures import tooth_table as tooth_table
+    from .pinion_cutter import PinionCutter as PinionCutter
     from .planetary import PlanetarySet as PlanetarySet
     from .rack import GearRack as GearRack
     from .rack import RackPair as RackPair

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,11 +13,16 @@ import numpy as np
 from ..arguments import checked
 from ..display import still
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve
+from ..plane.curve import AbstractCurve, Reversed
+from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
 from ..sizes import Length
 
 __all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
+
+# Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
+# and an arc between them would have no direction.
+NARROW = 1e-12
 
 if TYPE_CHECKING:
     from builtins import property as told
@@ -262,6 +268,30 @@ class AbstractInvoluteGear(AbstractGear):
     def tip_edge(self) -> AbstractCurve | None:
         """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
         return self.tooth.tip_edge
+
+    @property
+    def regions(self) -> Mapping[str, AbstractCurve]:
+        """Curves of the right-hand half of the tooth on +y, from the middle of the space to the middle of the tooth.
+
+        Of a ring the other way round, so that both go outwards. By name: `bottom land`, `root fillet`, `flank`,
+        `tip rounding` or `tip chamfer`, `tip land`; those that a tooth does not have are left out.
+        """
+        edge = self.tip_edge
+        start, last = complex(self.root_curve.point(self.root_curve.breaks[0])), edge or self.flank
+        end, half_pitch = complex(last.point(last.breaks[-1])), np.pi / self.teeth
+        space = 1j * abs(start) * np.exp(-1j * half_pitch)
+        lands = _land(space, start), _land(end, 1j * abs(end))
+        word = "tip chamfer" if isinstance(edge, Segment) else "tip rounding"
+        curves = (lands[0], self.root_curve, self.flank, edge, lands[1])
+        found = dict(zip(("bottom land", "root fillet", "flank", word, "tip land"), curves))
+        held = {name: curve for name, curve in found.items() if curve is not None}
+        return {name: Reversed(held[name]) for name in reversed(held)} if self.is_ring else held
+
+
+def _land(start: complex, end: complex) -> Arc | None:
+    """The arc about the axis between two points; None where they are one."""
+    angle = float(np.angle(end / start))
+    return Arc(0j, start, angle) if angle > NARROW else None
 
 
 def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:

@@ -1,4 +1,4 @@
-"""The tools that define a gear's teeth: the rack and how far it is shifted, and the pinion cutter that cuts rings."""
+"""The rack that defines a gear's teeth, and how far it is shifted."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Count, between, checked, whole_between
-from ..cached import cached_property
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve, Moved
-from ..plane.joined import Ring
-from ..plane.primitives import Arc, Polyline, Segment
-from ..plane.roulettes import Involute, inverse_involute, involute_function, roll_at
-from ..plane.vec import Pose
-from ..sizes import check_sizes, quantity, rounded_down, rounded_up
-from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
+from ..plane.primitives import Polyline
+from ..plane.roulettes import inverse_involute, involute_function, roll_at
+from ..sizes import check_sizes, quantity, rounded_down
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
 LEAST, MOST = -2.0, 3.0
 Teeth = Annotated[int, whole_between(4, 10_000)]
+# Above it, deg, the teeth push along the axis harder than round it, and gears become screws.
+STEEPEST = 45
+HelixAngle = Annotated[float, between(0, STEEPEST, "deg")]
 Total = Annotated[float, between(-20, 20, "modules")]
 
 
@@ -29,8 +27,9 @@ class RackCutter:
     """A straight-flanked cutting rack, lengths in modules; the defaults are basic rack profile A of ISO 53.
 
     `addendum` is the gear's: how far its teeth reach above the reference line. `dedendum` is how deep
-    the rack's tip cuts below it, `tip_radius` the rounding of that tip.
-    Raises DesignError where the flanks meet above the tip, or the tip has no room for its rounding.
+    the rack's tip cuts below it, `tip_radius` the rounding of that tip. `fillet_radius` is the fillet at the root of
+    the rack's teeth: such a rack cuts the gear's tips, too, and rounds their edges.
+    Raises DesignError where the flanks meet above the tip, or a tip or root has no room for its rounding.
     """
 
     pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
@@ -41,6 +40,9 @@ class RackCutter:
         "depth that the rack cuts below the reference line", "modules", default=1.25, above=0, at_most=5
     )
     tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
+    fillet_radius: float = quantity(
+        "fillet at the root of the rack's teeth, which rounds the gear's tips", "modules", default=0.0, at_least=0
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -60,11 +62,35 @@ class RackCutter:
                 f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
                 f"give at most {rounded_down(largest)}, or a smaller dedendum",
             )
+        room = max(0.0, np.pi / 4 - self.addendum * np.tan(slope)) * np.cos(slope) / (1 - np.sin(slope))
+        if self.fillet_radius > room:
+            raise DesignError(
+                "fillet_radius",
+                f"found {self.fillet_radius:g}, but the rack's spaces have room for {room:.4g} modules",
+                f"give at most {rounded_down(room)}, or a smaller addendum",
+            )
 
     @property
     def pressure_angle(self) -> float:
         """Angle of the flanks, rad."""
         return float(np.radians(self.pressure_angle_deg))
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> RackCutter:
+        """The transverse section of a rack that cuts helical teeth, and has these sizes square to the teeth.
+
+        Heights stay as they are in mm, widths grow. The ellipses that the roundings become count as circles that leave
+        the flanks at the same height, so that form radius and undercut are exact (derived here). helix_angle_deg: of
+        the teeth at the pitch circle, 0 to 45 deg.
+        """
+        pressure_angle, ratio, rounding = transverse_factors(self.pressure_angle, helix_angle_deg)
+        return RackCutter(
+            float(np.degrees(pressure_angle)),
+            self.addendum * ratio,
+            self.dedendum * ratio,
+            self.tip_radius * rounding,
+            self.fillet_radius * rounding,
+        )
 
     @property
     def corner_depth(self) -> float:
@@ -82,6 +108,22 @@ class RackCutter:
         """Depth below the reference line where the straight flank ends, modules."""
         return float(self.dedendum - self.tip_radius * (1 - np.sin(self.pressure_angle)))
 
+    @property
+    def fillet_height(self) -> float:
+        """Height of the root fillet's centre above the reference line, modules."""
+        return self.addendum - self.fillet_radius
+
+    @property
+    def fillet_side(self) -> float:
+        """Distance of the root fillet's centre from the middle of the rack's space, modules."""
+        a = self.pressure_angle
+        return float(np.pi / 4 - self.fillet_height * np.tan(a) - self.fillet_radius / np.cos(a))
+
+    @property
+    def flank_height(self) -> float:
+        """Height above the reference line where the straight flank ends, modules."""
+        return float(self.addendum - self.fillet_radius * (1 - np.sin(self.pressure_angle)))
+
     def edge(self, module: float, teeth: int, thinning: float = 0.0) -> Polyline:
         """Its cutting edge along the x axis from left to right, mm, round so many teeth of what it cuts.
 
@@ -91,20 +133,29 @@ class RackCutter:
         """
         a = self.pressure_angle
         land = self.corner_side + thinning / 2
-        top = (np.pi / 2 - thinning) / 2 - self.addendum * np.tan(a)
-        # One tooth's right-hand side, downwards: tip, end of the flank, start of the bottom land.
+        top = self.fillet_side - thinning / 2
+        # One tooth's right-hand side, downwards: end of the tip, both ends of the flank, start of the bottom land.
+        flank_start = top + self.fillet_radius * np.cos(a) + 1j * self.flank_height
         flank_end = np.pi / 2 - land - self.tip_radius * np.cos(a) - 1j * self.flank_depth
-        side = np.array([top + 1j * self.addendum, flank_end, np.pi / 2 - land - 1j * self.dedendum])
-        # The rounding turns from the flank's slope to the level: a quarter of it as tan.
+        side = np.array([top + 1j * self.addendum, flank_start, flank_end, np.pi / 2 - land - 1j * self.dedendum])
+        # The roundings turn from the flank's slope to the level: a quarter of it as tan.
         turn = np.tan((np.pi / 2 - a) / 4)
-        bends = [turn, 0, 0, 0, turn, 0]
-        if not self.tip_radius:
-            # Sharp: flank and bottom land meet.
-            side, bends = side[:2], [0, 0, 0, 0]
+        turns = np.array([-turn, 0, turn])
+        # Where a corner is sharp, flank and land meet.
+        first, last = int(self.fillet_radius == 0), 3 - int(self.tip_radius == 0)
+        side, turns = side[first : last + 1], turns[first:last]
+        bends = [*turns[::-1], 0, *turns, 0]
         tooth = np.concatenate([-np.conj(side)[::-1], side])
         places = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
         bulges = np.tile(bends, teeth)[:-1]
         return Polyline(module * (places[:, None] + tooth).ravel(), bulges, is_closed=False)
+
+
+def transverse_factors(pressure_angle: float, helix_angle_deg: float) -> tuple[float, float, float]:
+    """Pressure angle, rad, and what lengths in modules and radii of roundings are to be multiplied by."""
+    ratio = float(np.cos(np.radians(helix_angle_deg)))
+    angle = float(np.arctan(np.tan(pressure_angle) / ratio))
+    return angle, ratio, ratio * float((1 - np.sin(pressure_angle)) / (1 - np.sin(angle)))
 
 
 @checked
@@ -128,7 +179,8 @@ def balanced_shifts(
 
     first, second: numbers of teeth; total: sum of the shifts; 0 keeps the centre distance of gears without.
     The largest specific sliding of each gear, at the tips of the other, becomes the same. Teeth reach the
-    rack's addendum above their shifted reference lines. Derived here. Raises DesignError where tips of either gear meet
+    rack's addendum above their shifted reference lines; a fillet_radius of the rack is left out. Derived here. Raises
+    DesignError where tips of either gear meet
     the line of action outside the base circles whatever the shifts.
     """
     rack = RackCutter() if rack is None else rack
@@ -168,100 +220,3 @@ def balanced_shifts(
             "give more teeth, a smaller addendum or a larger total",
         )
     return x, total - x
-
-
-@dataclass(frozen=True)
-class PinionCutter:
-    """An involute gear with cutting edges that cuts internal gears, lengths in modules.
-
-    `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
-    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one.
-    Raises DesignError where its teeth are pointed, or their tips have no room for the rounding.
-    """
-
-    teeth: int = quantity("number of the cutter's teeth", whole=True, default=24, at_least=4, at_most=1000)
-    pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
-    addendum: float = quantity(
-        "height of the cutter's teeth above its reference circle", "modules", default=1.25, above=0, at_most=5
-    )
-    tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
-    profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
-        if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
-            raise DesignError(
-                "addendum",
-                f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
-                self._whole_addendum(),
-            )
-        largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
-        if self.tip_radius > largest:
-            raise DesignError(
-                "tip_radius",
-                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
-                f"give at most {rounded_down(largest)}, or a smaller addendum",
-            )
-
-    @property
-    def pressure_angle(self) -> float:
-        """Angle of the flanks at the reference circle, rad."""
-        return float(np.radians(self.pressure_angle_deg))
-
-    @property
-    def base_radius(self) -> float:
-        """Radius of the circle from which its flanks unwind, modules."""
-        return self.teeth / 2 * float(np.cos(self.pressure_angle))
-
-    @property
-    def outer_radius(self) -> float:
-        """Radius of its tips, modules."""
-        return self.teeth / 2 + self.addendum + self.profile_shift
-
-    @property
-    def half_angle_at_base(self) -> float:
-        """Half the angle that a tooth takes on the base circle, rad."""
-        a = np.tan(self.pressure_angle)
-        return float((np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a))
-
-    @cached_property
-    def corner(self) -> TipRounding:
-        """The rounding of its tips, modules and rad."""
-        return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
-
-    def edge(self, module: float) -> Ring:
-        """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
-
-        module: mm.
-        """
-        corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
-        flank = Moved(Involute(module * self.base_radius, 0.0, corner.roll), Pose(0j, turned))
-        # Its spaces are as deep as its teeth reach out.
-        root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
-        side: list[AbstractCurve] = [flank]
-        if 0 < root < self.base_radius:
-            start = complex(flank.point(0.0))
-            side.insert(0, Segment(start * root / self.base_radius, start))
-        if self.tip_radius:
-            towards = 1j * np.exp(-1j * max(0.0, corner.angle))
-            start, centre = complex(flank.point(corner.roll)), module * corner.radius * towards
-            side.append(Arc(centre, start, float(np.angle(towards / (start - centre)))))
-        return toothed(side, self.teeth, max(0.0, np.pi / self.teeth - self.half_angle_at_base))
-
-    def _half_angle(self, radius: float) -> float:
-        return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
-
-    def _whole_addendum(self) -> str:
-        """The addendum with which flanks begin and do not meet, in words, or else what might help."""
-        others = "other teeth or profile_shift"
-        least = self.base_radius - self.teeth / 2 - self.profile_shift
-        if self.half_angle_at_base <= 0:
-            return f"give {others}"
-        point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
-        largest = float(point - self.teeth / 2 - self.profile_shift)
-        if largest <= max(least, 0.0) + 1e-5:
-            return f"give {others}"
-        if self.addendum <= least:
-            # A little more, for flanks of some length.
-            return f"give at least {rounded_up(least + 1e-6)} modules, or {others}"
-        return f"give at most {rounded_down(largest)} modules, or {others}"

@@ -12,16 +12,15 @@ from ..brief import one_line
 from ..errors import DesignError
 from ..sizes import check_sizes, entry, quantity
 from .contract import AbstractInvoluteGear
+from .cutters import STEEPEST
 
-# Above it, deg, the teeth push along the axis harder than round it, and gears become screws.
-STEEPEST = 45
 Hand = Literal["right", "left"]
 
 
 def helix_angle() -> Any:
     """The field for the angle of the teeth, of gears and of their recipes."""
     return quantity(
-        "angle of the teeth to the axis at the pitch circle, 0 for straight ones; modules stay the transverse ones",
+        "angle of the teeth to the axis at the pitch circle, 0 for straight ones",
         "deg",
         default=0.0,
         at_least=0,
@@ -33,10 +32,11 @@ def helix_angle() -> Any:
 class Helix:
     """How the teeth of a gear lie along its face: on helices about its axis, or on two halves as a herringbone.
 
-    Everything else that is told of a gear, module, pressure angle and tool included, is that of its transverse section,
-    square to the axis; module and pressure angle square to the teeth are smaller. The drawing is the section at the
-    bottom, z = 0; the teeth of a right-handed gear go counterclockwise on the way up, as seen from above, and so do a
-    right-handed ring's. hand: of a herringbone, that of its lower half. Terms and formulas of ISO 21771.
+    All sizes of a gear, module, pressure angle and tool included, are those of its transverse section, square to the
+    axis; its method `transverse` makes it of sizes in the normal section, square to the teeth. The drawing is the
+    section at the bottom, z = 0; the teeth of a right-handed gear go counterclockwise on the way up, as seen from
+    above, and so do a right-handed ring's. hand: of a herringbone, that of its lower half. Terms and formulas of ISO
+    21771.
     """
 
     helix_angle_deg: float = helix_angle()

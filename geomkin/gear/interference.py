@@ -38,7 +38,7 @@ def tip_margin(
     last = moving.flank.breaks[-1]
     edges = [moving.flank.point(last)]
     if (edge := moving.tip_edge) is not None:
-        edges.extend(edge.point(np.linspace(0, 1, 9)))
+        edges.extend(edge.point(np.linspace(edge.breaks[0], edge.breaks[-1], 9)))
     radii, angles = side_angles(still)
     # The tip's corner meets the other's circle of tips, and through the space leaves it again, within this angle.
     mine = abs(edges[-1])

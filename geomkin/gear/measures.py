@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,6 @@ import numpy as np
 from ..arguments import Positive, checked
 from ..brief import one_line
 from ..errors import DesignError
-from ..plane.curve import AbstractCurve, Reversed
 from ..plane.flatten import flatten
 from ..plane.roulettes import inverse_involute, roll_at
 from ..sizes import Length, rounded_down, rounded_up
@@ -146,8 +144,11 @@ def _refuse_ring(gear: AbstractInvoluteGear) -> None:
 
 @checked
 def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
-    """The right-hand side of the tooth on +y, outwards, as finely as the tolerance, mm, asks."""
-    sides = _sides(gear)
+    """The right-hand half of the tooth on +y, from the inside out, as finely as the tolerance, mm, asks.
+
+    The last column names the region of each point, as `regions` of the gear has them.
+    """
+    sides = gear.regions
     chords = [flatten(curve, tolerance) for curve in sides.values()]
     chords[1:] = [side[1:] for side in chords[1:]]  # neighbouring curves share a point
     z = np.concatenate(chords)
@@ -157,14 +158,11 @@ def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
             Column("radius", "mm", "distance from the gear's axis", np.abs(z)),
             *xy_columns("tooth", "mm", "right-hand side of the tooth centred on +y", z),
             Column("half_thickness_angle", "deg", "angle from the tooth's centre line", half),
-            Column("region", "", "curve the point lies on", np.repeat(list(sides), [len(side) for side in chords])),
+            Column(
+                "region",
+                "",
+                "region of the tooth",
+                np.repeat(list(sides), [len(side) for side in chords]),
+            ),
         )
     )
-
-
-def _sides(gear: AbstractInvoluteGear) -> Mapping[str, AbstractCurve]:
-    """The curves of half a tooth by name, outwards."""
-    if gear.is_ring:
-        return {"involute": Reversed(gear.flank), "root": Reversed(gear.root_curve)}
-    sides = {"root": gear.root_curve, "involute": gear.flank}
-    return sides | {"tip": gear.tip_edge} if gear.tip_edge else sides

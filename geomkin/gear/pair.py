@@ -16,8 +16,9 @@ from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
 from .contract import check_alike
 from .interference import InternalMesh, tip_margin
+from .module import Settled
 from .ring import RingGear
-from .spur import Settled, SpurGear
+from .spur import SpurGear
 
 # Overlap of tip and tooth, modules, that counts: below it is the rounding of the sampled paths.
 SEEN = 1e-5

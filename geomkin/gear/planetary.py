@@ -13,6 +13,7 @@ from ..display import moving
 from ..errors import DesignError
 from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, quantity
+from .cutters import HelixAngle
 from .pair import GearPair
 from .ring import RingGear
 from .spur import SpurGear
@@ -46,6 +47,12 @@ class PlanetarySet:
         self.outer  # noqa: B018  # refuses a ring in which the planets jam
         if not self._can_hold(self.planets):
             raise DesignError("planets", *self._wrong_planets())
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> PlanetarySet:
+        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
+        sun, planet = (gear.transverse(helix_angle_deg) for gear in (self.sun, self.planet))
+        return PlanetarySet(sun, planet, self.ring.transverse(helix_angle_deg), self.planets)
 
     @cached_property
     def inner(self) -> GearPair:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,8 +14,9 @@ from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractGear, check_alike
-from .cutters import RackCutter
-from .spur import Settled, SpurGear
+from .cutters import HelixAngle, RackCutter
+from .module import Settled, diametral_pitch, module, settle_module
+from .spur import SpurGear
 
 # Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
 CORNER = 0.5
@@ -29,15 +30,16 @@ class GearRack(AbstractGear):
     """A straight bar with teeth on top; its reference line is the x axis, a tooth is centred on +y.
 
     The teeth are those that the cutting rack would leave on a gear of infinitely many teeth: straight flanks,
-    roots rounded with the radius of the rack's tips (the basic rack of ISO 53). The bar ends in the middle of a space
-    on both sides. Raises DesignError where the teeth are pointed, or as deep as the bar is high.
+    roots rounded with the radius of the rack's tips (the basic rack of ISO 53), tips with its fillet_radius. The bar
+    ends in the middle of a space on both sides. Raises DesignError where the teeth are pointed, or as deep as the bar
+    is high.
     """
 
     pitch_radius = tip_radius = root_radius = float("inf")
     hole_room = 0.0
 
     teeth: int = quantity("number of teeth", whole=True, at_least=1, at_most=10_000, example=12)
-    module: float = quantity("pitch by pi", "mm", above=0, at_most=1e5, example=2)
+    module: Settled = module("pitch by pi")
     rack: RackCutter = entry("the rack that cuts its mating gears, and gives its proportions", default=RackCutter())
     height: float = quantity(
         "of the bar, from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
@@ -45,11 +47,13 @@ class GearRack(AbstractGear):
     thinning: float = quantity(
         "how much thinner each tooth is along the reference line, for backlash", "mm", default=0.0, at_least=0
     )
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
         if self.height <= self.rack.dedendum:
             raise DesignError(
                 "height",
@@ -67,6 +71,18 @@ class GearRack(AbstractGear):
                 f"found {self.thinning:g} mm, which points the teeth",
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> GearRack:
+        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
+        ratio = float(np.cos(np.radians(helix_angle_deg)))
+        return replace(
+            self,
+            module=self.module / ratio,
+            diametral_pitch=None,
+            rack=self.rack.transverse(helix_angle_deg),
+            height=self.height * ratio,
+        )
 
     @property
     def pressure_angle(self) -> float:
@@ -92,6 +108,11 @@ class GearRack(AbstractGear):
     def form_depth(self) -> float:
         """Depth below the reference line where the straight flanks end, mm."""
         return self.module * self.rack.flank_depth
+
+    @property
+    def form_height(self) -> float:
+        """Height above the reference line where the straight flanks end, mm."""
+        return self.module * self.rack.flank_height
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -208,7 +229,7 @@ class RackPair:
     def contact_lengths(self) -> tuple[float, float]:
         """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
         start, end = self.pinion.flank_lengths
-        high, deep = self._along(-self.rack.tip_height), self._along(self.rack.form_depth)
+        high, deep = self._along(-self.rack.form_height), self._along(self.rack.form_depth)
         return max(start, high), min(end, deep)
 
     @property
@@ -244,7 +265,10 @@ class RackPair:
 
     @property
     def interferences(self) -> tuple[str, ...]:
-        """What hits: `pinion root`, where the rack's tips reach below its true flank, `rack root`, the other way."""
+        """What hits: `pinion root`, where the rack's tips reach below its true flank, `rack root`, the other way.
+
+        Rounded tips of the rack count as sharp ones, which reach farther.
+        """
         pinion, limit = self.pinion, TOUCH * self.pinion.module
         start, end = pinion.flank_lengths
         found = {
@@ -279,4 +303,4 @@ class RackPair:
         a = self.pinion.pressure_angle
         start = self.pinion.flank_lengths[1] - self.rack.pitch * np.cos(a)
         room = (start - self.pinion.pitch_radius * np.sin(a)) * np.sin(a)
-        return float(self.pinion.pitch_radius + self.rack.tip_height + room)
+        return float(self.pinion.pitch_radius + self.rack.form_height + room)

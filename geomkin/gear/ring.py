@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
+from ..arguments import checked
 from ..brief import one_line
 from ..cached import cached_property
 from ..errors import DesignError
 from ..plane.joined import Ring
 from ..plane.vec import Pose, Real
-from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
+from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
 from .contract import AbstractInvoluteGear
-from .cutters import PinionCutter
+from .cutters import HelixAngle
+from .module import Settled, diametral_pitch, module, settle_module
+from .pinion_cutter import PinionCutter
 from .ring_tooth import RingTooth
 from .tooth import toothed, with_land
 
@@ -37,7 +41,7 @@ class RingGear(AbstractInvoluteGear):
     is_ring = True
 
     teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=10_000, example=60)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=2)
+    module: Settled = module()
     profile_shift: float = quantity(
         "outward shift of the teeth", "modules", default=0.0, at_least=-FARTHEST_SHIFT, at_most=FARTHEST_SHIFT
     )
@@ -48,11 +52,13 @@ class RingGear(AbstractInvoluteGear):
     thinning: float = quantity(
         "how much thinner each tooth is along the reference circle, for backlash", "mm", default=0.0, at_least=0
     )
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
@@ -74,6 +80,8 @@ class RingGear(AbstractInvoluteGear):
                 "give a larger addendum, or a larger one to the cutter",
             )
         self._check_thickness()
+        if not tooth.has_fillet_room:
+            self._refuse_fillet()
         if tooth.trochoid_gap < 0:
             raise DesignError(
                 "cutter.teeth",
@@ -114,6 +122,34 @@ class RingGear(AbstractInvoluteGear):
             "give a smaller profile_shift or addendum",
         )
 
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> RingGear:
+        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
+        ratio = float(np.cos(np.radians(helix_angle_deg)))
+        return replace(
+            self,
+            module=self.module / ratio,
+            diametral_pitch=None,
+            profile_shift=self.profile_shift * ratio,
+            cutter=self.cutter.transverse(helix_angle_deg),
+            addendum=self.addendum * ratio,
+        )
+
+    def _refuse_fillet(self) -> NoReturn:
+        """Name the largest fillet that the cutter has room for, or what else makes room."""
+        found, cutter = self.cutter.fillet_radius, self.cutter
+
+        def fits(radius: float) -> bool:
+            return replace(self.tooth, cutter=replace(cutter, fillet_radius=radius)).has_fillet_room
+
+        fitting = [share * found for share in np.linspace(0.01, 0.99, 99).tolist() if fits(share * found)]
+        most = f"at most {rounded_down(last_fit(fits, fitting[-1], found))}, " if fitting else ""
+        raise DesignError(
+            "cutter.fillet_radius",
+            f"found {found:g}, for which there is no room between the cutter's flanks, outside its base circle",
+            f"give {most}0 or a smaller addendum to the ring",
+        )
+
     @property
     def pressure_angle(self) -> float:
         """Angle of the flanks at the reference circle, rad: the cutter's."""
@@ -122,7 +158,8 @@ class RingGear(AbstractInvoluteGear):
     @property
     def outline(self) -> Ring:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
-        return toothed([with_land([self.root_curve, self.flank], self.tooth.half_land)], self.teeth)
+        edge = [self.tip_edge] if self.tip_edge else []
+        return toothed([with_land([self.root_curve, self.flank, *edge], self.tooth.half_land)], self.teeth)
 
     @property
     def cutting_angle(self) -> float:
@@ -133,7 +170,7 @@ class RingGear(AbstractInvoluteGear):
         cutter = self.cutter
         turned = np.exp(1j * (turn * self.teeth + np.pi) / cutter.teeth)
         place = np.full(np.shape(turn), 1j * (self.root_radius - self.module * cutter.outer_radius))
-        return cutter.edge(self.module), Pose(place, turned)
+        return cutter.edge(self.module, self.tooth.cutter_root), Pose(place, turned)
 
     @cached_property
     def tooth(self) -> RingTooth:

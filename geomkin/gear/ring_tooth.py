@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +13,9 @@ from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractTooth
-from .cutters import PinionCutter
 from .interference import InternalMesh
+from .pinion_cutter import PinionCutter
+from .tooth import envelope_end
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class RingTooth(AbstractTooth):
             return False
         if self.trochoid_gap < 0 or self.tip_radius < self.least_tip_radius:
             return False
-        return self.is_reached and self.half_angle(self.tip_radius) >= 0
+        return self.is_reached and self.half_angle(self.tip_radius) >= 0 and self.has_fillet_room
 
     @property
     def is_reached(self) -> bool:
@@ -69,7 +70,12 @@ class RingTooth(AbstractTooth):
         """Roll angles of the involute at the tip, and where the cutter's own flank ends."""
         cut = self.cutter.corner.roll * self.cutter.base_radius
         end = (cut + self._cutter_distance * np.sin(self.cutting_angle)) / self._base
-        return roll_at(self.tip_radius, self.base_radius), float(end)
+        if self._fillet is None:
+            return roll_at(self.tip_radius, self.base_radius), float(end)
+        if self._fillet.end < np.pi / 2 - self.cutting_angle:
+            return roll_at(abs(complex(self._fillet.point(self._fillet.end))), self.base_radius), float(end)
+        cut = self.cutter.fillet(self.cutter_root).roll * self.cutter.base_radius
+        return float((cut + self._cutter_distance * np.sin(self.cutting_angle)) / self._base), float(end)
 
     def half_angle(self, radius: float) -> float:
         return np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius))
@@ -77,22 +83,42 @@ class RingTooth(AbstractTooth):
     @property
     def most_thinning(self) -> float:
         """Thinning, mm, for which the flanks meet at the tips."""
-        return 2 * (self.module * self.teeth / 2) * (np.pi / self.teeth - self._half_cut(self.rolls[0]))
+        tip = roll_at(self.tip_radius, self.base_radius)
+        return 2 * (self.module * self.teeth / 2) * (np.pi / self.teeth - self._half_cut(tip))
 
     @cached_property
     def root_curve(self) -> AbstractCurve:
-        corner, m = self.cutter.corner, self.module
-        wheel = self._cutter_distance * self.cutter.teeth / (self.teeth - self.cutter.teeth)
-        radius = self._cutter_distance * self.teeth / (self.teeth - self.cutter.teeth)
-        curve = RingTrochoid(
-            radius=m * radius,
+        curve = self._envelope(self.cutter.corner.radius, self.cutter.tip_radius)
+        return Moved(curve, Pose(0j, np.exp(1j * (np.pi / 2 - np.pi / self.teeth + self.half_land))))
+
+    @property
+    def tip_edge(self) -> AbstractCurve | None:
+        """What the cutter's root fillet rounds off the tip's right-hand edge; None where it is sharp."""
+        if self._fillet is None:
+            return None
+        return Moved(Reversed(self._fillet), Pose(0j, 1j * np.exp(-1j * self.fillet_land)))
+
+    @cached_property
+    def _fillet(self) -> RingTrochoid | None:
+        """What the cutter's root fillet leaves of the tip, from the tip circle to the flank; None if it cuts none."""
+        if not self.cutter.fillet_radius:
+            return None
+        whole = self._envelope(self.cutter.fillet(self.cutter_root).radius, -self.cutter.fillet_radius)
+        end = envelope_end(whole, whole.speed, whole.end, self.half_angle, self.fillet_land)
+        return None if np.isnan(end) else replace(whole, end=end)
+
+    def _envelope(self, centre: float, rounding: float) -> RingTrochoid:
+        """What a rounding of the cutter leaves, from the line of centres to the flank; both lengths in modules."""
+        m, apart = self.module, self.teeth - self.cutter.teeth
+        wheel = self._cutter_distance * self.cutter.teeth / apart
+        return RingTrochoid(
+            radius=m * self._cutter_distance * self.teeth / apart,
             wheel=m * wheel,
-            reach=m * (corner.radius - wheel),
-            rounding=m * self.cutter.tip_radius,
+            reach=m * (centre - wheel),
+            rounding=m * rounding,
             start=0.0,
             end=np.pi / 2 - self.cutting_angle,
         )
-        return Moved(curve, Pose(0j, np.exp(1j * (np.pi / 2 - np.pi / self.teeth + self.half_land))))
 
     @cached_property
     def flank(self) -> AbstractCurve:
@@ -104,6 +130,24 @@ class RingTooth(AbstractTooth):
     def half_land(self) -> float:
         """Half the angle of the bottom land, rad."""
         return max(0.0, self.cutter.corner.angle) * self.cutter.teeth / self.teeth + self._turn
+
+    @property
+    def cutter_root(self) -> float:
+        """Radius of the cutter's roots, modules, where they cut the tips."""
+        return self.tip_radius / self.module - self._cutter_distance
+
+    @property
+    def fillet_land(self) -> float:
+        """Half the angle of the tip land that the cutter's root fillet leaves, rad."""
+        cutter = self.cutter
+        return (np.pi / cutter.teeth - cutter.fillet(self.cutter_root).angle) * cutter.teeth / self.teeth - self._turn
+
+    @property
+    def has_fillet_room(self) -> bool:
+        """Whether the cutter's root fillet, where it has one, begins on its involute and leaves a tip land."""
+        if not self.cutter.fillet_radius:
+            return True
+        return self.cutter_root > 0 and self.cutter.fillet(self.cutter_root).roll >= 0 and self.fillet_land >= 0
 
     @property
     def working_involute(self) -> float:
@@ -168,8 +212,9 @@ class RingTrochoid(Traced):
     """The envelope of a small circle on a wheel that rolls inside a ring: derived here from the law of gearing.
 
     The wheel, of `wheel` radius w, rolls inside the ring of `radius` R > w about the origin, mm. The small
-    circle, of radius `rounding` rho >= 0, has its centre at a distance w + `reach` from the wheel's centre;
-    where the centre comes farthest out the wheel touches at +x.
+    circle, of radius `rounding` rho, has its centre at a distance w + `reach` from the wheel's centre;
+    where the centre comes farthest out the wheel touches at +x. rho > 0 is a rounded tip of the wheel, whose circle is
+    touched on its outer side, rho < 0 a fillet between its teeth, touched on the inner one.
 
     t = psi is the lean of the contact normal from the radius to the rolling point I, rad, counterclockwise,
     from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes I, at a distance
@@ -213,6 +258,10 @@ class RingTrochoid(Traced):
         t = np.asarray(t, dtype=float)
         d, q = self._away(t)
         return 1j * self._bend(d, q)[1] * np.exp(1j * t) * self._turned(t, d)
+
+    def speed(self, t: float) -> float:
+        """Signed speed along the tangent, per lean of the normal."""
+        return float(self._bend(*self._away(np.asarray(t)))[1])
 
     def curvature(self, t: ArrayLike) -> Real:
         turn, speed = self._bend(*self._away(np.asarray(t, dtype=float)))

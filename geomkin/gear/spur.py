@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, NoReturn
+from typing import Literal, NoReturn
 
 import numpy as np
 
-from ..arguments import NUMBER, Sort
+from ..arguments import checked
 from ..brief import one_line
 from ..cached import cached_property
 from ..errors import DesignError
@@ -15,19 +15,16 @@ from ..plane.joined import Ring
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
-from ..sizes import SMALLEST, check_sizes, entry, last_fit, quantity, rounded_down
+from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down
 from .contract import AbstractInvoluteGear
-from .cutters import RackCutter
+from .cutters import HelixAngle, RackCutter
+from .module import Settled, diametral_pitch, module, settle_module
 from .tooth import Tooth, largest_rounding, outline
 
 # Teeth along the rack that is shown cutting a gear: more run off the picture, fewer end where it still cuts.
 TOOL_TEETH = 7
-# An inch, mm, by definition.
-INCH = 25.4
 # Least chamfer, modules: rounding turns the edge of a smaller one, and a kerf's offset of it never gets smooth.
 SMALLEST_CHAMFER = 1e-6
-# A number once the gear is made, that may be left out where it follows from another.
-Settled = Annotated[float, Sort(lambda value: value is None or NUMBER.fits(value), NUMBER.allowed)]
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,7 @@ class SpurGear(AbstractInvoluteGear):
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=10_000, example=24)
-    module: Settled = quantity("pitch diameter per tooth", "mm", default=None, above=0, at_most=1e5, example=2)
+    module: Settled = module()
     profile_shift: float = quantity(
         "outward shift of the cutting rack", "modules", default=0.0, at_least=-10, at_most=10
     )
@@ -67,38 +64,16 @@ class SpurGear(AbstractInvoluteGear):
     pointed: Literal["refuse", "cut"] = entry(
         "teeth whose flanks meet below the tip circle are refused, or cut off at the point", default="refuse"
     )
-    diametral_pitch: float | None = quantity(
-        "teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5
-    )
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        self._settle_module()
+        settle_module(self)
         if not self._is_whole(self._sharp):
             self._refuse()
         self._check_tip_edge()
-
-    def _settle_module(self) -> None:
-        if self.diametral_pitch is None:
-            if self.module is None:
-                raise DesignError("module", "found neither module nor diametral_pitch", "give one of them")
-            return
-        module = INCH / self.diametral_pitch
-        if self.module is not None and abs(self.module - module) > 1e-9 * module:
-            raise DesignError(
-                "module",
-                f"found {self.module:g} mm, but a diametral_pitch of {self.diametral_pitch:g} makes it {module:.6g} mm",
-                "give one of them",
-            )
-        object.__setattr__(self, "module", module)
-        if not SMALLEST <= module <= 1e5:
-            raise DesignError(
-                "diametral_pitch",
-                f"found {self.diametral_pitch:g}, which makes a module of {module:.6g} mm",
-                f"give {INCH / 1e5:g} to 1e5",
-            )
 
     def _is_whole(self, tooth: Tooth) -> bool:
         return tooth.stands and (self.pointed == "cut" or tooth.half_angle(tooth.tip_radius) >= 0)
@@ -145,6 +120,13 @@ class SpurGear(AbstractInvoluteGear):
 
     def _check_tip_edge(self) -> None:
         """The two edges of a tip must leave each other, and the flanks, their room."""
+        given = {"addendum": self.addendum, "tip_rounding": self.tip_rounding, "tip_chamfer": self.tip_chamfer}
+        if self.rack.fillet_radius and (twice := next((name for name, value in given.items() if value), None)):
+            problem = (
+                f"found {given[twice]:g} beside a rack whose fillet_radius of {self.rack.fillet_radius:g} cuts tips"
+            )
+            remedy = "rack.addendum instead" if twice == "addendum" else "one of them"
+            raise DesignError(twice, problem, f"give {remedy}")
         if self.tip_rounding and self.tip_chamfer:
             raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g} beside a tip_rounding", "give one of them")
         if 0 < self.tip_chamfer < SMALLEST_CHAMFER:
@@ -171,6 +153,33 @@ class SpurGear(AbstractInvoluteGear):
                 f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
                 f"give at most {rounded_down(most / self.module)}",
             )
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> SpurGear:
+        """The transverse section of helical teeth whose normal section has this gear's sizes.
+
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Angle of the teeth to the axis at the pitch circle, 0 to 45 deg.
+
+        Returns
+        -------
+        SpurGear
+            Module, profile shift, heights, tip edges and rack of the section across the axis (ISO 21771); `thinning`,
+            mm along the pitch circle, stays.
+        """
+        ratio = float(np.cos(np.radians(helix_angle_deg)))
+        return replace(
+            self,
+            module=self.module / ratio,
+            diametral_pitch=None,
+            profile_shift=self.profile_shift * ratio,
+            rack=self.rack.transverse(helix_angle_deg),
+            addendum=None if self.addendum is None else self.addendum * ratio,
+            tip_rounding=self.tip_rounding * ratio,
+            tip_chamfer=self.tip_chamfer * ratio,
+        )
 
     @property
     def pressure_angle(self) -> float:
@@ -241,4 +250,8 @@ class SpurGear(AbstractInvoluteGear):
             corner_side=module * rack.corner_side + thinning / 2,
             corner_rounding=module * rack.tip_radius,
             flank_depth=module * (rack.flank_depth - shift),
+            fillet_radius=module * rack.fillet_radius,
+            fillet_height=module * (rack.fillet_height + shift),
+            fillet_side=module * rack.fillet_side - thinning / 2,
+            flank_height=module * (rack.flank_height + shift),
         )

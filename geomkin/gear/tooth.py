@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,11 +15,7 @@ from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid, involute_function, roll_at
 from ..plane.vec import Pose
 from ..sizes import last_fit
-from .contract import AbstractTooth
-
-# Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
-# and an arc between them would have no direction.
-NARROW = 1e-12
+from .contract import NARROW, AbstractTooth
 
 
 @dataclass(frozen=True)
@@ -58,9 +54,36 @@ def largest_rounding(base_radius: float, half_angle_at_base: float, tip_radius: 
     return high if fits(high) else last_fit(fits, 0.0, high)
 
 
+def envelope_end(
+    envelope: AbstractCurve,
+    speed: Callable[[float], float],
+    end: float,
+    half_angle: Callable[[float], float],
+    land: float,
+) -> float:
+    """Where a tip that a tool's root fillet rounds leaves the flank: the parameter of the fillet's envelope.
+
+    envelope: on the tip circle at 0, which is turned to +x, on the flank at `end`; speed: along it. half_angle: of the
+    involute's tooth at a radius; land: half the angle that the envelope leaves of the tip circle, rad. nan where the
+    flanks alone cut the tip. Between a cusp and the flank the envelope runs back through the tooth: then it crosses the
+    flank and leaves a blunt edge.
+    """
+
+    def inside(t: float) -> float:
+        z = complex(envelope.point(t))
+        return half_angle(abs(z)) - land - abs(float(np.angle(z)))
+
+    if inside(0.0) <= 0:
+        return float("nan")
+    if speed(end) * speed(0.0) > 0:
+        return end
+    cusp = _root(speed, 0.0, end)
+    return _root(inside, 0.0, cusp) if inside(cusp) < 0 else end
+
+
 @dataclass(frozen=True)
 class Tooth(AbstractTooth):
-    """A tooth as a rack leaves it; the place of the rack's rounded corner is measured from the rolling pitch line."""
+    """A tooth as a rack leaves it; the place of the rack's rounded corners is measured from the rolling pitch line."""
 
     teeth: int
     pitch_radius: float
@@ -75,6 +98,11 @@ class Tooth(AbstractTooth):
     flank_depth: float
     tip_rounding: float = 0.0
     tip_chamfer: float = 0.0
+    # Of the rack's root fillet, its centre and where its flank ends, above the rolling pitch line.
+    fillet_radius: float = 0.0
+    fillet_height: float = 0.0
+    fillet_side: float = 0.0
+    flank_height: float = 0.0
 
     __repr__ = one_line
 
@@ -103,12 +131,36 @@ class Tooth(AbstractTooth):
     @cached_property
     def _junction(self) -> tuple[float, float]:
         """Lean of the root curve's normal and roll angle of the involute where the two meet."""
-        lean = -(np.pi / 2 - self.pressure_angle)
+        lean = self._flank_lean
         return self._crossing(lean) if self.is_undercut else (lean, self._rack_start)
+
+    @property
+    def _flank_lean(self) -> float:
+        """Lean of the rack's flank, as of the normals of its roundings where they end on it."""
+        return -(np.pi / 2 - self.pressure_angle)
+
+    @cached_property
+    def _fillet(self) -> Trochoid | None:
+        """What the rack's root fillet leaves of the tip, from the flank to the tip circle; None where it cuts none.
+
+        Its centre stands above the rolling line and it cuts from outside: both lengths count as negative.
+        """
+        if not self.fillet_radius:
+            return None
+        whole = Trochoid(self.pitch_radius, -self.fillet_height, -self.fillet_radius, self._flank_lean, 0.0)
+        land = self.fillet_side / self.pitch_radius
+        start = envelope_end(whole, whole.speed, self._flank_lean, self.half_angle, land)
+        return None if np.isnan(start) else replace(whole, start=start)
 
     @cached_property
     def rolls(self) -> tuple[float, float]:
         """Roll angles where the involute begins, and where it ends: at the tip circle, or where the tip is broken."""
+        if self._fillet is not None:
+            start = self._fillet.start
+            if start == self._flank_lean:
+                a = self.pressure_angle
+                return self._junction[1], float(np.tan(a) + self.flank_height / (self.base_radius * np.sin(a)))
+            return self._junction[1], roll_at(abs(complex(self._fillet.point(start))), self.base_radius)
         broken = (
             self._corner.roll if self.tip_rounding else roll_at(self.tip_radius - self.tip_chamfer, self.base_radius)
         )
@@ -120,6 +172,8 @@ class Tooth(AbstractTooth):
     @property
     def tip_land(self) -> float:
         """Half the angle of the tip circle's part of the tooth, rad; negative where nothing of it is left."""
+        if self._fillet is not None:
+            return self.fillet_side / self.pitch_radius
         if self.tip_rounding:
             return self._corner.angle
         return self.half_angle(self.tip_radius) - self.tip_chamfer / self.tip_radius
@@ -136,6 +190,8 @@ class Tooth(AbstractTooth):
     @property
     def tip_edge(self) -> AbstractCurve | None:
         """What breaks the tip's right-hand edge, from the flank to the tip circle; None where it is sharp."""
+        if self._fillet is not None:
+            return Moved(self._fillet, Pose(0j, 1j * np.exp(-1j * self.tip_land)))
         if not (self.tip_rounding or self.tip_chamfer):
             return None
         start = complex(self.flank.point(self.rolls[1]))

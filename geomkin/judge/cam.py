@@ -26,6 +26,11 @@ LEAST_CONVEX_RADIUS = 1
 # Share of the peak acceleration that the scatter of a table may add: more is felt and heard; chosen here.
 MOST_NOISE = 0.1
 
+# Places at which the acceleration jumps that are named: more make no better advice.
+MOST_PLACES = 4
+# Laws that begin and end without acceleration, as a dwell does.
+SMOOTH = "cycloidal, modified-sine, modified-trapezoid or 3-4-5"
+
 # Of the largest velocity, what counts as rest. A larger share would leave out angles at which the follower moves.
 ROUNDING = 1e-9
 
@@ -38,7 +43,8 @@ def most_pressure_angle(cam: Cam) -> float:
 @checked
 def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
     """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
-    follower; jumps in velocity; scatter of tables; the room left before undercut, and the lift that undercut takes.
+    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift
+    that undercut takes.
 
         [check for check in gk.judge.cam_checks(cam) if not check.passed]
 
@@ -60,10 +66,21 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
         at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
         yield Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice)
+    jumps = np.abs(cam.program.jumps.acceleration)
+    if jumps.any():
+        at = np.degrees(cam.program.breaks[:-1][jumps > 0])
+        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (
+            " and more" if len(at) > MOST_PLACES else ""
+        )
+        advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
+        unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
+        yield Check("jump in acceleration", jumps.max(), "at most", 0, unit, advice)
     for k, table in cam.program.tables.items():
         # What cannot be told is no check.
         if not np.isnan(table.noise):
             advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            if np.isinf(table.noise):
+                advice += ", or a dwell or a steady motion in its place, for they show no other"
             name = f"acceleration from scatter of the rows of program[{k}]"
             yield Check(name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
     yield from _room(cam, cut)

@@ -15,6 +15,8 @@ from ..linkage.openings import opening
 # (Norton, Design of Machinery, on the transmission angle: above about 40 deg; the angle itself: Alt, Der
 # Übertragungswinkel, Werkstattstechnik 26, 1932).
 LEAST_TRANSMISSION_ANGLE_DEG = 40
+# The name of its check.
+TRANSMISSION = "least transmission angle"
 # deg, the same of polygons, which only have to be drawn. At less, their vectors run off the plate; derived here, of
 # polygons drawn at many positions.
 LEAST_ANGLE_OF_POLYGONS_DEG = 5
@@ -52,7 +54,7 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     if motion.closed.any() and np.isnan(least):
         return (share,)
     along = "a driving link pushes the driven one along itself"
-    return share, Check("least transmission angle", least, "at least", LEAST_TRANSMISSION_ANGLE_DEG, "deg", along)
+    return share, Check(TRANSMISSION, least, "at least", LEAST_TRANSMISSION_ANGLE_DEG, "deg", along)
 
 
 @checked

@@ -25,7 +25,7 @@ from ..sizes import PointXY, RowsOf, check_sizes, entry, quantity
 from ..synthesis.guidance.displacement_poles import circle_of_sliders, poles
 from ..synthesis.guidance.filemon_waldron import Rectification, rectification
 from ..synthesis.guidance.guidance import BodyGuide, body_guides
-from ..synthesis.guidance.guide_groups import KINDS, Kind
+from ..synthesis.guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
 from ..table import Column, Table
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
@@ -61,6 +61,7 @@ class WantedPoses:
     poses: Rows = entry(
         "places of the body's origin and its angle, [x, y, angle] in mm and deg, three or more, in this order",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
+        units=("mm", "mm", "deg"),
     )
     type: Annotated[Kind, OneOfGuides()] | None = entry(
         "four-bar; crank-slider, which its crank drives; slider-crank, which its slider drives; elliptic-trammel. Left "
@@ -72,6 +73,9 @@ class WantedPoses:
     )
     fixed_points: PointPair | None = entry(
         "the driving and the driven ground pivot of a four-bar, [[x, y], [x, y]] in mm, instead", default=None
+    )
+    driving_point: Literal["first", "either"] = entry(
+        "which of two points that are given drives: the first, or either, the better one first", default="first"
     )
     region: PointPair | None = entry(
         "corners of the box that holds all pins and pivots, [[x, y], [x, y]] in mm; left out, one about the poses",
@@ -132,16 +136,21 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 wanted.largest_ratio,
                 self.search.seed,
                 self.search.seconds,
+                wanted.driving_point,
             )
         except DesignError as error:
             raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
 
     @property
-    def met(self) -> tuple[Check, ...]:
-        guide = self.found
+    def search_limits(self) -> tuple[float, float]:
+        wanted = self.wanted
+        largest = LARGEST_RATIO if wanted.largest_ratio is None else wanted.largest_ratio
+        return wanted.least_transmission_angle_deg, largest
+
+    def met_by(self, found: BodyGuide) -> tuple[Check, ...]:
         return (
-            Check("largest distance from a pose", _told(guide.pose_error), "at most", MISSED, "mm", FEWER),
-            Check("largest turn from a pose", _told(guide.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
+            Check("largest distance from a pose", _told(found.pose_error), "at most", MISSED, "mm", FEWER),
+            Check("largest turn from a pose", _told(found.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
         )
 
     @property
@@ -241,6 +250,15 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         circles = self.near(self.rectified.circles) if len(self.wanted.pairs) == 3 else []
         return [*skeleton(motion, 0, plate), *self.axes, *circles]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Which pin drives, if points were given."""
+        given = self.wanted.moving_points or self.wanted.fixed_points
+        if given is None or not np.isfinite(self.found.pins).all():
+            return ()
+        driving, driven = (f"[{pin.real:.6g}, {pin.imag:.6g}]" for pin in self.found.pins)
+        return (f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",)
 
     @property
     def notes(self) -> Mapping[str, object]:

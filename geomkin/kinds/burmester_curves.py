@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -47,6 +47,7 @@ class FourWanted:
     ] = entry(
         "places of the body's origin and its angle, [x, y, angle] in mm and deg, four of them",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0), (40.0, 90.0, 110.0)),
+        units=("mm", "mm", "deg"),
     )
     reach: float | None = quantity(
         "how far from the middle of the poses the curves are drawn; three times the farthest pose if left out",
@@ -82,6 +83,7 @@ class FourWanted:
 class BurmesterCurvesRecipe(AbstractRecipe):
     """Where the pivots and pins of four poses may lie: centre-point curve, and dashed the circle-point curve."""
 
+    can_be_scaled: ClassVar[bool] = True
     kind: Literal["burmester-curves"] = "burmester-curves"
     wanted: FourWanted
     rows: int = quantity(

@@ -32,7 +32,7 @@ from ..shop.gear.conjugate import LanternStock, PairStock, lantern_parts, pair_p
 from ..sizes import FARTHEST, check_sizes, entry, quantity
 from ..table import Table
 from .assembled import AbstractAssembledRecipe
-from .gear_recipes import check_tooth_points
+from .gear_recipes import boss_checks, check_tooth_points
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,10 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
     def notes(self) -> Mapping[str, object]:
         """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
         mate = self.design
+        jams = "teeth without backlash jam: give mate.backlash, mm"
         return {
+            "ratio": float(f"{mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1):.10g}"),
+            **({} if self.mate.backlash else {"backlash_advice": jams}),
             "centre_distance_mm": float(f"{mate.distance:.10g}"),
             "never_touching": [
                 {
@@ -163,7 +166,8 @@ class ToothedRecipe(AbstractShapedRecipe):
     @property
     def judged(self) -> tuple[Check, ...]:
         module = self.gear.module
-        return (touch_check(self.design, module), *conjugate_checks(self.design, module))
+        boss = boss_checks("gear", self.gear.root_radius, self.stock.motor, self.base)
+        return (touch_check(self.design, module), *conjugate_checks(self.design, module), *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -53,7 +53,7 @@ def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, way: Turn |
         raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}")
     if linkage.linkage.driver_pivot is None:
         raise DesignError("copies", "the driver turns on no fixed shaft, which they could share", "leave them out")
-    turn = way.end_deg - way.start_deg if isinstance(way, Turn) else 0.0
+    turn = way.turn_deg if isinstance(way, Turn) else 0.0
     if abs(turn - 360) > 360 * WHOLE:
         raise DesignError("copies", "the driver makes no whole turn", "let it go 360 deg, or leave copies out")
 
@@ -79,14 +79,15 @@ def copied(
         phase = np.radians(copy.phase_deg)
         # Turned over, an arm at an angle a is seen at half a turn less a.
         wanted = np.pi - 2 * zero - phase - frames[::-1] if copy.mirrored else frames + phase
-        motion = move(linkage, _led(wanted, frames), signs, way.speed)
+        motion = move(linkage, _led(wanted, frames), signs, way.speed, way.acceleration)
         rows = np.arange(len(motion.drive) - len(frames), len(motion.drive))
         yield Copied(motion, rows[::-1] if copy.mirrored else rows, shaft.real if copy.mirrored else None)
 
 
 def _led(wanted: Real, frames: Real) -> Real:
-    """A rising drive that begins with the first frame and ends with what is wanted, or whole turns later."""
+    """A drive that goes on from the first frame, its way round, and ends with what is wanted or whole turns later."""
     step = float(frames[1] - frames[0])
-    later = wanted + 2 * np.pi * np.ceil((frames[0] - wanted[0]) / (2 * np.pi) - WHOLE)
+    turn = float(np.copysign(2 * np.pi, step))
+    later = wanted + turn * np.ceil((frames[0] - wanted[0]) / turn - WHOLE)
     before = np.arange(frames[0], later[0] - 1e-6 * step, step)
     return np.concatenate([before, later])

@@ -72,7 +72,7 @@ class Grid:
 
     def check_work(self, drive: Turn) -> None:
         """Refuse, before any of it is worked out, more dashes or cells of the table than a person can use."""
-        points, turn = self.rows * self.columns, drive.end_deg - drive.start_deg
+        points, turn = self.rows * self.columns, drive.turn_deg
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
             most = MOST_DASHES // points
@@ -130,8 +130,8 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        turn, motion = self.drive, self.motion
-        steps = np.radians(np.arange(turn.start_deg, turn.end_deg + 1e-9, self.grid.dash_deg))
+        motion, (low, high) = self.motion, sorted(self.drive.span_deg)
+        steps = np.radians(np.arange(low, high + 1e-9, self.grid.dash_deg))
         drawn = dashes(self.linkage, self.grid.points.ravel(), steps, self.files.tolerance, self.branch)
         # The linkage stands where it first closes, with the points of the grid on its coupler.
         marks: list[AbstractCurve] = strokes(run for runs in drawn for run in runs)
@@ -197,7 +197,13 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     def _moved(self, drive: Real) -> tuple[Motion, ...]:
         return tuple(
-            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, self.drive.speed)
+            move(
+                c.linkage,
+                drive + c.drive_offset,
+                self.branch * c.branch,
+                self.drive.speed,
+                self.drive.acceleration,
+            )
             for c in cognates(self.linkage)
         )
 
@@ -206,7 +212,8 @@ class CognatesRecipe(AbstractMovedRecipe):
         """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
         # Ten bars take an iteration at each frame: steps are no finer than plates need.
         drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
-        return move(roberts_linkage(self.linkage, float(drive[0]), self.branch), drive, "follow", self.drive.speed)
+        roberts = roberts_linkage(self.linkage, float(drive[0]), self.branch)
+        return move(roberts, drive, "follow", self.drive.speed, self.drive.acceleration)
 
     @cached_property
     def stack(self) -> Stack:
@@ -218,7 +225,8 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*self.stack.steps, "drawing is joined to nothing")
+        drawings = [f"{name}_drawing" for name in NAMES] + ["drawing"]
+        return (*self.stack.steps, *(f"{name} is joined to nothing" for name in drawings))
 
     @cached_property
     def table(self) -> Table:
@@ -237,12 +245,18 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """Roberts' figure moving; the three tables in one, at its frames."""
-        figure = self.figure
-        table = self.table if len(figure.drive) == len(self.drive.frames) else self._told(self._moved(figure.drive))
+        """Roberts' figure moving, and each cognate by itself; the three tables in one, at the figure's frames."""
+        figure, same = self.figure, len(self.figure.drive) == len(self.drive.frames)
+        motions = self.motions if same else self._moved(figure.drive)
+        table = self.table if same else self._told(motions)
         scene = linkage_scene(figure, table, self.parts, self.stack.layers)
         point = figure.point("coupler_point").position
-        return replace(scene, marks=(*scene.marks, SceneMark("point", point, "traced", "coupler_point", trail=True)))
+        traced = SceneMark("point", point, "traced", "coupler_point", trail=True)
+        first = Table(table.columns[:1])
+        others = {
+            f"{name} four-bar alone": linkage_scene(motion, first, rates=False) for name, motion in zip(NAMES, motions)
+        }
+        return replace(scene, marks=(*scene.marks, traced), others=others)
 
     @property
     def judged(self) -> tuple[Check, ...]:
@@ -260,17 +274,16 @@ class CognatesRecipe(AbstractMovedRecipe):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
-        turn = self.drive
-        span = (float(np.radians(turn.start_deg)), float(np.radians(turn.end_deg)))
         try:
-            curve = CouplerCurve(self.linkage, "coupler_point", self.branch, span)
+            curve = CouplerCurve(self.linkage, "coupler_point", self.branch, self.drive.rising)
         except DesignError:
-            limits = np.degrees(driver_limits(self.linkage, self.branch))
+            turn, limits = self.drive, np.degrees(driver_limits(self.linkage, self.branch))
             closes = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in limits.tolist()) or "nowhere"
             problem = f"found {turn.start_deg:g} to {turn.end_deg:g} deg, and the linkage closes only from {closes} deg"
             raise DesignError("drive", problem, "give start_deg and end_deg inside it, or other lengths") from None
-        drawing = engraved("drawing", [curve, *skeleton(self.figure, 0, plate)], plate)
-        return (*link_parts(self.figure, self.stock, self.stack), drawing)
+        shown = {"drawing": self.figure} | {f"{name}_drawing": motion for name, motion in zip(NAMES, self.motions)}
+        drawings = (engraved(name, [curve, *skeleton(motion, 0, plate)], plate) for name, motion in shown.items())
+        return (*link_parts(self.figure, self.stock, self.stack), *drawings)
 
     @property
     def notes(self) -> Mapping[str, object]:

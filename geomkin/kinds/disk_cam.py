@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -62,6 +62,7 @@ LIFTS: dict[str, Segment] = {
 class DiskCamRecipe(AbstractAssembledRecipe):
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
 
+    can_be_scaled: ClassVar[bool] = True
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
@@ -73,6 +74,11 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        speed = self.drive.speed_rpm
+        if speed < 0:
+            other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
+            remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
+            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction is the way the cam turns", remedy)
         self.drive.check_rows()
 
     @property
@@ -86,7 +92,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return cam_table(self.cam, self.drive.speed, self.drive.angles, self.cut)
+        drive = self.drive
+        return cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
 
     @property
     def judged(self) -> tuple[Check, ...]:
@@ -118,9 +125,11 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def notes(self) -> Mapping[str, object]:
-        """The least base circle within the usual pressure angle, optimised segments, and what undercut does."""
+        """Peaks of each segment, the least base circle within the usual pressure angle, optimised segments, and what
+        undercut does.
+        """
         cam = self.cam
-        notes: dict[str, object] = {}
+        notes: dict[str, object] = {"peaks": self._peaks()}
         try:
             least = least_base_circle(cam.follower, cam.program, cam.direction, most_pressure_angle(cam))
             notes["least_base_circle"] = {"radius_mm": float(f"{least.radius:.9g}"), "limit": least.limit}
@@ -139,6 +148,31 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             ]
         notes |= self.joined
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
+
+    def _peaks(self) -> dict[str, dict[str, object]]:
+        """Of each segment that moves the largest sizes by cam angle, and its peak factors."""
+        unit = "rad" if self.cam.follower.oscillates else "mm"
+        found: dict[str, dict[str, object]] = {}
+        for k, peaks in self.cam.program.peaks.items():
+            segment = self.cam.program.segments[k]
+            law = getattr(segment, "law", segment.kind)
+            sizes = {"velocity": peaks.velocity, "acceleration": peaks.acceleration, "jerk": peaks.jerk}
+            sizes |= dict(zip(("Cv", "Ca", "Cj"), peaks.factors))
+            found[f"segment_{k + 1}"] = (
+                {"law": law if isinstance(law, str) else "given", "units": f"{unit}/rad, {unit}/rad2, {unit}/rad3"}
+                | {name: float(f"{value:.9g}") for name, value in sizes.items()}
+            )  # fmt: skip
+        return found
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Peak factors of each segment that ends at another lift than it starts."""
+        factors = "Cv {Cv:.4g}, Ca {Ca:.4g}, Cj {Cj:.4g}"
+        return tuple(
+            f"{name.replace('_', ' ')}, {peaks['law']}: {factors.format(**peaks)}"
+            for name, peaks in self._peaks().items()
+            if peaks["Cv"] == peaks["Cv"]
+        )
 
     def _undercut(self) -> Mapping[str, object]:
         (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit

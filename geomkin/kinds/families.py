@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cached import cached_property
+from ..check import Check
 from ..errors import DesignError
-from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG
+from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, TRANSMISSION
+from ..part import Part
 from ..plane.vec import Real, rounded
 from ..recipe.settings import Drive, Files
 from ..scene import Choice, Limit, Plot
 from ..shop.linkage.stock import LinkStock
 from ..sizes import check_sizes, entry, quantity
-from ..synthesis.rockers.families import RATIO, AbstractMember
+from ..synthesis.found import ten_digits
+from ..synthesis.rockers.families import LINKS, AbstractMember, turn_of
 from ..table import Column, Table
-from .linkage_goals import AbstractLinkageGoal, choose_entry
+from .linkage_goals import NEAR, AbstractLinkageGoal, choose_entry
 
 # What a search in a family finds.
 M = TypeVar("M", bound=AbstractMember)
@@ -29,13 +34,14 @@ M_co = TypeVar("M_co", bound=AbstractMember, covariant=True)
 MISSED_DEG = 1e-4
 # Members of a family that are ranked besides the best. More are only more of the same between them.
 OTHERS = 19
+RATIO_OF_LINKS = "longest link over the shortest"
+# Largest ratios of links whose best linkages are compared, and one beyond which no angle grows by what is told.
+RATIOS, LARGEST_RATIO = (3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0), 1e6
 
 
-def ratio_entry() -> Any:
+def ratio_entry(left_out: str = "6 where left out") -> Any:
     """How unlike the links of the best may be."""
-    return quantity(
-        "longest link over the shortest; 100 where left out", default=None, example=None, above=1, at_most=1e6
-    )
+    return quantity(f"longest link over the shortest; {left_out}", default=None, example=None, above=1, at_most=1e6)
 
 
 def turn_entry(example: float) -> Any:
@@ -63,13 +69,7 @@ class AbstractTimed:
     @property
     def turn_deg(self) -> float:
         """The crank's turn in that stroke, deg."""
-        turn, ratio = self.crank_turn_deg, self.time_ratio
-        if ratio is None:
-            return 180.0 if turn is None else turn
-        if turn is not None:
-            problem = "is given besides crank_turn_deg"
-            raise DesignError("time_ratio", problem, "give one of them, which tells the other")
-        return 360 * ratio / (1 + ratio)
+        return turn_of(self.crank_turn_deg, self.time_ratio)
 
 
 def missed(found: float, wanted: float) -> float:
@@ -113,8 +113,17 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
             return (best,)
         step = -(-len(best.family.free_angle_deg) // OTHERS)
         others = [self.wanted.search(float(angle)) for angle in best.family.free_angle_deg[step // 2 :: step]]
-        most = RATIO if self.wanted.largest_ratio is None else self.wanted.largest_ratio
+        most = best.largest_ratio
         return best, *sorted((one for one in others if one.ratio <= most and not one.defects), key=self.rank)
+
+    @property
+    def size_bounds(self) -> Mapping[str, tuple[float, float]]:
+        given = {name: getattr(self.wanted, name, None) for name in self.ranked[0].lengths}
+        return {name: (size, size) for name, size in given.items() if size is not None}
+
+    @property
+    def search_limits(self) -> tuple[float, float]:
+        return 0.0, self.ranked[0].largest_ratio
 
     def rank(self, one: M) -> tuple[float, ...]:
         """The less, the better."""
@@ -126,20 +135,87 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return 0.0, 360.0
 
     @property
+    @abstractmethod
+    def remedy(self) -> str:
+        """What to do if no linkage of the family drives well."""
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        """With the bound of the links' ratio, and the reason if it or the family keeps the transmission angle low."""
+        checks = super().judged
+        if not self.wanted.is_free:
+            return checks
+        ratio, largest = self.found.ratio, self.found.largest_ratio
+        bound = Check(
+            RATIO_OF_LINKS, min(ratio, largest) if ratio <= largest * (1 + NEAR) else ratio, "at most", largest
+        )
+        told = (replace(c, advice=self.why_low or c.advice) if c.name == TRANSMISSION else c for c in checks)
+        return (*told, bound)
+
+    @property
+    def why_low(self) -> str:
+        """What keeps the best below the transmission angle that it should have, and what to do; empty if it is not."""
+        best = self.ranked[0]
+        if best.transmission_angle_deg >= LEAST_TRANSMISSION_ANGLE_DEG or self.choose > 1:
+            return ""
+        most = self.at_ratio(LARGEST_RATIO).transmission_angle_deg
+        if most >= LEAST_TRANSMISSION_ANGLE_DEG:
+            held = f"largest_ratio = {best.largest_ratio:g}"
+            return f"{held} keeps it low, longer links reach {most:.4g} deg: give a larger one"
+        return (
+            f"no linkage that does what is wanted has more than {most:.4g} deg, however long its links: {self.remedy}"
+        )
+
+    def at_ratio(self, largest_ratio: float) -> M:
+        """The best with another bound of the links' ratio."""
+        return replace(self.wanted, largest_ratio=largest_ratio).search()  # type: ignore[type-var]
+
+    @property
+    def trade_off(self) -> list[Mapping[str, object]]:
+        """The best of several bounds of the links' ratio: how much transmission angle longer links bring."""
+        told: list[Mapping[str, object]] = []
+        for ratio in sorted({*RATIOS, self.ranked[0].largest_ratio}):
+            with suppress(DesignError):
+                best = self.at_ratio(ratio)
+                angle, longest = (float(f"{value:.6g}") for value in (best.transmission_angle_deg, best.size))
+                told.append(
+                    {"largest_ratio": ten_digits(ratio), "transmission_angle_deg": angle, "longest_link_mm": longest}
+                )
+                if not best.at_largest_ratio:
+                    break
+        return told
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        try:
+            return super().parts
+        except DesignError as error:
+            given = {name: getattr(self.wanted, name, None) for name in ("stroke", *LINKS)}
+            if error.field not in self.found.lengths or given.get(error.field) is not None:
+                raise
+            # The link was found: what sets its length is another key.
+            key = next(name for name, size in given.items() if size is not None)
+            link = f"the {error.field} that was found is {self.found.lengths[error.field]:g} mm long: {error.problem}"
+            held = self.found.at_largest_ratio and key != "stroke"
+            ratio = f", a largest_ratio below {self.found.largest_ratio:g}" if held else ""
+            remedy = f"give a larger {key} than {given[key]:g} mm{ratio}, or a smaller stock.pin_diameter"
+            raise DesignError(f"wanted.{key}", link, remedy) from None
+
+    @property
     def choice(self) -> Choice:
-        return family_choice(self.found, self.wanted.largest_ratio)
+        return family_choice(self.found)
 
     @property
     def notes(self) -> Mapping[str, object]:
         ends = [float(f"{end:.10g}") for end in self.ranked[0].family.range_deg]
-        return {"family": {"free_angle_deg": ends}, **super().notes}
+        family: dict[str, object] = {"free_angle_deg": ends}
+        if self.wanted.is_free:
+            family["trade_off"] = self.trade_off
+        return {"family": family, **super().notes}
 
 
-def family_choice(found: AbstractMember, largest_ratio: float | None) -> Choice:
-    """Transmission angles, ratios of the links and their lengths along the family, with the one that was found.
-
-    largest_ratio: of the longest link over the shortest, as it was asked for; beyond it none was taken.
-    """
+def family_choice(found: AbstractMember) -> Choice:
+    """Transmission angles, ratios of the links and their lengths along the family, with the one that was found."""
     family = found.family
     angle = np.append(family.free_angle_deg, found.free_angle_deg)
     order = np.argsort(angle, kind="stable")
@@ -173,9 +249,9 @@ def family_choice(found: AbstractMember, largest_ratio: float | None) -> Choice:
             (Limit(least, f"at least {least:g} deg"),),
         ),
         Plot(
-            "longest link over the shortest",
+            RATIO_OF_LINKS,
             (at["ratio_of_every_one"], at["ratio_of_the_made"]),
-            () if largest_ratio is None else (Limit(largest_ratio, f"at most {largest_ratio:g}"),),
+            (Limit(found.largest_ratio, f"largest_ratio = {found.largest_ratio:g}"),),
         ),
         Plot("lengths", tuple(at[name] for name in lengths)),
     )

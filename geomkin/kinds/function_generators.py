@@ -190,8 +190,8 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
     @property
     @abstractmethod
-    def largest_error(self) -> tuple[float, float]:
-        """The largest error, and what is not too large: deg or mm."""
+    def most_error(self) -> float:
+        """An error that is not too large, deg or mm."""
 
     @property
     @abstractmethod
@@ -225,18 +225,25 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     @property
     def plotted(self) -> Sequence[Plot]:
         names = {column.name: column.header for column in self.table.columns}
-        _, most = self.largest_error
-        limits = tuple(Limit(side * most, "largest error allowed") for side in (1, -1))
+        limits = tuple(Limit(side * self.most_error, "largest error allowed") for side in (1, -1))
         return (
             Plot("error of the output", (names["error"],), limits),
             Plot("output", (names["wanted"], names["reached"])),
         )
 
     @property
-    def met(self) -> tuple[Check, ...]:
-        error, most = self.largest_error
+    def size_bounds(self) -> Mapping[str, tuple[float, float]]:
+        names = ("ground", "input_start_deg", "output_start_deg", "output_start_mm")
+        given = {name: getattr(self.wanted, name, None) for name in names}
+        return {name: (size, size) for name, size in given.items() if size is not None}
+
+    @property
+    def search_limits(self) -> tuple[float, float]:
+        return self.wanted.least_transmission_angle_deg, self.wanted.largest_ratio
+
+    def met_by(self, found: AbstractFunctionGenerator) -> tuple[Check, ...]:
         advice = "give other swings, a shorter range, or leave the starts free"
-        return (Check("largest error of the output", error, "at most", most, self.unit, advice),)
+        return (Check("largest error of the output", found.largest, "at most", self.most_error, self.unit, advice),)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -268,9 +275,8 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
         return np.asarray(turned + 360 * np.round((wanted - turned) / 360))
 
     @property
-    def largest_error(self) -> tuple[float, float]:
-        most = self.wanted.largest_error_deg or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_deg)
-        return self.found.largest, most
+    def most_error(self) -> float:
+        return self.wanted.largest_error_deg or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_deg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,6 +299,5 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
         return np.real(self.design.motion.bodies["slider"].origin.position)
 
     @property
-    def largest_error(self) -> tuple[float, float]:
-        most = self.wanted.largest_error_mm or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_mm)
-        return self.found.largest, most
+    def most_error(self) -> float:
+        return self.wanted.largest_error_mm or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_mm)

@@ -31,6 +31,8 @@ from ..sizes import entry, quantity
 from ..table import Table
 from .gear_recipes import (
     AbstractHelicalRecipe,
+    backlash_notes,
+    boss_checks,
     check_tooth_points,
     gear_notes,
     helices_notes,
@@ -71,7 +73,10 @@ class GearPairRecipe(AbstractHelicalRecipe):
     @cached_property
     def design(self) -> GearPair:
         """The gears with the shifts that were asked for, in mesh."""
-        one, two = self.first, self.second
+        with self.naming_section():
+            return self._pair(self.in_section(self.first), self.in_section(self.second))
+
+    def _pair(self, one: SpurGear, two: SpurGear) -> GearPair:
         if self.shifts == "avoid-undercut":
             shifts = undercut_free_shift(one.teeth, one.rack), undercut_free_shift(two.teeth, two.rack)
         elif self.shifts == "balance-sliding":
@@ -94,7 +99,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
     @property
     def judged(self) -> tuple[Check, ...]:
         own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
-        return (*mesh_checks(self.design), *own)
+        boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -117,7 +123,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if all(holes):
             # As much plate around a hole as the hole is wide.
             axes = [0j, complex(self.design.centre_distance)]
-            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness)
+            keys = ("first_stock.bore", "second_stock.bore")
+            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
             bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
         return *parts, *self.first_stock.motor_parts
@@ -176,8 +183,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     @cached_property
     def design(self) -> RackPair:
         """Both in mesh."""
-        given = (self.pinion, self.rack)
-        return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
+        with self.naming_section():
+            given = (self.in_section(self.pinion), self.in_section(self.rack))
+            return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
 
     @cached_property
     def table(self) -> Table:
@@ -185,14 +193,16 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        own = gear_checks(self.pinion, self.stock.rim_under(self.pinion), "pinion")
-        return (*mesh_checks(self.design), *own)
+        pinion = self.design.pinion
+        own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
+        boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        check_tooth_points(self.files, [self.pinion.outline])
-        (pinion,) = gear_parts(self.pinion, self.stock, "pinion", helix=self.helix)
-        (rack,) = gear_parts(self.rack, self.stock, "rack", helix=self.helix)
+        check_tooth_points(self.files, [self.design.pinion.outline])
+        (pinion,) = gear_parts(self.design.pinion, self.stock, "pinion", helix=self.helix)
+        (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
         held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
@@ -223,10 +233,10 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "travel_per_turn_mm": shown(pair.travel),
             "contact_ratio": shown(pair.contact_ratio),
             **overlap_notes(pair.contact_ratio, pair.module, self.helix, width),
-            "backlash_mm": round(pair.backlash, 9) + 0.0,
+            **backlash_notes(pair, pair.distance, self.helix),
             "clearances_mm": [shown(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }
-        sizes = {"pinion": (self.pinion, self.helix, width)}
+        sizes = {"pinion": (pair.pinion, self.helix, width)}
         measures = {"pinion": gear_notes(*sizes["pinion"])}
         return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.joined}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import numpy as np
 
+from ..check import Check
 from ..errors import DesignError
 from ..gear.contract import AbstractInvoluteGear
 from ..gear.helix import Hand, Helix, helix_angle
@@ -16,12 +18,19 @@ from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.joined import Ring
 from ..recipe.settings import Files
+from ..shop.base import BaseStock
+from ..shop.motors import MOTORS, MotorName
 from ..sizes import WIDEST, check_sizes, entry
 from .assembled import AbstractAssembledRecipe
 
 if TYPE_CHECKING:
     from ..gear.pair import GearPair
+    from ..gear.planetary import PlanetarySet
+    from ..gear.rack import GearRack, RackPair
+    from ..gear.ring import RingGear
+    from ..gear.spur import SpurGear
 
+G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
 # Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
 MOST = 200_000
 # What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
@@ -36,8 +45,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """What recipes of involute gears have in common."""
 
     advice: ClassVar[str] = (
-        "Where teeth lie on helices, all sizes, module first, are those of the transverse section, square to the axis, "
-        "which drawings show."
+        "If teeth lie on helices, sizes are those of the transverse section, square to the axis, which drawings show; "
+        'with section = "normal", modules, diametral pitches, pressure angles, profile shifts and heights are those '
+        "square to the teeth, as in catalogues."
     )
 
     kind: str
@@ -46,6 +56,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
     )
     herringbone: bool = entry("the upper half of the face has the other hand", default=False)
+    section: Literal["transverse", "normal"] = entry(
+        "the section that sizes of gears are given in: across the axis, or square to the teeth", default="transverse"
+    )
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -55,6 +68,22 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     def helix(self) -> Helix:
         """Of the gear that drives."""
         return Helix(self.helix_angle_deg, self.hand, self.herringbone)
+
+    def in_section(self, gear: G) -> G:
+        """The transverse section of a gear of the recipe, whichever section its sizes are given in."""
+        return gear.transverse(self.helix_angle_deg) if self.section == "normal" else gear
+
+    @contextmanager
+    def naming_section(self) -> Iterator[None]:
+        """Refusals of sizes that were converted: sizes of the transverse section are in them, and what they are."""
+        try:
+            yield
+        except DesignError as error:
+            if self.section == "transverse" or not self.helix_angle_deg:
+                raise
+            ratio = np.cos(np.radians(self.helix_angle_deg))
+            remedy = f"{error.remedy}; sizes in modules are {ratio:.6g} of the normal ones there"
+            raise DesignError(error.field, f"{error.problem}, in the transverse section", remedy) from None
 
     @property
     def subtitle(self) -> str:
@@ -109,6 +138,17 @@ def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str
         if points(wider) <= MOST:
             return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
     return f"give at most {teeth:,} teeth"
+
+
+def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseStock | None) -> tuple[Check, ...]:
+    """Whether a wheel on a motor under the base rests on the base, beside the hole for the motor's boss.
+
+    radius: mm, within which the wheel has no gaps, such as that of its roots; derived here.
+    """
+    if motor is None or base is None:
+        return ()
+    rests = radius - (MOTORS[motor].pilot + base.clearance) / 2
+    return (Check(f"{name} beyond the hole for the motor's boss", rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
 def shown(value: float) -> float:
@@ -188,6 +228,7 @@ def _helix(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mappi
         "normal_module_mm": shown(helix.normal_module(gear.module)),
         "normal_pressure_angle_deg": shown(np.degrees(helix.normal_pressure_angle(gear))),
         "base_helix_angle_deg": shown(np.degrees(helix.base_angle(gear))),
+        "normal_profile_shift": shown(gear.profile_shift / np.cos(np.radians(helix.helix_angle_deg))),
         "lead_mm": shown(helix.lead(gear)),
     }
 
@@ -202,15 +243,28 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
     return {"overlap_ratio": shown(overlap), "total_contact_ratio": shown(contact_ratio + overlap)}
 
 
+def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
+    """The play of two gears, mm, and if they have none, how to give them some. distance: of the axes, mm."""
+    backlash = round(pair.backlash, 9) + 0.0
+    if backlash:
+        return {"backlash_mm": backlash}
+    # Least normal backlash of ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
+    least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
+    along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
+    advice = f"teeth without backlash jam: give thinning to both gears, about {along / 2:.2f} mm each"
+    return {"backlash_mm": backlash, "backlash_advice": advice}
+
+
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
     """What two gears do together. face_width: mm, that both have; asked for where teeth lie on helices."""
     start, end = pair.contact_lengths
     return {
+        "ratio": shown(pair.ratio),
         "centre_distance_mm": shown(pair.centre_distance),
         "working_pressure_angle_deg": shown(np.degrees(pair.working_pressure_angle)),
         "contact_ratio": shown(pair.contact_ratio),
         **overlap_notes(pair.contact_ratio, pair.module, helix, face_width),
-        "backlash_mm": round(pair.backlash, 9) + 0.0,
+        **backlash_notes(pair, pair.centre_distance, helix),
         "clearances_mm": [shown(c) for c in pair.clearances],
         "largest_specific_sliding": [shown(float(pair.sliding(start)[0])), shown(float(pair.sliding(end)[1]))],
         "interferences": list(pair.interferences),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from ..cached import cached_property
 from ..errors import DesignError
 from ..linkage.linkage import AbstractLinkage, Linkage, Slider
 from ..linkage.motion import Motion
-from ..linkage.solve.branch import Chosen
+from ..linkage.solve.branch import Chosen, chosen
 from ..linkage.solve.move import move
 from ..names import check_names
+from ..plane.vec import Real
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Stroke, Turn
 from ..sizes import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
@@ -61,18 +62,33 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
     return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
 
 
+# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
+MOST_DYADS = 2
+
+
 class AbstractMovedRecipe(AbstractRecipe):
     """What recipes of a linkage have in common that tell its motion over a table's frames."""
 
+    can_be_scaled: ClassVar[bool] = True
     linkage: AbstractLinkage
     branch: SideOrFollow
     # Of kinds that have none.
     branches: Mapping[str, int | complex] = MappingProxyType({})
     drive: Turn
+    stroke: Stroke | None = None
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        self.drive.check_rows()
+        self.check_stroke()
+        self.way.check_rows()
+
+    def check_stroke(self) -> None:
+        """Refuse a stroke of a driver that turns, and none of one that slides."""
+        slides = self.linkage.linkage.driven_slider is not None
+        if slides and self.stroke is None:
+            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+        if not slides and self.stroke is not None:
+            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
 
     @property
     def design(self) -> AbstractLinkage:
@@ -81,17 +97,48 @@ class AbstractMovedRecipe(AbstractRecipe):
     @property
     def way(self) -> Turn | Stroke:
         """How the driver goes."""
-        return self.drive
+        return self.stroke or self.drive
 
     @cached_property
     def signs(self) -> Chosen:
         """The branch asked for."""
         return branch_of(self.branch, self.branches)
 
+    def moved(self, frames: Real, signs: Chosen) -> Motion:
+        """The linkage at some frames on a branch, with the driver's speed and acceleration."""
+        way = self.way
+        return move(self.linkage, frames, signs, way.speed, way.acceleration)
+
     @cached_property
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
-        return move(self.linkage, self.way.frames, self.signs, self.way.speed)
+        return self.moved(self.way.frames, self.signs)
+
+    @cached_property
+    def other(self) -> tuple[str, Motion] | None:
+        """The joint of the last of one or two dyads, and the motion with it on its other side; None if that is open."""
+        branches = self.motion.branches
+        if not 1 <= len(branches) <= MOST_DYADS:
+            return None
+        joint, sides = list(branches.items())[-1]
+        if joint in (slider.name for slider in self.motion.linkage.sliders):
+            # The same lever turned half round, whose slot is not there.
+            return None
+        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
+        told, asked = sides[sides != 0], chosen(self.signs)
+        near = {name: place for name, place in asked.near.items() if name != joint}
+        other = replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
+        motion = self.moved(self.way.frames, other)
+        return (joint, motion) if motion.closed.any() else None
+
+
+def both_modes_entry() -> Any:
+    """Whether the other assembly mode is told."""
+    return entry(
+        "whether table, plots and summary also have the other assembly mode, which the page shows: the last dyad's "
+        "joint on its other side",
+        default=False,
+    )
 
 
 @dataclass(frozen=True)
@@ -102,7 +149,7 @@ class TriangleCorner:
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
     lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
-        "its distances from them, mm", example=(50.0, 60.0)
+        "its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm")
     )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -15,11 +15,10 @@ from ..errors import DesignError
 from ..judge.linkage import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage.bars import FourBar, StephensonSixBar, WattSixBar
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.measures import driver_limits, grashof_type
+from ..linkage.measures import driver_limits, grashof, least_transmission_angle
 from ..linkage.motion import Motion, motion_table
 from ..linkage.sliders import EllipticTrammel, InvertedSliderCrank, OldhamCoupling, ScotchYoke, Shaper, SliderCrank
-from ..linkage.solve.branch import chosen
-from ..linkage.solve.move import move
+from ..linkage.solve.branch import Branch
 from ..part import Bought, Part
 from ..recipe.settings import Files, Stroke, Turn
 from ..scene import Limit, Scene
@@ -31,19 +30,18 @@ from ..sizes import entry
 from ..table import Table
 from .copies import Copy, check_copies, copied, copies_entry
 from .copies_joined import Shared, copying, joining, shared_rods
+from .dwell_bands import DwellBand
 from .linkage_tables import (
     WITH_SLIDER,
     AbstractMovedRecipe,
     BodyList,
     Branches,
     SideOrFollow,
+    both_modes_entry,
     branch_entry,
     branches_entry,
     coefficients_entry,
 )
-
-# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
-MOST_DYADS = 2
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
@@ -53,9 +51,12 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     # Where a kind has no such key, its table is another.
     coefficients: bool = False
     # Of kinds that have none.
+    both_modes: bool = False
+    dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
 
     def __post_init__(self) -> None:
+        self.check_stroke()
         check_copies(self.copies, self.linkage, self.way)
         if self.copies and self.stock.motor is not None:
             problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
@@ -65,12 +66,18 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         joints = len(linkage.pins)
         told = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
-        self.way.check_rows(3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints)
+        columns = 3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
+        self.way.check_rows(columns * (2 if self.both_modes else 1))
+        if self.dwell:
+            self.dwell.body(linkage)
+        if self.both_modes and self.other is None:
+            problem = "found true, but no other mode is shown: none closes, or there are more than two dyads"
+            raise DesignError("both_modes", problem, "leave it out")
 
     @cached_property
     def fine_motion(self) -> Motion:
         """The same in steps in which nothing slips through between two plates."""
-        return move(self.linkage, self.way.fine, self.signs, self.way.speed)
+        return self.moved(self.way.fine, self.signs)
 
     @cached_property
     def stack(self) -> Stack:
@@ -97,7 +104,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return motion_table(self.motion, self.coefficients)
+        table = motion_table(self.motion, self.coefficients)
+        if not (self.both_modes and self.other):
+            return table
+        # The driver and the time are those of both.
+        others = motion_table(self.other[1], self.coefficients).columns[2:]
+        words = "in the other mode, "
+        renamed = (dataclasses.replace(c, name=f"other_{c.name}", meaning=words + c.meaning) for c in others)
+        return Table((*table.columns, *renamed))
 
     @cached_property
     def scene(self) -> Scene:
@@ -111,25 +125,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return with_copies(scene, copies, self.parts, self.stack.layers)
 
     def _others(self) -> dict[str, Scene]:
-        """The same plates with the last of one or two dyads on its other side, if that closes anywhere."""
-        branches = self.motion.branches
-        if not 1 <= len(branches) <= MOST_DYADS:
+        """The same plates in the other assembly mode."""
+        if self.other is None:
             return {}
-        joint, sides = list(branches.items())[-1]
-        if joint in (slider.name for slider in self.motion.linkage.sliders):
-            # The same lever turned half round, whose slot is not there.
-            return {}
-        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
-        told, asked = sides[sides != 0], chosen(self.signs)
-        near = {name: place for name, place in asked.near.items() if name != joint}
-        other = dataclasses.replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
-        motion = move(self.linkage, self.way.frames, other, self.way.speed)
-        if not motion.closed.any():
-            return {}
+        joint, motion = self.other
         # A ground with slots has them where the mode asked for needs them.
         slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
         parts = [part for part in self.parts if not slotted or part.body != slotted]
-        # It is there to be seen; what is plotted is that of the mode asked for.
+        # It is there to be seen; what is plotted is that of the mode asked for, or of both.
         table = Table(self.table.columns[:2])
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
@@ -153,14 +156,25 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @property
     def notes(self) -> Mapping[str, object]:
         """How far the driver goes, what turns fully, and how the plates lie on each other."""
-        way, in_deg = self.way, isinstance(self.way, Turn)
-        limits = driver_limits(self.linkage, self.signs, (float(way.fine[0]), float(way.fine[-1])))
-        shown = [[float(f"{np.degrees(q) if in_deg else q:.10g}") for q in part] for part in limits]
-        reaches = f"driver_reaches_{'deg' if in_deg else 'mm'}"
         stack = self.stack.summary()
+        dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
         if self.copies:
             stack |= {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
-        return {reaches: shown, **self.turning, "stack": stack}
+        return {**self._reached(self.signs), **self.turning, **self._other_mode(), **dwell, "stack": stack}
+
+    def _reached(self, branch: Branch) -> Mapping[str, object]:
+        """The parts of the driver's way in which the linkage closes."""
+        way, in_deg = self.way, isinstance(self.way, Turn)
+        limits = driver_limits(self.linkage, branch, (float(way.fine[0]), float(way.fine[-1])))
+        reached = [[_told(np.degrees(q) if in_deg else q) for q in part] for part in limits]
+        return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
+
+    def _other_mode(self) -> Mapping[str, object]:
+        if not (self.both_modes and self.other):
+            return {}
+        joint, motion = self.other
+        angle = {"least_transmission_angle_deg": _told(np.degrees(least_transmission_angle(motion)))}
+        return {"other_mode": {"joint": joint, **self._reached(motion.solution.asked), **angle}}
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
@@ -172,6 +186,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {}
 
 
+def _told(value: float | np.floating[Any]) -> float:
+    return float(f"{value:.10g}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
@@ -181,6 +199,8 @@ class TurnedRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    both_modes: bool = both_modes_entry()
+    dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     copies: tuple[Copy, ...] = copies_entry()
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -197,6 +217,8 @@ class SlidRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    both_modes: bool = both_modes_entry()
+    dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -204,18 +226,6 @@ class SlidRecipe(AbstractLinkageRecipe):
 
     # What an example has in which a slide drives.
     sliding: ClassVar[Mapping[str, object]]
-
-    def __post_init__(self) -> None:
-        slides = self.linkage.linkage.driven_slider is not None
-        if slides and self.stroke is None:
-            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
-        if not slides and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
-        super().__post_init__()
-
-    @property
-    def way(self) -> Turn | Stroke:
-        return self.stroke or self.drive
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
@@ -233,7 +243,10 @@ class FourBarRecipe(TurnedRecipe):
 
     @property
     def turning(self) -> Mapping[str, object]:
-        return {"grashof_type": grashof_type(self.linkage)}
+        found = grashof(self.linkage)
+        links = {"shortest": found.shortest, "longest": found.longest}
+        sums = {"shortest_and_longest_mm": found.shortest_and_longest, "other_two_mm": found.other_two}
+        return {"grashof_type": found.type, "grashof": links | {name: _told(mm) for name, mm in sums.items()}}
 
 
 @dataclass(frozen=True, kw_only=True)

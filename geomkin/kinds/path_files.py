@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..beside import text_beside
+from ..beside import csv_cells, text_beside
 from ..brief import clipped
 from ..errors import DesignError, printable, shown
 from ..plane.vec import Complex
@@ -74,10 +73,7 @@ def _rows(text: str, name: str) -> Complex:
     count = text.count("\n")
     if count > MOST_POINTS + 1:
         raise DesignError("file", f"{name} has {count:,} lines", f"give at most {MOST_POINTS:,} points")
-    try:
-        lines = [line for line in csv.reader(text.splitlines()) if "".join(line).strip()]
-    except csv.Error as error:
-        raise DesignError("file", f"{name} is not CSV ({error})", "give a CSV file") from None
+    lines = [line for line in csv_cells(text, name) if "".join(line).strip()]
     points = []
     for k, line in enumerate(lines, 1):
         try:
@@ -86,7 +82,9 @@ def _rows(text: str, name: str) -> Complex:
             if k == 1:
                 continue
             problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
-            raise DesignError("file", problem, "give two numbers in each row: x and y in mm") from None
+            raise DesignError(
+                "file", problem, "give two numbers in each row, x and y in mm, separated by a comma or a semicolon"
+            ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
             raise DesignError("file", f"row {k} of {name} holds {x:g}, {y:g}", f"give places within {FARTHEST:g} of 0")
         points.append(complex(x, y))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..shop.drawing import PlateStock, engraved, skeleton
 from ..shop.linkage.stock import LinkStock
 from ..sizes import AsWritten, PointXY, check_sizes, entry, quantity
 from ..synthesis.found import sizes_told, ten_digits
-from ..synthesis.path.path import path_generator
+from ..synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
 from ..synthesis.path.results import PathFound
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 from .path_files import FileName, as_field
@@ -95,6 +95,10 @@ class WantedPath:
             return as_field("svg", self.svg, self.count)
         return np.array(self.points, dtype=complex)
 
+    def at_scale(self, scale: float) -> WantedPath:
+        """The same with its points multiplied, those of a file or an SVG path too."""
+        return replace(self, points=tuple((scale * self.places).tolist()), file=None, svg=None)
+
     @property
     def turns_deg(self) -> Real | None:
         """The crank's angles, deg; None where they are free."""
@@ -118,23 +122,26 @@ class PathLimits:
         check_sizes(self)
 
 
+MM = ("mm", "mm")
+
+
 @dataclass(frozen=True, kw_only=True)
 class PathBounds:
     """Sizes and places between two limits, [low, high]; they hold exactly."""
 
-    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None)
-    offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None)
-    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None)
-    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None)
-    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None)
+    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None, units=MM)
+    offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None, units=MM)
+    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None, units=MM)
+    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None, units=MM)
+    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None, units=MM)
     coupler_point_x: Pair | None = entry(
-        "least and greatest x of the coupler point in the coupler's frame, mm", default=None
+        "least and greatest x of the coupler point in the coupler's frame, mm", default=None, units=MM
     )
     coupler_point_y: Pair | None = entry(
-        "least and greatest y of the coupler point in the coupler's frame, mm", default=None
+        "least and greatest y of the coupler point in the coupler's frame, mm", default=None, units=MM
     )
-    origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None)
-    origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None)
+    origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None, units=MM)
+    origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None, units=MM)
     ground_angle_deg: Pair | None = entry(
         "least and greatest direction of the ground line or of the slide line, deg", default=None
     )
@@ -205,13 +212,21 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return (0.0, 360.0) if self.wanted.closed else super().way
 
     @property
-    def met(self) -> tuple[Check, ...]:
+    def size_bounds(self) -> Mapping[str, Pair]:
+        return self.bounds.given or {}
+
+    @property
+    def search_limits(self) -> tuple[float, float]:
+        least, largest = self.limits.least_transmission_angle_deg, self.limits.largest_ratio
+        return TOGGLE_DEG if least is None else least, LONGEST_RATIO if largest is None else largest
+
+    def met_by(self, found: PathFound) -> tuple[Check, ...]:
         wide = float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
         advice = "give more room by wider bounds, lower limits or fewer points"
         return (
             Check(
                 "largest distance of a point from the path",
-                self.found.largest_distance,
+                found.largest_distance,
                 "at most",
                 NEAR * wide,
                 "mm",
@@ -240,6 +255,15 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """That linkages through nine points may be missing."""
+        if not self.best.may_be_incomplete:
+            return ()
+        why = "its time was over" if self.best.cut_short else "new starts brought nothing new"
+        listed = f"{len(self.ranked)} linkages through the nine points are listed"
+        return (f"The list of linkages may be incomplete: {listed}, and the search ended because {why}.",)
+
+    @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
         cognates = [{**sizes_told(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
@@ -247,8 +271,9 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
+            "may_be_incomplete": best.may_be_incomplete,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
-            "usable": None if usable is None else usable.summary(),
+            "usable": None if usable is None else self.shortened(usable).summary(),
             "cognates": cognates,
         }
         return told | dict(super().notes)

@@ -22,12 +22,22 @@ from ..scene import Scene
 from ..scenes.mesh import planetary_scene
 from ..shop.assembling import Assembly
 from ..shop.base import BaseStock
-from ..shop.gear.assemblies import planetary_assembly
+from ..shop.gear.assemblies import planetary_assembly, turns_with_shaft
 from ..shop.gear.bases import carrier, planetary_base
 from ..shop.gear.gears import GearStock, RingStock, gear_parts
+from ..shop.motors import plate_radius
+from ..shop.shafts import collar_across
 from ..sizes import entry
 from ..table import Column, Table
-from .gear_recipes import AbstractHelicalRecipe, check_tooth_points, gear_notes, helices_notes, mesh_notes, shown
+from .gear_recipes import (
+    AbstractHelicalRecipe,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    helices_notes,
+    mesh_notes,
+    shown,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,40 +61,63 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
-    @property
+    @cached_property
     def design(self) -> PlanetarySet:
-        return self.gears
+        """The transverse section of all gears."""
+        with self.naming_section():
+            return self.in_section(self.gears)
 
     @cached_property
     def table(self) -> Table:
-        """A turn of the carrier, in steps of the sun."""
-        ratio = self.gears.ratios["sun to carrier"]
+        """A turn of the carrier, in steps of the sun; with an acceleration also the rates of carrier and planets."""
+        ratio = self.design.ratios["sun to carrier"]
         steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
-        sun = np.linspace(0, 2 * np.pi * ratio, steps + 1)
-        speeds = self.gears.speeds(sun=1.0, ring=0.0)
+        speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
+        sun = np.linspace(0, np.copysign(2 * np.pi * ratio, speed), steps + 1)
+        speeds = self.design.speeds(sun=1.0, ring=0.0)
         planet = np.degrees(sun * speeds["planet"])
         return Table(
             (
                 Column("sun_angle", "deg", "turn of the sun", np.degrees(sun)),
-                Column("time", "s", "time", sun / self.drive.speed),
+                Column("time", "s", "time", sun / (np.nan if acceleration else speed) + 0.0),
                 Column("carrier_angle", "deg", "turn of the carrier", np.degrees(sun * speeds["carrier"])),
                 Column("planet_angle", "deg", "turn of each planet, seen from the frame", planet),
+                *(
+                    Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(sun), speeds[body] * rate))
+                    for body in ("carrier", "planet")
+                    for name, unit, word, rate in (
+                        ("omega", "rad/s", "angular velocity", speed),
+                        ("alpha", "rad/s2", "angular acceleration", acceleration),
+                    )
+                    if acceleration
+                ),
             )
         )
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         return (
             *planetary_checks(gears),
             *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
             *gear_checks(gears.planet, planet.rim_under(gears.planet), "planet"),
             *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
+            *boss_checks("sun", gears.sun.root_radius, sun.motor, self.base),
+            *self._collar_checks(),
         )
+
+    def _collar_checks(self) -> tuple[Check, ...]:
+        """Whether collars under the carrier pass beside the plate of the sun's motor, which is under them."""
+        motor, planet = self.sun_stock.motor, self.planet_stock
+        if motor is None or self.base is not None or not planet.bore or not turns_with_shaft(planet):
+            return ()
+        room = self.design.inner.centre_distance - collar_across(planet.bore) / 2 - plate_radius(motor)
+        advice = 'give a base, more teeth, or planets that run on their shafts: fit = "running" in a round bore'
+        return (Check("collars under the carrier beside motor_plate", room, "at least", 0, "mm", advice),)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        gears, sun, planet = self.gears, self.sun_stock, self.planet_stock
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
         parts = (
             *gear_parts(gears.sun, sun, "sun", "sun_stock", helix=self.helix),
@@ -112,12 +145,12 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     def assembly(self) -> Assembly:
         """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
-        return planetary_assembly(self.gears, stocks, self.base, self.helix)
+        return planetary_assembly(self.design, stocks, self.base, self.helix)
 
     @cached_property
     def scene(self) -> Scene:
         """A turn of the carrier."""
-        return planetary_scene(self.gears, self.table, self.parts)
+        return planetary_scene(self.design, self.table, self.parts)
 
     @classmethod
     def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
@@ -126,7 +159,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        gears, helix = self.gears, self.helix
+        gears, helix = self.design, self.helix
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         sizes: dict[str, tuple[AbstractInvoluteGear, Helix, float]] = {
             "sun": (gears.sun, helix, sun),

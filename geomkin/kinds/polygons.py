@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
@@ -41,6 +41,7 @@ STEP_DEG = 2
 class PolygonsRecipe(AbstractRecipe):
     """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
+    can_be_scaled: ClassVar[bool] = True
     kind: Literal["polygons"] = "polygons"
     linkage: BodyList
     position: float = quantity(
@@ -61,6 +62,12 @@ class PolygonsRecipe(AbstractRecipe):
 
     def __post_init__(self) -> None:
         check_sizes(self)
+
+    def at_scale(self, scale: float) -> Self:
+        if self.linkage.linkage.driven_slider is None:
+            return super().at_scale(scale)
+        drive = {name: scale * getattr(self, name) for name in ("position", "speed", "acceleration")}
+        return replace(super().at_scale(scale), **drive)
 
     @property
     def design(self) -> BodyList:

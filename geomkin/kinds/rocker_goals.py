@@ -36,7 +36,7 @@ class WantedSwing(AbstractTimed):
     free_angle_deg: float | None = quantity(
         "another than the best: the angle whose tangent is crank over coupler", "deg", default=None, above=0, below=45
     )
-    largest_ratio: float | None = ratio_entry()
+    largest_ratio: float | None = ratio_entry("6 where left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -72,8 +72,11 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
     wanted: WantedSwing
 
     @property
-    def met(self) -> tuple[Check, ...]:
-        found, wanted = self.found, self.wanted
+    def remedy(self) -> str:
+        return f"give a smaller swing_deg{', or a time ratio nearer to 1' if self.wanted.turn_deg != 180 else ''}"
+
+    def met_by(self, found: CrankRocker) -> tuple[Check, ...]:
+        wanted = self.wanted
         swing, turn = missed(found.swing_deg, wanted.swing_deg), missed(found.crank_turn_deg, wanted.turn_deg)
         return (
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
@@ -100,7 +103,7 @@ class WantedSwings:
     rocker: float | None = quantity(
         "length of the driven rocker, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )
-    largest_ratio: float | None = ratio_entry()
+    largest_ratio: float | None = ratio_entry("100 where left out")
 
     def __post_init__(self) -> None:
         check_sizes(self)
@@ -133,6 +136,8 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     wanted: WantedSwings
     drive: Drive = entry("how the driving rocker turns", default=Drive())
 
+    remedy = "give smaller swings or other starts"
+
     def __post_init__(self) -> None:
         check_sizes(self)
         self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
@@ -147,9 +152,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
         start, end = self.wanted.crank_start_deg, self.wanted.crank_start_deg + self.wanted.crank_swing_deg
         return min(start, end), max(start, end)
 
-    @property
-    def met(self) -> tuple[Check, ...]:
-        found = self.found
+    def met_by(self, found: DoubleRocker) -> tuple[Check, ...]:
         swing, beyond = missed(found.rocker_swing_deg, self.wanted.rocker_swing_deg), missed(found.overshoot_deg, 0.0)
         return (
             Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
@@ -208,9 +211,10 @@ class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
     wanted: WantedStroke
 
-    @property
-    def met(self) -> tuple[Check, ...]:
-        found, wanted = self.found, self.wanted
+    remedy = "give a time ratio nearer to 1"
+
+    def met_by(self, found: StrokeCrank) -> tuple[Check, ...]:
+        wanted = self.wanted
         stroke = missed(found.stroke / wanted.stroke, 1.0) * wanted.stroke
         turn = missed(found.crank_turn_deg, wanted.turn_deg)
         return (

@@ -75,16 +75,20 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     @cached_property
     def best(self) -> Counterbalance:
         """The counterbalance along the crank that makes the largest force least."""
-        return best_counterbalance(self.linkage, self.masses, self.branch)
+        return best_counterbalance(self.linkage, self.masses, self.branch, acceleration=self.acceleration)
+
+    @property
+    def acceleration(self) -> float:
+        """Of the crank, over its speed squared."""
+        return self.drive.acceleration / self.drive.speed**2
 
     @property
     def largest(self) -> dict[str, float]:
         """Largest force over the turn, N, with none, the given and the best counterbalance."""
         judged = {
-            "none": judged_counterbalance(self.linkage, self.masses, 0.0, self.branch),
-            "given": judged_counterbalance(self.linkage, self.masses, self.counterbalance, self.branch),
-            "best": self.best,
-        }
+            name: judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
+            for name, product in (("none", 0.0), ("given", self.counterbalance))
+        } | {"best": self.best}
         return {name: c.largest * self.drive.speed**2 for name, c in judged.items()}
 
     @cached_property
@@ -92,7 +96,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         motion = self.motion
         columns = [
             Column("crank_angle", "deg", "angle of the crank from the ground line", np.degrees(motion.drive)),
-            Column("time", "s", "time at the recipe's speed", (motion.drive - motion.drive[0]) / self.drive.speed),
+            Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
         ]
         for name, product in (("none", 0.0), ("given", self.counterbalance), ("best", self.best.product)):
             force = shaking_force(motion, self.masses, product)

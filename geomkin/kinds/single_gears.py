@@ -40,9 +40,11 @@ class SpurGearRecipe(AbstractHelicalRecipe):
     @cached_property
     def design(self) -> SpurGear:
         """The gear with the shift that was asked for."""
-        if self.shift == "given":
-            return self.gear
-        return replace(self.gear, profile_shift=undercut_free_shift(self.gear.teeth, self.gear.rack))
+        with self.naming_section():
+            gear = self.in_section(self.gear)
+            if self.shift == "given":
+                return gear
+            return replace(gear, profile_shift=undercut_free_shift(gear.teeth, gear.rack))
 
     @cached_property
     def table(self) -> Table:
@@ -83,22 +85,24 @@ class RingGearRecipe(AbstractHelicalRecipe):
     stock: RingStock = entry("what the ring is cut from", default=RingStock())
     files: Files = entry("what is written", default=Files())
 
-    @property
+    @cached_property
     def design(self) -> RingGear:
-        return self.gear
+        """The gear's transverse section."""
+        with self.naming_section():
+            return self.in_section(self.gear)
 
     @cached_property
     def table(self) -> Table:
-        return tooth_table(self.gear, self.files.tolerance)
+        return tooth_table(self.design, self.files.tolerance)
 
     @property
     def judged(self) -> tuple[Check, ...]:
-        return gear_checks(self.gear, self.stock.rim)
+        return gear_checks(self.design, self.stock.rim)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        check_tooth_points(self.files, [], [self.gear.outline])
-        return gear_parts(self.gear, self.stock, "ring", helix=self.helix)
+        check_tooth_points(self.files, [], [self.design.outline])
+        return gear_parts(self.design, self.stock, "ring", helix=self.helix)
 
     @property
     def assembly(self) -> Assembly:
@@ -108,9 +112,9 @@ class RingGearRecipe(AbstractHelicalRecipe):
     @cached_property
     def scene(self) -> Scene:
         """The ring round the pinion that cuts it."""
-        return gear_scene(self.gear, self.parts)
+        return gear_scene(self.design, self.parts)
 
     @property
     def notes(self) -> Mapping[str, object]:
-        measures = gear_notes(self.gear, self.helix, self.stock.thickness)
-        return {**helix_notes(self.gear, self.helix, self.stock.thickness), "measures_mm": measures}
+        measures = gear_notes(self.design, self.helix, self.stock.thickness)
+        return {**helix_notes(self.design, self.helix, self.stock.thickness), "measures_mm": measures}

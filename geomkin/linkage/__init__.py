@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from .coupler_curve import coupler_curves as coupler_curves
     from .coupler_curve import coupler_grid as coupler_grid
     from .coupler_curve import dashes as dashes
+    from .dwell import OutputDwell as OutputDwell
+    from .dwell import longest_dwell as longest_dwell
     from .instant.centres import InstantCentre as InstantCentre
     from .instant.centres import instant_centre as instant_centre
     from .instant.centres import instant_centres as instant_centres
@@ -33,8 +35,10 @@ if TYPE_CHECKING:
     from .instant.polygons import acceleration_polygon as acceleration_polygon
     from .instant.polygons import velocity_polygon as velocity_polygon
     from .linkage import AbstractLinkage as AbstractLinkage
+    from .measures import Grashof as Grashof
     from .measures import circuits as circuits
     from .measures import dead_centres as dead_centres
+    from .measures import grashof as grashof
     from .measures import grashof_type as grashof_type
     from .motion import Motion as Motion
     from .motion import mechanical_advantage as mechanical_advantage

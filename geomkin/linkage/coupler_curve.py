@@ -40,10 +40,10 @@ SHORT = 8
 def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
     """The motion at drives of any shape and order, and which of its frames each of them is.
 
-    A branch that is followed is followed from `start`, whatever drives are asked for.
+    A branch that is followed is followed from `start`, whatever drives on one side of it are asked for.
     """
     drive = np.asarray(t, dtype=float)
-    order = np.argsort(drive, axis=None, kind="stable")
+    order = np.argsort(abs(drive - start), axis=None, kind="stable")
     frames = np.empty(drive.size, dtype=int)
     frames[order] = np.arange(1, drive.size + 1)
     return move(linkage, np.append(start, drive.ravel()[order]), branch), frames.reshape(drive.shape)
@@ -70,6 +70,8 @@ class CouplerCurve(AbstractCurve):
         named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
         if self.point_name not in named:
             raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
+        if self.way[0] >= self.way[1]:
+            raise DesignError("span", f"found {self.span}", "give a rising pair")
         untold = self.span is None and self.linkage.linkage.driven_slider is not None
         parts = driver_limits(self.linkage, self.branch, None if untold else self.way)
         reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ..display import moving
 from ..errors import DesignError, shown
 from ..names import check_names
 from ..plane.vec import Array, Complex, Real, direction_deg
+from ..sizes import KindTable
 from .solve.placement import Placement
 
 if TYPE_CHECKING:
@@ -38,10 +39,17 @@ Bodies = Annotated[
 ]
 
 
+# kind -> table of all linkages that one table of a recipe may describe; filled in `kinds.any_linkage`.
+LINKAGES: KindTable[AbstractLinkage] = KindTable()
+
+
 class AbstractLinkage(ABC):
     """A linkage by whatever describes it: the sizes of a FourBar, a SliderCrank, ..., or the bodies of a Linkage."""
 
+    KINDS: ClassVar[KindTable[AbstractLinkage]] = LINKAGES
+
     _repr_html_ = moving
+    can_be_scaled: ClassVar[bool] = True
 
     @property
     @abstractmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +41,39 @@ RESTING = 1e-6
 WITHIN = 0.381966
 
 
+class Grashof(NamedTuple):
+    """Grashof's inequality of a four-bar: the shortest link can turn fully if `spare` is not negative.
+
+    shortest, longest: names of the links. shortest_and_longest, other_two: their lengths together, mm. type: as
+    `grashof_type` has it.
+    """
+
+    type: str
+    shortest: str
+    longest: str
+    shortest_and_longest: float
+    other_two: float
+
+    @property
+    def spare(self) -> float:
+        """By how much the other two are longer than shortest and longest together, mm."""
+        return self.other_two - self.shortest_and_longest
+
+
+@checked
+def grashof(linkage: FourBar) -> Grashof:
+    """Grashof's inequality with its numbers: shortest + longest against the other two links (Grashof, 1883)."""
+    lengths = {name: float(getattr(linkage, name)) for name in ("ground", "crank", "coupler", "rocker")}
+    shortest, *others, longest = sorted(lengths, key=lengths.__getitem__)
+    sums = lengths[shortest] + lengths[longest], lengths[others[0]] + lengths[others[1]]
+    spare = sums[1] - sums[0]
+    types = {"crank": "crank-rocker", "ground": "double-crank", "rocker": "rocker-crank", "coupler": "double-rocker"}
+    name = types[shortest] if spare > 0 else "triple-rocker"
+    if abs(spare) <= 1e-12 * lengths[longest]:
+        name = "change-point"
+    return Grashof(name, shortest, longest, *sums)
+
+
 @checked
 def grashof_type(linkage: FourBar) -> str:
     """Which links turn fully: by the shortest link if shortest + longest is no more than the other two (Grashof, 1883).
@@ -47,25 +81,7 @@ def grashof_type(linkage: FourBar) -> str:
     crank-rocker, double-crank, rocker-crank, double-rocker (the coupler turns), change-point (the sums
     are equal, to rounding), triple-rocker.
     """
-    lengths, shortest, spare = _by_length(linkage)
-    if abs(spare) <= 1e-12 * max(lengths.values()):
-        return "change-point"
-    if spare < 0:
-        return "triple-rocker"
-    return {
-        "crank": "crank-rocker",
-        "ground": "double-crank",
-        "rocker": "rocker-crank",
-        "coupler": "double-rocker",
-    }[shortest]
-
-
-def _by_length(linkage: FourBar) -> tuple[dict[str, float], str, float]:
-    """Lengths, the shortest link, and what the other two have over shortest and longest, mm."""
-    lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker")}
-    by_length = sorted(lengths, key=lengths.__getitem__)
-    spare = lengths[by_length[1]] + lengths[by_length[2]] - lengths[by_length[0]] - lengths[by_length[3]]
-    return lengths, by_length[0], spare
+    return grashof(linkage).type
 
 
 @checked
@@ -80,16 +96,16 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
     if not _is_of(motion, linkage):
         raise DesignError("motion", "it is of another linkage", "give the motion of this one")
     if isinstance(linkage, FourBar):
-        _, shortest, spare = _by_length(linkage)
+        inequality = grashof(linkage)
         # Each joint by the two links that meet there, the first one's x axis and the second's.
         joints = {"crank": "rocker_pin", "ground": "rocker_pin", "coupler": "crank_pivot", "rocker": "crank_pin"}
-        if spare <= 0:
+        if inequality.spare <= 0:
             sign = np.ones(motion.closed.shape)
         else:
             crank, coupler, rocker = (motion.bodies[n].direction for n in ("crank", "coupler", "rocker"))
             ground = motion.bodies["ground"].direction
             pairs = {"rocker_pin": (coupler, rocker), "crank_pivot": (ground, crank), "crank_pin": (crank, coupler)}
-            one, two = pairs[joints[shortest]]
+            one, two = pairs[joints[inequality.shortest]]
             sign = np.sign(np.imag(np.conj(one) * two))
     elif linkage.crank + np.abs(linkage.offset) < linkage.coupler:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["coupler"].direction))
@@ -123,26 +139,28 @@ def driver_limits(
 
     Without a span it is one turn from 0, and of a driver that slides all places at which the linkage closes.
     DesignError where these have no end, and where a start has to be told: for a branch that is followed or near given
-    pins, and for a linkage that is no chain of dyads. A part ends at a limit of the driver, where a dyad is stretched
-    or folded; there is none where the whole span is reached. Empty where nothing is. A linkage that is no chain of
-    dyads is followed from the start of the span, where its estimate holds, to its first limit. Derived here: in closed
-    form where the driver alone moves a dyad, by bisection to the last bit elsewhere.
+    pins, and for a linkage that is no chain of dyads. A span may fall, as a clockwise driver goes; the parts rise all
+    the same. A part ends at a limit of the driver, where a dyad is stretched or folded; there is none where the whole
+    span is reached. Empty where nothing is. A linkage that is no chain of dyads is followed from the start of the span,
+    where its estimate holds, to its first limit. Derived here: in closed form where the driver alone moves a dyad, by
+    bisection to the last bit elsewhere.
     """
     if span is None:
         span = _whole(linkage, branch)
         if span is None:
             return ()
-    start, end = span
-    if not end > start:
-        raise DesignError("span", f"found {span}", "give a rising pair")
+    first, (low, high) = span[0], sorted(span)
+    if not high > low:
+        raise DesignError("span", f"found {span}", "give two different ends")
 
     def closed(q: Real) -> Mask:
         # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
-        return move(linkage, np.append(start, q), branch).closed[1:]
+        way = 1 if first == low else -1
+        return move(linkage, np.append(first, q[::way]), branch).closed[1:][::way]
 
-    looks = np.linspace(start, end, LOOKS + 1)
+    looks = np.linspace(low, high, LOOKS + 1)
     placements = planned(linkage.linkage, branch)
-    ends = [start, end, *_exact(placements, span)]
+    ends = [low, high, *_exact(placements, (low, high))]
     cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
     within = cuts[:-1] + WITHIN * np.diff(cuts)
     parts: list[list[float]] = []

@@ -198,11 +198,9 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     derivatives by the driver's angle in rad, or by its place in mm where a slide drives. What is nothing but rounding
     has no column. DesignError for arrays of linkages: take one.
     """
-    linkage, speed = motion.linkage, motion.timing.speed
+    linkage = motion.linkage
     if linkage.many:
         raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
-    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
-    time = (motion.drive - motion.drive[:1]) / (speed if steady else np.nan)
     ground, driver = linkage.ground, linkage.driver
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
@@ -212,7 +210,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
         )
     columns = [
         drive,
-        Column("time", "s", "time at the recipe's speed", time),
+        Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
         *_bodies(motion),
         *_slides(motion),
         Column("transmission_angle", "deg", "least over the dyads", np.degrees(motion.transmission_angle)),
@@ -238,7 +236,7 @@ def _turning(motion: Motion) -> Iterator[tuple[str, Body]]:
 
 
 def _bodies(motion: Motion) -> Iterator[Column]:
-    omega = max(_largest(body.omega) for body in motion.bodies.values())
+    omega = np.fmax.reduce([np.abs(body.omega) for body in motion.bodies.values()])
     for name, body in _turning(motion):
         yield Column(f"{name}_angle", "deg", f"direction of the {name} from +x", unwrapped_deg(body.direction), 1.0)
         yield Column(f"{name}_omega", "rad/s", f"angular velocity of the {name}", finite(body.omega), omega)
@@ -251,12 +249,12 @@ def _slides(motion: Motion) -> Iterator[Column]:
         slide, name = motion.slide(slider.name), slider.name
         velocity, acceleration = finite(slide.velocity), finite(slide.acceleration)
         # Along its own guide the driver slides as it is told to, and what else is found is rounding.
-        speed = _largest(motion.bodies[slider.body].origin.velocity)
-        pull = _largest(motion.bodies[slider.body].origin.acceleration)
+        speed = np.abs(motion.bodies[slider.body].origin.velocity)
+        pull = np.abs(motion.bodies[slider.body].origin.acceleration)
         yield Column(f"{name}_displacement", "mm", f"place on the line of {name}", slide.displacement)
         yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", velocity, speed)
         yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, pull)
-        if _largest(slide.coriolis) > ROUNDING * max(pull, _largest(acceleration)):
+        if _largest(slide.coriolis) > ROUNDING * max(_largest(pull), _largest(acceleration)):
             yield from xy_columns(
                 f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", finite(slide.coriolis)
             )
@@ -267,17 +265,24 @@ def _largest(values: Real | Complex) -> float:
     return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
+def on_ground(linkage: Linkage) -> set[str]:
+    """Bodies that a pin or a slider joins to the ground."""
+    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
+    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
+    return held - {linkage.ground}
+
+
 def _outputs(motion: Motion) -> Iterator[Column]:
     """Mechanical advantage of every body that the ground holds: what may drive something else."""
     linkage = motion.linkage
-    held = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
-    held |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
     for name in linkage.bodies:
-        if name in held - {linkage.ground, linkage.driver}:
+        if name in on_ground(linkage) - {linkage.driver}:
             words = f"torque or force that the {name} gives for 1 of the driver's"
-            torque = linkage.driven_slider and np.nan_to_num(motion.bodies[name].first).any()
+            # Torque for force is in mm, force for torque in 1/mm, like for like a plain ratio.
+            slides, driver_slides = bool(goes_without_turning(motion, name)), linkage.driven_slider is not None
+            unit = "" if slides == driver_slides else "1/mm" if slides else "mm"
             advantage = finite(mechanical_advantage(motion, name))
-            yield Column(f"{name}_mechanical_advantage", "mm" if torque else "", words, advantage)
+            yield Column(f"{name}_mechanical_advantage", unit, words, advantage)
 
 
 def _point(motion: Motion, point: str) -> Iterator[Column]:
@@ -293,7 +298,7 @@ def _coefficients(motion: Motion) -> Iterator[Column]:
     orders = (("first", by), ("second", f"{by}2"))
     turning = dict(_turning(motion))
     # Of a body that turns evenly, or of a slide that is driven, the second coefficient is rounding beside the first.
-    largest = max((_largest(body.first) for body in turning.values()), default=0.0)
+    largest = np.fmax.reduce([np.zeros(len(motion.drive)), *(np.abs(body.first) for body in turning.values())])
     scales = {"first": largest, "second": largest**2}
     for order, per in orders:
         unit = {"rad": "", "rad2": "1/rad"}.get(per, f"rad/{per}")
@@ -306,7 +311,7 @@ def _coefficients(motion: Motion) -> Iterator[Column]:
         unit = {"mm": "", "mm2": "1/mm"}.get(per, f"mm/{per}")
         for slider in linkage.sliders:
             words = f"{order} kinematic coefficient of {slider.name}"
-            scale = _largest(getattr(motion.bodies[slider.body].origin, order))
+            scale = np.abs(getattr(motion.bodies[slider.body].origin, order))
             values = finite(getattr(motion.slide(slider.name), order))
             yield Column(f"{slider.name}_displacement_{order}_coefficient", unit, words, values, scale)
         for point in (point for body, point in free if body != linkage.ground and point not in linkage.pins):

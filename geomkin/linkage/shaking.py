@@ -61,7 +61,7 @@ class SliderCrankMasses:
 
 @dataclass(frozen=True, eq=False)
 class Counterbalance:
-    """A counterbalance and the largest shaking force it leaves, over the whole turn at constant crank speed.
+    """A counterbalance and the largest shaking force it leaves, over the whole turn.
 
     product: mass times radius, kg mm, opposite the crank pin; complex where turned from there, by its angle
     counterclockwise. largest: N at 1 rad/s, to be multiplied by the speed squared. angles: of the crank from the
@@ -97,50 +97,64 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
 
 @checked
 def judged_counterbalance(
-    linkage: SliderCrank, masses: SliderCrankMasses, product: complex = 0.0, branch: Branch = 1
+    linkage: SliderCrank,
+    masses: SliderCrankMasses,
+    product: complex = 0.0,
+    branch: Branch = 1,
+    acceleration: float = 0.0,
 ) -> Counterbalance:
     """A given counterbalance, kg mm, and the largest force it leaves: of all crank angles, not only sampled ones.
 
-    branch as of the slider-crank driven by its crank. DesignError where the crank does not turn fully. Derived here.
+    branch as of the slider-crank driven by its crank. acceleration: of the crank at every angle, over its speed
+    squared. DesignError where the crank does not turn fully. Derived here.
     """
-    angles, forces = _peaks(linkage, masses, product, branch)
-    sizes = np.abs(forces + product)
+    angles, forces = _peaks(linkage, masses, product, branch, acceleration)
+    sizes = np.abs(forces + product) * abs(1 - 1j * acceleration)
     return Counterbalance(product, NEWTON * float(sizes.max()), angles[sizes >= (1 - 1e-9) * sizes.max()])
 
 
 @checked
 def best_counterbalance(
-    linkage: SliderCrank, masses: SliderCrankMasses, branch: Branch = 1, turned: bool = False
+    linkage: SliderCrank,
+    masses: SliderCrankMasses,
+    branch: Branch = 1,
+    turned: bool = False,
+    acceleration: float = 0.0,
 ) -> Counterbalance:
     """The counterbalance that makes the largest shaking force over the turn least.
 
-    Along the crank, its product real and negative on the pin's side; `turned`: at any angle to it, complex. Seen from
-    the crank the force at constant speed runs along a closed curve and a counterbalance shifts it, so the best
-    one is less the centre of the smallest circle round the curve. Found by exchange: the circle round
-    a few points exactly, then the curve's farthest points join them, until none lies outside. The largest force
-    is right to 1e-11 of the force without any. DesignError where the crank does not turn fully. Derived here.
+    Along the crank, its product real and negative on the pin's side; `turned`: at any angle to it, complex.
+    acceleration: of the crank at every angle, over its speed squared. Seen from the crank, and divided by the force of
+    1 kg mm, the force runs along a closed curve and a counterbalance shifts it, so the best one is less the centre of
+    the smallest circle round the curve. Found by exchange: the circle round a few points exactly, then the curve's
+    farthest points join them, until none lies outside. The largest force is right to 1e-11 of the force without any.
+    DesignError where the crank does not turn fully. Derived here.
     """
-    held = _peaks(linkage, masses, 0.0, branch)[1]
+    held = _peaks(linkage, masses, 0.0, branch, acceleration)[1]
     size = float(np.abs(held).max())
     for _ in range(ROUNDS):
         product = _centred(held, turned)
-        forces = _peaks(linkage, masses, product, branch)[1]
+        forces = _peaks(linkage, masses, product, branch, acceleration)[1]
         far, radius = np.abs(forces + product), np.abs(held + product).max()
         if far.max() <= radius + SETTLED * size:
             break
         deciding = held[np.abs(held + product) >= (1 - 1e-6) * radius]
         held = np.concatenate([deciding, forces[far > radius]])
-    return judged_counterbalance(linkage, masses, product, branch)
+    return judged_counterbalance(linkage, masses, product, branch, acceleration)
 
 
-def _from_crank(linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, branch: Branch) -> Complex:
-    """sum m a in the crank's own frame at 1 rad/s, kg mm: a counterbalance adds its product to it."""
-    motion = move(linkage, angles.ravel(), branch)
-    force = shaking_force(motion, masses) / -NEWTON
+def _from_crank(
+    linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, branch: Branch, acceleration: float
+) -> Complex:
+    """sum m a in the crank's own frame over that of 1 kg mm on the crank: a counterbalance adds its product to it."""
+    motion = move(linkage, angles.ravel(), branch, 1.0, acceleration)
+    force = shaking_force(motion, masses) / -NEWTON / (1 - 1j * acceleration)
     return (force * np.conj(motion.bodies["crank"].direction)).reshape(angles.shape)
 
 
-def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch) -> tuple[Real, Complex]:
+def _peaks(
+    linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch, acceleration: float
+) -> tuple[Real, Complex]:
     """Crank angles at which the force has its largest maxima, and sum m a there, without the counterbalance."""
     if linkage.coupler <= linkage.crank + np.abs(linkage.offset):
         raise DesignError(
@@ -149,14 +163,14 @@ def _peaks(linkage: SliderCrank, masses: SliderCrankMasses, product: complex, br
             f"give more than {linkage.crank + np.abs(linkage.offset):g} mm, crank and offset together",
         )
     driven = replace(linkage, driver="crank")
-    size = np.abs(_from_crank(driven, masses, LOOKS, branch) + product)
+    size = np.abs(_from_crank(driven, masses, LOOKS, branch, acceleration) + product)
     tops = np.flatnonzero((size >= np.roll(size, 1)) & (size >= np.roll(size, -1)))
     tops = tops[np.argsort(-size[tops], kind="stable")[:PEAKS]]
     around = np.concatenate([LOOKS[-1:] - 2 * np.pi, LOOKS, LOOKS[:1] + 2 * np.pi])
     low, high, rows = around[tops], around[tops + 2], np.arange(len(tops))
     for _ in range(NARROWINGS):
         angles = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 9)
-        forces = _from_crank(driven, masses, angles, branch)
+        forces = _from_crank(driven, masses, angles, branch, acceleration)
         top = np.argmax(np.abs(forces + product), axis=1)
         low, high = angles[rows, np.maximum(top - 1, 0)], angles[rows, np.minimum(top + 1, 8)]
     return angles[rows, top] % (2 * np.pi), forces[rows, top]

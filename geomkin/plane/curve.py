@@ -183,8 +183,10 @@ class Stretch(Derived):
         return self.curve.curvature(self._inside(t))
 
     def _inside(self, t: ArrayLike) -> Real:
-        """At its end the curve would answer for the piece beyond."""
-        return just_before(np.asarray(t, dtype=float), self.run[-1:])
+        """At its end, if that is a break, the curve would answer for the piece beyond."""
+        t, end = np.asarray(t, dtype=float), self.run[-1:]
+        near = 64 * np.spacing(np.abs(end))
+        return just_before(t, end) if (np.abs(self.curve.breaks - end) <= near).any() else t
 
     @property
     def breaks(self) -> Real:

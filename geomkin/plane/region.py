@@ -84,11 +84,11 @@ def apart_inside(outer: Complex, inner: Sequence[Complex], distance: float) -> M
 
 
 def overlapping(loops: Sequence[Complex]) -> Whole:
-    """All pairs (n, 2) of simple polygons that have area in common, by index, the smaller first."""
+    """All pairs (n, 2) of simple polygons that have an area or a piece of line in common, the smaller index first."""
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
     one, two = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     one, two = one[one < two], two[one < two]
-    common = shapely.area(shapely.intersection(shapes[one], shapes[two])) > 0
+    common = shapely.length(shapely.intersection(shapes[one], shapes[two])) > 0
     return np.stack([one[common], two[common]], axis=1)
 
 

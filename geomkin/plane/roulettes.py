@@ -91,9 +91,10 @@ class Trochoid(Traced):
     """What the rounded corner of a rolling rack leaves: the envelope of a small circle on a rolling line.
 
     A line rolls outside a circle of `radius` r about the origin, mm. The small circle, of radius
-    `rounding` rho >= 0, has its centre `depth` D below the line, that is, towards the origin; where
+    `rounding` rho, has its centre `depth` D below the line, that is, towards the origin; where
     the centre passes closest to the origin the line has rolled nowhere and touches at +x. With rho = 0
-    this is the trochoid of a point: D = 0 the involute's cusp, D < 0 a point outside the line.
+    this is the trochoid of a point: D = 0 the involute's cusp, D < 0 a point outside the line. rho > 0 is a rounded
+    tip of the rack, whose circle is touched on its side towards the origin, rho < 0 a fillet, touched on the far one.
 
     t = psi is the lean of the contact normal from the radius to the touching point, rad, counterclockwise,
     from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling
@@ -126,8 +127,11 @@ class Trochoid(Traced):
         """Turn of the rolling line per lean of the normal."""
         return self.depth / (self.radius * np.cos(t) ** 2)
 
-    def _speed(self, t: Real) -> Real:
+    def speed(self, t: float) -> float:
         """Signed speed along the tangent: the centre turns about the rolling point, the contact about it."""
+        return float(self._speed(np.asarray(t)))
+
+    def _speed(self, t: Real) -> Real:
         turning = self._turning(t)
         return turning * self.depth / np.cos(t) + self.rounding * (1 + turning)
 

@@ -43,6 +43,18 @@ def unit(z: ArrayLike) -> Complex:
         return ways
 
 
+def as_unit(direction: ArrayLike) -> Complex:
+    """Directions of any length as unit ones; those of length 1, to rounding, keep their digits."""
+    direction = np.asarray(direction, dtype=complex)
+    with np.errstate(invalid="ignore"):
+        return np.where(abs(abs(direction) - 1) < 1e-12, direction, unit(direction))[()]
+
+
+def known(where: Mask, values: Array) -> Array:
+    """Values where a mask is true; elsewhere nan, of complex values in both parts."""
+    return np.where(where, values, complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan)
+
+
 def dot(a: ArrayLike, b: ArrayLike) -> Real:
     """Scalar product of vectors."""
     product: Complex = np.conj(a) * b
@@ -86,7 +98,7 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A rigid placement: origin, mm, and direction, a unit complex number; arrays of one shape."""
+    """A rigid placement: origin, mm, and direction, of any length, kept as a unit one; arrays of one shape."""
 
     origin: Complex | complex = 0j
     direction: Complex | complex = 1 + 0j
@@ -94,6 +106,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "direction", as_unit(self.direction))
 
     def place(self, z: ArrayLike) -> Complex:
         """A body's own points as seen from outside."""

@@ -11,7 +11,8 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..errors import FileError, Problem, RecipeError, printable, shown
+from ..errors import DesignError, FileError, Problem, RecipeError, printable, shown
+from ..scaling import scaled
 from ..sizes import KindTable
 from .recipe import AbstractRecipe
 
@@ -73,12 +74,19 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
         held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
         near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}")])
+    kind = kinds[name]
+    # A key of the text alone: what it makes of the lengths is the recipe.
+    fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
     try:
-        return adapter(kinds[name]).validate_python(data, extra="forbid", context={"folder": folder})
+        recipe = adapter(kind).validate_python(fields, extra="forbid", context={"folder": folder})
     except ValidationError as error:
         from .explain import explain
 
-        raise RecipeError(file, explain(error, kinds[name])) from None
+        raise RecipeError(file, explain(error, kind)) from None
+    try:
+        return scaled(recipe, data.get("scale", 1.0)) if kind.can_be_scaled else recipe
+    except DesignError as error:
+        raise RecipeError(file, [Problem(error.field, error.problem, error.remedy)]) from None
 
 
 def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:

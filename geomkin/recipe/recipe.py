@@ -6,6 +6,7 @@ import copy
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 from ..arguments import checked
@@ -14,13 +15,31 @@ from ..cached import cached_property
 from ..check import Check
 from ..display import moving
 from ..part import Bought, Part
+from ..scaling import with_lengths
 from ..scene import Scene
 from ..table import Table
 from ..walls import thinnest_walls, wall_checks
 from .settings import Files
 
+# Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
+UNSCALED = ("stock", "base", "files")
 
-class AbstractRecipe(ABC):
+
+@dataclass(frozen=True, kw_only=True)
+class _Shared:
+    """Keys of every kind."""
+
+    expected_failures: Mapping[str, str] = dataclasses.field(
+        default_factory=dict,
+        hash=False,
+        metadata={
+            "description": 'checks that fail on purpose, by name: "least transmission angle" = "the reason"',
+            "examples": [{}],
+        },
+    )
+
+
+class AbstractRecipe(_Shared, ABC):
     """A recipe: a frozen dataclass of keyword arguments, on which all that can be known of it hangs.
 
     A subclass has the field `kind`, a Literal with itself as default, then its tables, the mechanism's first, and
@@ -33,6 +52,8 @@ class AbstractRecipe(ABC):
     # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name,
     # and recipes that differ in nothing else are equal.
     name: str = ""
+    # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
+    can_be_scaled: ClassVar[bool] = False
     # What a template says of the kind, besides what it is.
     advice: ClassVar[str] = ""
     # Every subclass is a dataclass, which a type checker cannot know.
@@ -87,7 +108,8 @@ class AbstractRecipe(ABC):
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
         # Parts first: what cannot be made at all is told before what is poor.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
-        return (*self.judged, *walls)
+        reasons = self.expected_failures
+        return tuple(replace(check, expected=reasons.get(check.name, "")) for check in (*self.judged, *walls))
 
     @cached_property
     def walls(self) -> Mapping[str, float]:
@@ -114,6 +136,16 @@ class AbstractRecipe(ABC):
         return {}
 
     @property
+    def facts(self) -> tuple[str, ...]:
+        """Lines that `geomkin check` prints below the checks."""
+        return ()
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on the result that its page and the terminal show."""
+        return ()
+
+    @property
     def found_recipe(self) -> AbstractRecipe | None:
         """The recipe that a goal found, which is written beside its files; None for a kind that is no goal."""
         return None
@@ -136,6 +168,11 @@ class AbstractRecipe(ABC):
         """
         return {}
 
+    def at_scale(self, scale: float) -> Self:
+        """The same with every length multiplied, but for those of `UNSCALED` tables; see `gk.scaled`."""
+        found: Self = with_lengths(self, scale, UNSCALED)
+        return found.called(self.name)
+
     @checked
     def called(self, name: str) -> Self:
         """The same recipe under another name, that of its folder and files."""
@@ -154,6 +191,11 @@ class AbstractGoal(AbstractRecipe):
     @abstractmethod
     def design(self) -> AbstractRecipe:
         """The recipe that was found."""
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Lines that `geomkin check` prints below the checks."""
+        return ()
 
     @property
     def found_recipe(self) -> AbstractRecipe:

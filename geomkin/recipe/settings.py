@@ -127,17 +127,48 @@ class Files:
         return any(WRITERS[ending].needs == "parts" for ending in self.write)
 
 
+# The least speeds of a driver that turns, rpm, and of one that slides, mm/s: slower ones take years.
+SLOWEST_RPM, SLOWEST = 0.001, 1e-6
+
+
+def _speed_rpm() -> Any:
+    return quantity("speed of the driver; clockwise where negative", "rpm", default=60.0, at_least=-1e6, at_most=1e6)
+
+
+def _acceleration(unit: str) -> Any:
+    meaning = "acceleration of the driver at every row, beside its speed; no time is known then"
+    return quantity(meaning, unit, default=0.0, at_least=-FARTHEST, at_most=FARTHEST)
+
+
+def _check_speed(key: str, speed: float, least: float) -> None:
+    if abs(speed) < least:
+        raise DesignError(
+            key, f"found {speed:g}", f"give at least {least:g}, or at most {-least:g} to go the other way"
+        )
+
+
+def _check_end(key: str, start: float, end: float, speed_key: str, speed: float) -> None:
+    """Refuse an end that does not lie where the speed goes."""
+    if (end - start) * speed > 0:
+        return
+    side, other = ("more", "negative") if speed > 0 else ("less", "positive")
+    problem = f"found {end:g}, with {speed_key} = {speed:g}"
+    raise DesignError(key, problem, f"give {side} than {start:g}, the start, or a {other} {speed_key}")
+
+
 @dataclass(frozen=True)
 class Drive:
-    """How a cam turns, and how finely its motion is told."""
+    """How a crank, a cam or a gear turns, and how finely its motion is told."""
 
-    speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, at_least=0.001, at_most=1e6)
+    speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
         "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )
+    acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
 
     def check_rows(self, turns: float = 1.0) -> None:
         """Refuse more rows than a table may have. turns: of the driver that it tells of; a recipe asks it."""
@@ -158,22 +189,52 @@ class Drive:
 class Turn:
     """How a linkage's driver turns, and how finely its motion is told."""
 
-    speed_rpm: float = quantity("speed of the driver", "rpm", default=60.0, at_least=0.001, at_most=1e6)
+    speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
         "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )
     start_deg: float = quantity("driver's first angle", "deg", default=0.0, at_least=-3600, at_most=3600)
-    end_deg: float = quantity("driver's last angle", "deg", default=360.0, at_least=-3600, at_most=3600)
+    # What is left out is filled in.
+    end_deg: float = quantity(
+        "driver's last angle; left out, -360 where speed_rpm is negative",
+        "deg",
+        default=None,
+        at_least=-3600,
+        at_most=3600,
+        filled_in=360.0,
+    )
+    acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        if self.end_deg <= self.start_deg:
-            raise DesignError("end_deg", f"found {self.end_deg:g}", f"give more than {self.start_deg:g}, the start")
+        _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
+        if self.end_deg is None:
+            object.__setattr__(self, "end_deg", float(np.copysign(360, self.speed_rpm)))
+            if (self.end_deg - self.start_deg) * self.speed_rpm <= 0:
+                problem = f"found {self.start_deg:g}, and the turn ends at {self.end_deg:g}"
+                raise DesignError("start_deg", problem, "give end_deg too")
+        _check_end("end_deg", self.start_deg, self.end_deg, "speed_rpm", self.speed_rpm)
+
+    @property
+    def span_deg(self) -> tuple[float, float]:
+        """The driver's first and last angle, deg."""
+        return self.start_deg, self.end_deg
+
+    @property
+    def turn_deg(self) -> float:
+        """How far it turns, deg, whichever way."""
+        return abs(self.end_deg - self.start_deg)
+
+    @property
+    def rising(self) -> tuple[float, float]:
+        """The least and the greatest angle, rad."""
+        low, high = np.radians(sorted(self.span_deg)).tolist()
+        return low, high
 
     @property
     def checks(self) -> tuple[Check, ...]:
         """A word where the way is a number of quarter turns in radians: in degrees it is hardly ever meant."""
-        turn = self.end_deg - self.start_deg
+        turn = self.turn_deg
         quarters = round(turn / (np.pi / 2))
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
             return ()
@@ -182,12 +243,17 @@ class Turn:
 
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
-        check_rows("drive.step_deg", self.end_deg - self.start_deg, self.step_deg, "deg", columns)
+        check_rows("drive.step_deg", self.turn_deg, self.step_deg, "deg", columns)
 
     @property
     def speed(self) -> float:
         """rad/s."""
         return self.speed_rpm * np.pi / 30
+
+    @property
+    def acceleration(self) -> float:
+        """rad/s2."""
+        return self.acceleration_rad_per_s2
 
     @property
     def frames(self) -> Real:
@@ -200,9 +266,8 @@ class Turn:
         return self._in_steps(float(np.clip(self.step_deg, FINEST_DEG, 1.0)))
 
     def _in_steps(self, step: float) -> Real:
-        turn = self.end_deg - self.start_deg
-        count = int(np.ceil(turn / step - 1e-9)) + 1
-        return np.linspace(np.radians(self.start_deg), np.radians(self.end_deg), count)
+        start, end = np.radians(self.span_deg)
+        return np.linspace(start, end, int(np.ceil(self.turn_deg / step - 1e-9)) + 1)
 
 
 @dataclass(frozen=True)
@@ -213,24 +278,41 @@ class Stroke:
         "driver's first place along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70
     )
     end: float = quantity("driver's last place", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=110)
-    speed: float = quantity("speed of the driver", "mm/s", default=50.0, at_least=1e-6, at_most=FARTHEST)
+    speed: float = quantity(
+        "speed of the driver; negative where the end lies below the start",
+        "mm/s",
+        default=50.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
     step: float = quantity(
         "driver's way between rows of the motion table", "mm", default=1.0, above=0, at_most=FARTHEST
     )
+    acceleration_mm_per_s2: float = _acceleration("mm/s2")
 
     def __post_init__(self) -> None:
         check_sizes(self)
-        if self.end <= self.start:
-            raise DesignError("end", f"found {self.end:g}", f"give more than {self.start:g}, the start")
+        _check_speed("speed", self.speed, SLOWEST)
+        _check_end("end", self.start, self.end, "speed", self.speed)
 
     @property
     def checks(self) -> tuple[Check, ...]:
         """Nothing that a way in mm could be mistaken for."""
         return ()
 
+    @property
+    def rising(self) -> tuple[float, float]:
+        """The least and the greatest place, mm."""
+        return min(self.start, self.end), max(self.start, self.end)
+
+    @property
+    def acceleration(self) -> float:
+        """mm/s2."""
+        return self.acceleration_mm_per_s2
+
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
-        check_rows("stroke.step", self.end - self.start, self.step, "mm", columns)
+        check_rows("stroke.step", abs(self.end - self.start), self.step, "mm", columns)
 
     @property
     def frames(self) -> Real:
@@ -240,8 +322,8 @@ class Stroke:
     @property
     def fine(self) -> Real:
         """The same in steps in which nothing slips through between two plates."""
-        way = self.end - self.start
+        way = abs(self.end - self.start)
         return self._in_steps(float(np.clip(self.step, way / 1440, way / 180)))
 
     def _in_steps(self, step: float) -> Real:
-        return np.linspace(self.start, self.end, int(np.ceil((self.end - self.start) / step - 1e-9)) + 1)
+        return np.linspace(self.start, self.end, int(np.ceil(abs(self.end - self.start) / step - 1e-9)) + 1)

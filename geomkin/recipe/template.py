@@ -19,6 +19,8 @@ from .recipe import AbstractRecipe
 
 # Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.
 SCHEMA = "geomkin.schema.json"
+# What the key `scale` means, which no class has as a field: it is gone once a recipe is loaded.
+SCALE = "multiplies all lengths but those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], wishes: Sequence[str] = ()) -> str:
@@ -79,7 +81,9 @@ def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]
 def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Lines of a table: plain keys first, then its own tables."""
     plain, tables = [], []
-    for field in sorted(dataclasses.fields(value), key=lambda f: f.name != "kind"):
+    if not path and value.can_be_scaled:
+        plain.append(("# scale = 1", SCALE))
+    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name == "expected_failures")):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
         rows = getattr(inner, "segments", inner)
@@ -112,7 +116,7 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
     if value is None:
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    optional = not required and value in (field.default, {}) and field.name != "kind"
+    optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
 
 
@@ -196,19 +200,23 @@ def schema(kinds: Kinds) -> dict[str, Any]:
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
+    for name in kinds:
+        if kinds[name].can_be_scaled:
+            own = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
+            own["properties"]["scale"] = {"type": "number", "minimum": 1e-6, "maximum": 1e6, "description": SCALE}
     recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
 
 
-def _by_kind(tables: dict[str, str]) -> dict[str, Any]:
-    """A table that is one of several, told apart by its `kind`. tables: the reference to each."""
+def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
+    """A table that is one of several, told apart by its `kind`. tables: the reference to each; usual: without one."""
     return {
         "type": "object",
-        "required": ["kind"],
+        "required": [] if usual else ["kind"],
         "properties": {"kind": {"enum": list(tables)}},
         "allOf": [
             {
-                "if": {"required": ["kind"], "properties": {"kind": {"const": name}}},
+                "if": {"required": [] if name == usual else ["kind"], "properties": {"kind": {"const": name}}},
                 "then": {"$ref": reference},
             }
             for name, reference in tables.items()
@@ -230,9 +238,9 @@ def _plain(node: Any) -> Any:
     if isinstance(node.get("examples"), list):
         del node["examples"]
     if "discriminator" in node:
-        tables = node.pop("discriminator")["mapping"]
+        choice = node.pop("discriminator")
         del node["oneOf"]
-        node |= _by_kind(tables)
+        node |= _by_kind(choice["mapping"], choice.get("usual", ""))
     if "anyOf" in node:
         kept = [part for part in node["anyOf"] if part != {"type": "null"}]
         if len(kept) == 1:

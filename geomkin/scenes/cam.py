@@ -64,9 +64,11 @@ def cam_scene(
     curves += riding.dimensions(parts)
     marks = (*riding.joints(parts), *riding.force(), *riding.wished())
     around = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
+    time = np.asarray(table["time"], dtype=float)
     return Scene(
         table,
-        np.asarray(table["time"], dtype=float),
+        # The time of a speed that changes is unknown: the scene then lasts two seconds.
+        time if np.isfinite(time).all() else np.linspace(0, 2, len(time)),
         np.ones(len(angle), dtype=bool),
         on_motor(tuple(riding.bodies(parts)), motor),
         tuple(curves),

@@ -54,10 +54,9 @@ def linkage_scene(
         marks += (*_vectors(motion), *_centres(motion))
     around = motion.drive[-1] - motion.drive[0]
     turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
-    speed, passed = motion.timing.speed, np.abs(motion.drive - motion.drive[0])
-    steady = speed.ndim == 0 and speed != 0 and not np.any(motion.timing.acceleration)
-    # Of a speed that changes no time is told: then it is shown in two seconds.
-    time = passed / np.abs(speed) if steady else np.linspace(0, 2, len(passed))
+    # Of a speed that changes no time is known: then it is shown in two seconds.
+    passed = np.abs(motion.timing.elapsed(motion.drive))
+    time = passed if np.isfinite(passed).all() else np.linspace(0, 2, len(passed))
     return Scene(
         table,
         time,
@@ -184,7 +183,10 @@ def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
     for point in points:
         yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
         yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
-    yield from of("mechanical advantage", "_mechanical_advantage")
+    # Ratios and forces for a torque are not of one scale.
+    for unit in dict.fromkeys(c.unit for c in named.values() if c.name.endswith("_mechanical_advantage")):
+        names = tuple(c.name for c in named.values() if c.name.endswith("_mechanical_advantage") and c.unit == unit)
+        yield from of(f"mechanical advantage{f' in {unit}' * bool(unit)}", *names)
     for order in ("first", "second"):
         yield from of(f"{order} kinematic coefficients of angles", f"_angle_{order}_coefficient")
         yield from of(f"{order} kinematic coefficient of sliding", f"_displacement_{order}_coefficient")

@@ -132,4 +132,6 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     headers = [column.header for column in table.columns if column.name in ("carrier_angle", "planet_angle")]
     plots = (Plot("angles", tuple(headers)),) if headers else ()
     time = np.asarray(table["time"], dtype=float)
+    # Of a speed that changes no time is known: then it is shown in two seconds.
+    time = time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
     return Scene(table, time, np.ones(turn.shape, bool), on_motor(bodies, motor), tuple(curves), tuple(marks), plots)

@@ -142,12 +142,16 @@ def _check_apart(one: BaseOpening, two: BaseOpening, clearance: float) -> None:
     apart, wide = one.distance(two), (one.diameter + two.diameter) / 2 + clearance
     if apart > wide:
         return
-    together = 2 * (apart - clearance)
+    small, large = sorted((one, two), key=lambda opening: opening.diameter)
+    if (free := apart - (small.diameter + large.diameter) / 2) > 0:
+        key, found, most = "base.clearance", clearance, free
+    else:
+        key, found, most = large.key, large.diameter, 2 * (apart - clearance) - small.diameter
     raise DesignError(
-        one.key,
-        f"the holes for {one.what} and {two.what} in the base are {apart:.6g} mm apart, and {2 * wide:.6g} mm wide "
-        "together, so that they meet",
-        f"give diameters of less than {together:.6g} mm together" if together > 0 else "move them apart",
+        key,
+        f"found {found:g} mm: the holes for {one.what} and {two.what} in the base are {apart:.6g} mm apart, and "
+        f"{2 * wide:.6g} mm wide together, so that they meet",
+        f"give less than {most:.6g} mm" if most > 0 else "move them apart",
     )
 
 

@@ -90,6 +90,11 @@ def fixed_under(plate: str, letter: str) -> str:
     return f"fix the motor under {plate}, its shaft up through {letter}, {sunk}"
 
 
+def plate_radius(motor: MotorName) -> float:
+    """Radius, mm, about the shaft within which the motor's own plate lies."""
+    return float(np.abs(MOTORS[motor].corners(inset=CORNER)).max()) + CORNER
+
+
 @checked
 def motor_plate(motor: MotorName, thickness: Positive, clearance: Length = 0.0) -> Part:
     """The plate that a motor is screwed to, as large as its face, about its shaft.

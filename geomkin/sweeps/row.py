@@ -21,7 +21,7 @@ from ..recipe.load import told
 from ..recipe.recipe import AbstractRecipe
 from .values import with_values
 
-# What is told of a table's column, and how it is found among its finite values.
+# What is told of a table's column, and how it is found among its values that are not nan.
 WAYS: dict[str, Callable[[Real], float]] = {"least": np.min, "largest": np.max, "last": lambda values: values[-1]}
 # What any number that is told of stays below; a larger whole number is no float.
 LARGEST_NUMBER = 1e300
@@ -105,17 +105,17 @@ def check_tell(task: Task, recipe: AbstractRecipe) -> None:
 
 
 def _told(recipe: AbstractRecipe, name: str) -> Any:
-    """A column's least, largest or last finite value, or an entry of the notes; None where there is none."""
+    """A column's least, largest or last value that is not nan, or an entry of the notes; None where there is none."""
     column, colon, way = name.rpartition(":")
     if not (colon and way in WAYS):
         return _entries("", recipe.notes).get(name)
     held = next((c.values for c in recipe.table.columns if c.header == column), np.empty(0))
     values = np.asarray(held, dtype=float)
-    finite = np.isfinite(values)
+    known = ~np.isnan(values)
     # The last row's own: where it cannot be, nothing came last.
-    if not finite.any() or (way == "last" and not finite[-1]):
+    if not known.any() or (way == "last" and not known[-1]):
         return None
-    return float(WAYS[way](values[finite]))
+    return float(WAYS[way](values[known]))
 
 
 def _entries(path: str, held: Mapping[str, object]) -> dict[str, Any]:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from ..brief import one_line
 from ..display import moving
-from ..linkage.bars import FourBar
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.sliders import EllipticTrammel, SliderCrank
+from ..linkage.measures import least_transmission_angle
+from ..linkage.solve.move import move
 from ..plane.vec import Real
+from .rounding import Rounding, lengths_of
+
+# Frames of a motion, besides its extremes, in which it is seen whether the linkage closes all the way.
+FRAMES = 361
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,6 +52,32 @@ class Found:
         lengths = [length for name, length in self.lengths.items() if name != "offset"]
         return max(lengths) / min(lengths)
 
+    @property
+    def size(self) -> float:
+        """The longest link, mm."""
+        return max(length for name, length in self.lengths.items() if name != "offset")
+
+    @property
+    def drive_range(self) -> tuple[float, float]:
+        """From where to where the driver goes, rad or mm."""
+        return float(np.min(self.drive)), float(np.max(self.drive))
+
+    def rounded(self, rounding: Rounding) -> Self:
+        """The same with rounded sizes, and what it does with these.
+
+        Raises
+        ------
+        DesignError
+            If no linkage has these sizes, as when one is rounded to 0.
+        """
+        if self.linkage.linkage.driven_slider is not None:
+            drive = np.array([rounding.length("drive", place) for place in self.drive.tolist()])
+        else:
+            first, *others = np.degrees(self.drive).tolist()
+            drive = np.radians([rounding.angle("start_deg", first), *(rounding.angle("", turn) for turn in others)])
+        other = replace(self, linkage=rounding.linkage(self.linkage), drive=drive)
+        return replace(other, transmission_angle_deg=np.nan if self.defects else _least_angle_deg(other))
+
     def summary(self) -> Mapping[str, object]:
         """As `summary.json` lists it: sizes in mm and deg, with ten digits. A search adds its error in front."""
         return sizes_told(self.linkage) | {
@@ -57,14 +88,14 @@ class Found:
         }
 
 
-def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
-    """Lengths of a linkage's links by name, mm; of a slider-crank its offset too."""
-    names = {
-        FourBar: ("ground", "crank", "coupler", "rocker"),
-        SliderCrank: ("crank", "coupler", "offset"),
-        EllipticTrammel: ("rod",),
-    }[type(linkage)]
-    return {name: float(getattr(linkage, name)) for name in names}
+def _least_angle_deg(found: Found) -> float:
+    """The least transmission angle over the motion, deg; nan if the linkage does not close all the way."""
+    low, high = found.drive_range
+    # Where it can be least: crank and ground in line, crank square to a slide line, a driving slide beside the pivot.
+    quarters = [0.0] if found.linkage.linkage.driven_slider is not None else 0.5 * np.pi * np.arange(-40, 41)
+    within = [place for place in quarters if low < place < high]
+    motion = move(found.linkage, np.sort([*np.linspace(low, high, FRAMES), *within]), found.branch)
+    return float(np.degrees(least_transmission_angle(motion))) if motion.closed.all() else np.nan
 
 
 def sizes_told(linkage: AbstractLinkage) -> dict[str, object]:

@@ -115,6 +115,7 @@ export class Drawing {
     mark.group = make(this.above, "g", { class: `mark ${sort.replace(" ", "-")} ${role}` });
     const add = (name, attributes) => make(mark.group, name, attributes);
     make(mark.group, "title", {}, spaced(mark.label || sort));
+    if (["pin", "slide"].includes(sort) || role === "traced") add("circle", { r: 12.5, class: "touch" });
     if (sort === "slide") {
       mark.shape = add("rect", { x: -11, y: -7, width: 22, height: 14, rx: 2 });
       this.drawGuide(mark);
@@ -150,7 +151,7 @@ export class Drawing {
   drawTrail(mark, drive, every) {
     let d = "", drawn = false;
     for (let k = 1; k < this.frames; k++) {
-      const from = drive[k - 1] - drive[0], to = drive[k] - drive[0];
+      const from = abs(drive[k - 1] - drive[0]), to = abs(drive[k] - drive[0]);
       if (!isFinite(mark.x[k] + mark.x[k - 1])) { drawn = false; continue; }
       // Steps may end between two frames: the way there is straight.
       for (let at = from; at < to - 1e-9 * every;) {

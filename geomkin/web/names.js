@@ -48,12 +48,17 @@ export class Names {
     }
   }
 
+  // A name that would lie over one before it is hidden meanwhile.
   show(k) {
-    for (const { shape, spot, role } of this.all) {
+    const shown = [];
+    for (const { shape, spot, half, role } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k), on = isFinite(x + y);
+      const [x, y] = spot(k), over = shown.some(([u, v, other]) => abs(x - u) < half + other && abs(y - v) < LINE);
+      const on = isFinite(x + y) && !over;
       see(shape, on);
-      if (on) shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
+      if (!on) continue;
+      shown.push([x, y, half]);
+      shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }
   }
 }

@@ -45,7 +45,7 @@ class Player {
 
   build() {
     const { root, data, drive } = this;
-    const span = drive.row[data.frames - 1] - drive.row[0];
+    const span = abs(drive.row[data.frames - 1] - drive.row[0]);
     const every = drive.unit === "deg" ? DASH_DEG : span / STROKE_DASHES || 1;
     this.left = make(root, "div", { class: "left" });
     this.stages = make(this.left, "div", { class: "stages" });
@@ -129,9 +129,10 @@ class Player {
   // What the plots show for readers who see none: every quantity now, its least and its largest value and where.
   tabulate() {
     const { data, drive } = this, { columns } = data;
-    const fold = make(make(this.root, "section", { class: "values" }), "details");
-    make(fold, "summary", {}, "Every quantity, now and at its least and largest");
-    const table = make(make(fold, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
+    // The table stands after what folds it away, so that it prints in either case.
+    const section = make(this.root, "section", { class: "values" });
+    make(make(section, "details"), "summary", {}, "Every quantity, now and at its least and largest");
+    const table = make(make(section, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
     const head = make(make(table, "thead"), "tr"), body = make(table, "tbody");
     const at = `at ${drive.name}, ${unitOf(drive.unit)}`;
     for (const title of ["Quantity", "Unit", "Now", "Least", at, "Largest", at]) make(head, "th", { scope: "col" }, title);
@@ -286,7 +287,7 @@ class Player {
   csv() {
     const { columns, frames } = this.data;
     const lines = [columns.map((column) => column.header).join(",")];
-    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? row[k] : "")).join(","));
+    for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? +row[k].toPrecision(7) : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
 }

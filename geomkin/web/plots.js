@@ -40,6 +40,9 @@ export class Plots {
     this.more = make(root, "button", { type: "button", class: "more" }, "Another plot");
     this.more.addEventListener("click", () => this.add());
     this.resized = new ResizeObserver(() => this.cards.forEach((card) => this.resize(card)));
+    // Curves run from left to right; a driver that turns clockwise comes from the right.
+    const { row } = data.columns[0];
+    this.falls = row[row.length - 1] < row[0];
     const first = document.documentElement.clientWidth > 900 ? 2 : 1;
     for (let k = 0; k < min(first, data.plots.length); k++) this.add();
     if (!data.plots.length) this.more.hidden = true;
@@ -77,6 +80,10 @@ export class Plots {
     for (const { root } of this.cards) root.querySelector(".close").hidden = this.cards.length < 2;
   }
 
+  rising(values) { return this.falls ? values.reverse() : values; }
+
+  frameOf(index) { return this.falls ? this.data.frames - 1 - index : index; }
+
   // Colours are those of the style, which change with the screen's.
   rebuild() { this.cards.forEach((card) => this.build(card)); }
 
@@ -103,7 +110,7 @@ export class Plots {
       ],
       series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
       hooks: { draw: [(plot) => { limits(plot, told, colour("--wanted"), colour("--paper"), font); this.show(this.frame); }], setCursor: [(plot) => this.hover(card, plot)] },
-    }, [[...drive.row], ...columns.map((column) => Array.from(column.row, (y) => (isFinite(y) ? y : null)))], card.chart);
+    }, [this.rising([...drive.row]), ...columns.map((column) => this.rising(Array.from(column.row, (y) => (isFinite(y) ? y : null))))], card.chart);
     this.label(card, strokes);
     this.point(card);
     this.show(this.frame, true);
@@ -135,14 +142,14 @@ export class Plots {
       tabindex: 0, role: "slider", "aria-label": `${this.data.plots[card.chosen].title} over ${drive.name}`,
       "aria-valuemin": 0, "aria-valuemax": this.data.frames - 1,
     }).forEach(([name, value]) => over.setAttribute(name, value));
-    const take = (event) => this.seek(card.plot.posToIdx(event.clientX - over.getBoundingClientRect().left));
+    const take = (event) => this.seek(this.frameOf(card.plot.posToIdx(event.clientX - over.getBoundingClientRect().left)));
     over.addEventListener("pointerdown", (event) => { over.setPointerCapture(event.pointerId); take(event); });
     over.addEventListener("pointermove", (event) => { if (event.buttons) take(event); });
     over.addEventListener("pointerleave", () => { card.hovered = null; this.tell(card); });
   }
 
   hover(card, plot) {
-    card.hovered = plot.cursor.left >= 0 ? plot.cursor.idx : null;
+    card.hovered = plot.cursor.left >= 0 ? this.frameOf(plot.cursor.idx) : null;
     if (card.values) this.tell(card);
   }
 

@@ -15,30 +15,16 @@ export function make(parent, name, attributes = {}, text = "") {
   return element;
 }
 
-const SIGNS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-// A row of numbers from its text (see export/packed.py); nan where there is none.
-export function unpack(text, frames) {
-  const row = new Float64Array(frames);
-  if (!text.includes(" ")) return row.fill(+text);
-  const [decimals, times, order, runs, signs] = text.split(" ");
-  const codes = Array.from(signs, (sign) => SIGNS.indexOf(sign)), sums = new Array(+times + 1).fill(0);
-  let at = 0, k = 0, known = true;
-  const bit = () => (codes[floor(at / 6)] >> (5 - at++ % 6)) & 1;
-  const next = () => {
-    let more = +order, value = 1;
-    while (!bit()) more++;
-    while (more--) value = 2 * value + bit();
-    value -= 2 ** order;
-    sums[times] = value % 2 ? -(value + 1) / 2 : value / 2;
-    for (let n = times - 1; n >= 0; n--) sums[n] += sums[n + 1];
-    return decimals < 0 ? sums[0] * 10 ** -decimals : sums[0] / 10 ** decimals;
-  };
-  for (const run of (runs || `${frames}`).split(",")) {
-    for (let n = +run; n > 0; n--) row[k++] = known ? next() : NaN;
-    known = !known;
-  }
-  return row;
+// A row of numbers as export/island.py stores it; nan if there is none.
+export function unpack(row, frames) {
+  // Single precision as base64.
+  if (typeof row === "string") return new Float32Array(Uint8Array.from(atob(row), (sign) => sign.charCodeAt(0)).buffer);
+  // The same number throughout.
+  if (!Array.isArray(row)) return new Float64Array(frames).fill(row ?? NaN);
+  // Decimals, then second differences.
+  const [decimals, ...differences] = row;
+  let value = 0, step = 0;
+  return Float64Array.from(differences, (change) => (change === null ? NaN : (value += step += change) / 10 ** decimals));
 }
 
 // 1, 2 or 5 times a power of ten, at most `most`.

@@ -7,7 +7,7 @@ from geomkin.cam.program.given_lifts import read_rows
 from geomkin.cam.program.segments import LiftSpline, LiftTable
 
 HEAD = "cam_angle_deg,lift_mm\n"
-COLUMNS = "name its columns there: cam_angle_deg and one of lift_mm and lift_deg, with commas between"
+COLUMNS = "name its columns there: cam_angle_deg and one of lift_mm and lift_deg, separated by commas or semicolons"
 CONTENTS = {
     "": ("the first line of {} does not name cam_angle_deg", COLUMNS),
     "angle,lift_mm\n0,0\n": ("the first line of {} does not name cam_angle_deg", COLUMNS),

@@ -342,7 +342,19 @@ def test_a_table_comes_from_a_file_beside_the_recipe_with_other_columns_and_with
     assert arm.oscillates and arm.motion(np.pi).lift == pytest.approx(np.radians(10))
 
 
+@pytest.mark.parametrize("point", [".", ","])
+def test_a_table_of_a_spreadsheet_with_semicolons_is_the_same_motion(tmp_path, point):
+    lines = ["cam_angle_deg;Zeit, s;lift_mm"] + [f"{a:g};{a / 7:g};{lift}" for a, lift in rounded(CYCLOIDS, 4)]
+    (tmp_path / "lift.csv").write_text("\n".join([lines[0], *(line.replace(".", point) for line in lines[1:])]))
+    from_file = Program([LiftTable(4, file="lift.csv")], folder=str(tmp_path))
+    inline = Program([LiftTable(4, rows=(*rounded(CYCLOIDS, 4), (360.0, 0.0)))])
+    angle = np.linspace(0, 7, 99)
+    assert (told(from_file.motion(angle)) == told(inline.motion(angle))).all()
+
+
 FILES = {
+    "commas.csv": b"cam_angle_deg,lift_mm\n0,0\n180,5,1,5\n360,0\n",
+    "thousands.csv": b"cam_angle_deg;lift_mm\n0;0\n180;1.234,5\n360;0\n",
     "numbers.csv": b"0,0\n180,2\n",
     "word.csv": b"cam_angle_deg,lift_mm\n0,0\n180,two\n",
     "short.csv": b"cam_angle_deg,lift_mm\n0,0\n180\n",
@@ -361,6 +373,8 @@ FILES = {
     ("name", "words"),
     [
         ("missing.csv", "missing.csv cannot be read"),
+        ("commas.csv", "line 3 .*4 cells.*semicolons"),
+        ("thousands.csv", "line 3 .*1.234,5"),
         (".", "it is no file"),
         ("numbers.csv", "name its columns there: cam_angle_deg"),
         ("both.csv", "one of lift_mm and lift_deg"),

@@ -251,6 +251,43 @@ def test_the_scatter_is_told_where_it_can_be_and_else_there_is_no_check():
     assert np.isnan(TableFit(x, 20 - 10 * np.cos(8 * np.pi * x), None, 0.0).scatter)
 
 
+def scattered(line, sigma=1e-3):
+    """Rows in whole degrees that scatter about a function of the cam angle in deg."""
+    angles = np.arange(0.0, 91.0)
+    lifts = line(angles) + np.random.default_rng(4).normal(0, sigma, len(angles))
+    lifts[[0, -1]] = line(angles[[0, -1]])
+    return tuple(zip((angles + 90).tolist(), lifts.tolist()))
+
+
+@pytest.mark.parametrize("slope", [0, 0.05])
+def test_rows_that_scatter_about_a_rest_or_a_steady_motion_are_nothing_but_noise(slope):
+    """Their motion has no acceleration that the noise could be a share of."""
+    up = {"end_velocity_per_rad": np.degrees(slope), "end_acceleration_per_rad2": 0}
+    down = {"start_velocity_per_rad": np.degrees(slope), "start_acceleration_per_rad2": 0}
+    rest = {f"{end}_{name}": 0 for end in ("start", "end") for name in ("velocity_per_rad", "acceleration_per_rad2")}
+
+    def program(**entries):
+        rows = scattered(lambda angles: 5 + slope * angles)
+        return Program([gk.cam.LiftPolynomial(rise=5, end_deg=90, **(rest | up)), LiftTable(rows=rows, **entries),
+                        gk.cam.LiftPolynomial(end_lift=0, end_deg=360, **(rest | down))])  # fmt: skip
+
+    fit = program(within=1e-5).tables[1]
+    assert fit.noise == np.inf
+    check = next(
+        c for c in gk.judge.cam_checks(gk.Cam(gk.TranslatingRoller(5), program(within=1e-5), 60)) if "scatter" in c.name
+    )
+    assert not check.passed and check.value == np.inf
+    # As wide as advised, none of the noise is left.
+    assert program(within=float(check.advice.split("within = ")[1].split()[0])).tables[1].noise == 0
+
+
+def test_noise_of_a_motion_larger_than_its_scatter_stays_a_share_of_its_peak():
+    rows = scattered(lambda angles: 5 + 0.02 * np.sin(np.radians(2 * angles)) ** 2)
+    program = Program([gk.Rise("cycloidal", rise=5, end_deg=90), LiftTable(within=1e-5, rows=rows),
+                       gk.Return("cycloidal", end_deg=360)])  # fmt: skip
+    assert 10 < program.tables[1].noise < 1e4
+
+
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -1, "3", None, [3], np.array([3.0, 4.0]), {}, True, 3j])
 @pytest.mark.parametrize(
     ("make", "field"),

@@ -257,8 +257,23 @@ def test_the_title_has_what_the_recipe_gives_in_both_formats_and_on_the_page(tmp
     assert gk.load(gk.recipe.to_toml(recipe)) == recipe
 
 
+@pytest.mark.parametrize("material", ["日本の鋼 S45C", "Сталь 45", "Łódź", "ग्राम", "فولاذ"])
+def test_a_material_in_any_script_comes_back_from_both_formats(material, tmp_path):
+    title = {"material": material}
+    recipe = gk.load({"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": title}})
+    drawn, svg = (tmp_path / f"a-sheet.{ending}" for ending in ("dxf", "svg"))
+    for path in (drawn, svg):
+        gk.write(recipe, path)
+    in_dxf = [decode_dxf_unicode(t.dxf.text) for t in read(drawn).query("TEXT")]
+    in_svg = [e.text for e in ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}text")]
+    assert f"material: {material}" in in_dxf and f"material: {material}" in in_svg
+
+
 @pytest.mark.parametrize("name", ["gear-pair", "crank-rocker"])
-@pytest.mark.parametrize("entries", [TITLED, {"date": "9" * 60}, dict.fromkeys(TITLED, "W" * 60), {"name": "W" * 60}])
+@pytest.mark.parametrize(
+    "entries",
+    [TITLED, {"material": "鋼" * 60}, {"date": "9" * 60}, dict.fromkeys(TITLED, "W" * 60), {"name": "W" * 60}],
+)
 def test_no_title_is_too_long_for_its_frame(name, entries):
     made = drawing(replace(job_of(name), title=gk.export.Title(**entries)))
     boxes = [shapely.box(low.real, low.imag, high.real, high.imag) for low, high in (t.box for t in made.texts)]
@@ -276,7 +291,8 @@ def test_no_title_is_too_long_for_its_frame(name, entries):
         ("a\nb", "has the sign"),
         ("\u202e", "has the sign"),
         ("\u0308", "has the sign"),
-        ("日本", "has the sign"),
+        ("日\u3164本", "has the sign"),
+        ("50 €", "has the sign"),
         (" a", "begins or ends with a space"),
         ("a" * 61, "has 61 letters"),
     ],

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.csv import csv
 from geomkin.export.cut import cut
 from geomkin.export.layout import lay_out
 
@@ -57,13 +56,3 @@ def test_a_single_long_part_needs_no_more_than_its_own_width():
     for width, height in ((500, 5), (5, 500)):
         sheet = sheet_of(width, height, 1)
         assert width + 2 < sheet.width < width + 30 and height + 2 < sheet.height < height + 30
-
-
-def test_a_column_shows_ten_digits_of_its_largest_value_and_as_many_decimals_of_all():
-    table = gk.Table((gk.Column("a", "mm", "", np.array([np.pi * 1e6, -1 / 3, 2e-5])),))
-    assert csv(table).decode().split() == ["a_mm", "3141592.654", "-0.333", "0.0"]
-    for scale, told in ((0.0, "0.00001234567891"), (1.0, "1.2346e-05")):
-        small = gk.Table((gk.Column("a", "mm", "", np.array([1.23456789123e-5, np.nan, 0.0]), scale=scale),))
-        assert [float(row or "nan") for row in csv(small).decode().replace('"', "").split("\n")[1:-1]] == pytest.approx(
-            [float(told), np.nan, 0], rel=1e-12, abs=0, nan_ok=True
-        )

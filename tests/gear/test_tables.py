@@ -49,6 +49,8 @@ TEETH = {
     "rounded": lambda: gk.SpurGear(11, 2, tip_rounding=0.1),
     "chamfered": lambda: gk.SpurGear(30, 2, tip_chamfer=0.15),
     "ring": lambda: gk.RingGear(60, 2),
+    "cut tips": lambda: gk.SpurGear(24, 2, rack=gk.gear.RackCutter(fillet_radius=0.3)),
+    "ring with cut tips": lambda: gk.RingGear(60, 2, 0, gk.gear.PinionCutter(fillet_radius=0.2), 0.8),
 }
 
 
@@ -58,17 +60,20 @@ def test_half_a_tooth_goes_outwards_along_the_outline(name):
     found = columns(tooth_table(gear, tolerance))
     z = found["tooth_x"] + 1j * found["tooth_y"]
     assert gk.nearest(gear.outline.piece, z)[1].max() < 1e-9
-    assert (np.diff(np.abs(z)) > 0).all() and (found["radius"] == np.abs(z)).all()
+    assert (np.diff(np.abs(z)) > -1e-9).all() and (found["radius"] == np.abs(z)).all()
     assert found["half_thickness_angle"] == pytest.approx(np.degrees(np.arctan(z.real / z.imag)))
     ends = sorted([gear.root_radius, gear.tip_radius])
     assert (found["radius"][0], found["radius"][-1]) == pytest.approx(ends, rel=1e-9)
     region = found["region"].tolist()
-    order = ["involute", "root"] if name == "ring" else ["root", "involute"] + ["tip"] * (gear.tip_edge is not None)
-    assert list(dict.fromkeys(region)) == order
+    edge = [] if gear.tip_edge is None else ["tip chamfer" if name == "chamfered" else "tip rounding"]
+    order = ["bottom land", "root fillet", "flank", *edge, "tip land"]
+    assert list(dict.fromkeys(region)) == (order[::-1] if gear.is_ring else order)
+    for land, radius in (("bottom land", gear.root_radius), ("tip land", gear.tip_radius)):
+        assert found["radius"][found["region"] == land] == pytest.approx(radius, rel=1e-9)
     # A joint is told once, with what comes before it.
     flank = np.abs(gear.flank.point(gear.flank.breaks[[0, -1]]))
     inside = (found["radius"] < flank.max() * (1 - 1e-9)) & (found["radius"] > flank.min() * (1 + 1e-9))
-    assert set(found["region"][inside]) == {"involute"}
+    assert set(found["region"][inside]) == {"flank"}
     # No chord leaves its arc by more than the tolerance; half of it would take more rows.
     middles = 0.5 * (z[1:] + z[:-1])
     assert gk.nearest(gear.outline.piece, middles)[1].max() <= tolerance

@@ -127,7 +127,7 @@ GOOD = {
     "area": {"curve": CIRCLE, "accuracy": 1e-9},
     "balanced_shifts": {"first": 12, "second": 24, "total": 0.1},
     "best_counterbalance": {"linkage": CRANK, "masses": MASSES, "branch": 1, "turned": False},
-    "body_guides": {"poses": POSES, "kind": "four-bar", "moving_points": (0j, 30 + 5j), "region": (-50 - 50j, 150 + 150j), "trammel_driver": "rod", "least_transmission_angle_deg": 5.0, "largest_ratio": 90.0, "seed": 1, "seconds": 5.0},
+    "body_guides": {"poses": POSES, "kind": "four-bar", "moving_points": (0j, 30 + 5j), "region": (-50 - 50j, 150 + 150j), "trammel_driver": "rod", "least_transmission_angle_deg": 5.0, "largest_ratio": 90.0, "seed": 1, "seconds": 5.0, "driving_point": "either"},
     "rectification": {"poses": POSES, "driven": 30 + 10j, "reach": 50.0},
     "bobillier": {"one": PATHS[0], "two": PATHS[1]},
     "bobillier_path": {"one": PATHS[0], "tangent_foot": 1j, "tangent": 1 + 1j, "position": 5 + 0j},

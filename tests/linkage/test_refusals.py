@@ -205,7 +205,7 @@ REFUSED = [
         lambda: gk.linkage.mechanical_advantage(moved(), "ground"),
         "output: found 'ground'; give one of crank, coupler, rocker",
     ),
-    (lambda: gk.driver_limits(FOUR_BAR, span=(1.0, 1.0)), "span: found (1.0, 1.0); give a rising pair"),
+    (lambda: gk.driver_limits(FOUR_BAR, span=(1.0, 1.0)), "span: found (1.0, 1.0); give two different ends"),
     (sled, "span: the linkage closes at places without end; give a span, such as (-100.0, 100.0)"),
     (
         lambda: gk.driver_limits(PISTON, "follow"),

@@ -9,8 +9,8 @@
 Each fault is one change of one operator, number, name, sign or condition of a random line. The tests that run the line
 are run until one fails, the quickest first, for so many seconds: in a fork of a process that has them ready, or, for a
 fault in what is run at import, in a copy of the project. What survives is tried again, in a copy, with all tests that
-run the line, the folder of tests that has the name of the source's folder, the kept results, the kept drawings, and
-that folder's campaigns.
+run the line, the folder of tests that has the name of the source's folder, the kept drawings, and that folder's
+campaigns.
 What then survives is for a person to judge: some changes alter nothing that can be seen (an equal bound, a message's
 wording, an example's size, a speed). The first look takes half a second a fault in a fork and 5 in a copy, the second a
 minute or more a survivor. With numba beside it the compiled engine is tried, too.
@@ -40,9 +40,6 @@ from faults import ROOT, drawn, faults, put, shown
 MAP = ROOT / ".mutation"
 LEFT_OUT = ["tests/hostile/test_kills.py", "tests/hostile/test_same_bytes.py", "tests/test_recipes.py"]
 GALLERY = "tests/test_recipes.py"
-# The kept results read nearly every line, those that are run while the source is imported among them, which the map
-# puts down to whichever test came first.
-NET = "tests/kept"
 # Reads what is written where classes are made, so it is tried for every line that is run while the source is imported.
 AT_IMPORT = "tests/test_quantities.py"
 # Of the tests that run a line, as many as take this long together are tried first: more, and a survivor costs minutes.
@@ -104,15 +101,14 @@ def try_fault(home, file, fault, seconds):
 
 
 def look_again(home, file, fault):
-    """Try a survivor with all tests that run the line and those of its name, then with the kept ones and campaigns."""
+    """Try a survivor with all tests that run the line and those of its name, then with the kept drawings and campaigns."""
     room = Path(file).parts[1]
     folder = f"tests/{room}" if (home / "tests" / room).is_dir() else f"tests/test_{room}"
     named = [folder] * (home / folder).exists()
-    tests = sorted(name for name in tests_by_line(file).get(fault[0], ()) if not name.startswith((folder, NET)))
+    tests = sorted(name for name in tests_by_line(file).get(fault[0], ()) if not name.startswith(folder))
     with put(home, file, fault):
         for what, again in (
             ("at the second look", [*named, AT_IMPORT, *tests]),
-            ("by the kept results", [NET]),
             ("by the kept drawings only", [GALLERY]),
             ("by the campaigns only", [*named, "-m", "campaign"] if named else []),
         ):

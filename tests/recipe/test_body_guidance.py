@@ -45,7 +45,7 @@ def test_it_is_made_and_what_it_found_goes_through_the_poses(tmp_path, wanted):
         assert found.motion.closed.all()
         for x, y, _ in goal.wanted.poses:
             assert np.abs(point - complex(x, y)).min() < 2.0
-        assert [abs(point[k] - complex(*goal.wanted.poses[j][:2])) < 1e-6 for k, j in ends(goal)] == [True, True]
+        assert [abs(point[k] - complex(*goal.wanted.poses[j][:2])) < 1e-3 for k, j in ends(goal)] == [True, True]
     with (folder / "poses.csv").open() as rows:
         table = list(csv.DictReader(line for line in rows if not line.startswith("#")))
     # Its angles too: the table ends at the first and the last pose.
@@ -112,6 +112,20 @@ def test_the_checks_say_what_is_missed_and_which_defects_there_are():
     assert wrong.found.defects
     (check,) = [check for check in wrong.checks if check.name == "defects"]
     assert not check.passed and wrong.found.defects[0] in check.advice
+
+
+def test_given_points_drive_in_their_order_or_either_and_the_driving_pin_is_stated():
+    wanted = f"{THREE}\nmoving_points = [[-20, 10], [30, 40]]"
+    first, either = recipe(wanted), recipe(f'{wanted}\ndriving_point = "either"')
+    assert first.notes["found"]["driving_pin_on_body_mm"] == pytest.approx([-20, 10])
+    assert first.notes["found"]["driven_pin_on_body_mm"] == pytest.approx([30, 40])
+    assert len(first.ranked) == 1 and len(either.ranked) == 2
+    driving = {tuple(np.round(entry["driving_pin_on_body_mm"], 6)) for entry in either.notes["ranked"]}
+    assert driving == {(-20, 10), (30, 40)}
+    assert len(first.remarks) == 1 and not recipe().remarks
+    # The rod of a trammel holds both pins, and neither drives.
+    rod = recipe(f'{THREE}\ntype = "elliptic-trammel"\ntrammel_driver = "rod"')
+    assert rod.notes["found"]["driver"] == "rod" and "driving_pin_on_body_mm" not in rod.notes["found"]
 
 
 def test_poles_are_told_and_those_at_infinity_by_their_direction():

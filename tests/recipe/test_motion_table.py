@@ -110,8 +110,9 @@ def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground
     sliding = {n for s in general.sliders if general.ground in (s.body, s.along) for n in (s.body, s.along)}
     held = (pinned | sliding) - driver - {general.ground}
     told = {n: units[f"{n}_mechanical_advantage"] for n in motion.bodies if f"{n}_mechanical_advantage" in units}
-    # Of a driving slide a force makes a torque, mm times as large.
-    assert told == {n: "mm" if general.driven_slider and n in turning else "" for n in held}
+    # A driving slide's force makes a torque, mm times as large, and a crank's torque a force.
+    force, torque = ("", "mm") if general.driven_slider else ("1/mm", "")
+    assert told == {n: torque if n in turning else force for n in held}
     free = {p for own in list(general.bodies.values())[1:] for p in own} - set(general.pins)
     assert {n[:-2] for n in units if n.endswith("_x") and f"{n[:-2]}_velocity_x" in units} == free
     of = [f"{n}_angle" for n in turning - driver] + [f"{s.name}_displacement" for s in general.sliders]
@@ -164,3 +165,27 @@ def test_what_is_nothing_is_written_as_nothing_and_what_is_small_with_all_its_di
                 told = np.array([float(cell) for cell in np.array(found[column.header])[known]])
                 largest = np.abs(column.values[known]).max()
                 assert np.abs(told - column.values[known]).max() < 1e-8 * largest, (name, column.name)
+
+
+def slider_cranks():
+    size = np.array([1.0, 2.0])
+    by_crank = gk.SliderCrank(30, 100, 15), gk.SliderCrank(60, 200, 30)
+    by_slider = (gk.SliderCrank(30 * k, 100 * k, driver="slider") for k in size)
+    return {
+        "crank": [gk.move(one, np.linspace(0.3, 2.8, 20)) for one in by_crank],
+        "slider": [gk.move(one, k * np.linspace(85.0, 120.0, 20)) for one, k in zip(by_slider, size)],
+        "rocker": [gk.move(gk.FourBar(100 * k, 30 * k, 90 * k, 70 * k), np.linspace(0.3, 2.8, 20)) for k in size],
+    }
+
+
+@pytest.mark.parametrize("driver", slider_cranks())
+def test_a_mechanical_advantage_grows_with_the_size_as_its_unit_says(driver):
+    """Twice as large in all lengths, at the same angles."""
+    columns = [
+        [c for c in motion_table(motion).columns if c.name.endswith("_mechanical_advantage")]
+        for motion in slider_cranks()[driver]
+    ]
+    assert columns[0]
+    for small, large in zip(*columns):
+        times = {"": 1.0, "1/mm": 0.5, "mm": 2.0}[small.unit]
+        assert large.unit == small.unit and large.values == pytest.approx(times * small.values, rel=1e-9)

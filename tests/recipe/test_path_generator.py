@@ -95,7 +95,7 @@ def test_what_cannot_be_is_refused_by_its_key(tmp_path, wanted, message):
         ("x,y\n0,0\n5,-2e9\n", "row 3 of rows.csv holds 5, -2e.09; give places within 1e.09 of 0"),
         ("0,0\n2e9,5\n", "row 2 of rows.csv holds 2e.09, 5; give places within"),
         ("0,0\nnan,5\n", "row 2 of rows.csv holds nan, 5; give places within"),
-        ("0,0\n1,2,3\n", "row 2 of rows.csv holds '1,2,3'; give two numbers in each row: x and y in mm"),
+        ("0,0\n1,2,3\n", "row 2 of rows.csv holds '1,2,3'; give two numbers in each row, x and y in mm"),
     ],
 )
 def test_rows_that_are_no_points_are_refused(tmp_path, text, message):

@@ -27,9 +27,13 @@ def test_every_choice_between_tables_is_offered():
     assert {key for _, key, _ in OFFERED} == {
         "cam.follower", "cam.program", "stroke", "linkage.sliders", "stock.web", "first_stock.web", "second_stock.web",
         "sun_stock.web", "planet_stock.web", "base", "copies",
+        "linkage", "dwell",
     }  # fmt: skip
     # Followers and segments grow in number.
-    assert sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED) == 3 + 2 + 2 + 2 + 2 + 7 + 9
+    assert (
+        sum(key not in ("cam.follower", "cam.program") for _, key, _ in OFFERED)
+        == 3 + 2 + 2 + 2 + 2 + 7 + 9 + 2 * (9 + 1) + 10
+    )
     assert len(OFFERED) >= 4 + 8 + 3 + 2 + 2 + 2 + 2
 
 

@@ -126,7 +126,7 @@ def test_of_a_body_with_one_pin_nothing_is_constructed():
     motion = gk.move(linkage, np.linspace(0, 2 * np.pi, 25))
     table = own.table
     rows = {name: np.resize(np.asarray(values), 25) for name, values in table.to_columns().items()}
-    columns = tuple(replace(column, values=rows[column.header]) for column in table.columns)
+    columns = tuple(replace(column, values=rows[column.header], scale=0.0) for column in table.columns)
     scene = inflection_scene(motion, replace(table, columns=columns), "rod", 5j)
     assert not [mark for mark in scene.marks if mark.role == "bobillier"]
     assert [mark for mark in scene.marks if mark.role == "inflection"]

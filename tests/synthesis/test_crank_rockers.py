@@ -160,7 +160,7 @@ def test_any_length_sets_the_size(name, length):
 
 def test_at_a_time_ratio_of_one_the_ratio_of_lengths_has_a_limit_and_that_is_said():
     best = gk.crank_rocker(40, 180)
-    assert best.at_largest_ratio and best.ratio == pytest.approx(100)
+    assert best.at_largest_ratio and best.ratio == pytest.approx(6)
     few = gk.crank_rocker(40, 180, largest_ratio=4)
     assert few.at_largest_ratio and few.ratio == pytest.approx(4) and few.ratio <= 4 + 1e-9
     assert few.transmission_angle_deg < best.transmission_angle_deg < 90 - 20
@@ -169,6 +169,36 @@ def test_at_a_time_ratio_of_one_the_ratio_of_lengths_has_a_limit_and_that_is_sai
     small = gk.crank_rocker(0.5, 180)
     assert small.defects == () and small.ratio > 100
     obeys(40, 180, "same", few)
+
+
+@pytest.mark.parametrize(("swing", "lost", "of"), [(90, 0.8, 45), (40, 2.6, 70)])
+def test_links_within_six_times_the_shortest_cost_little_transmission_angle(swing, lost, of):
+    best, endless = gk.crank_rocker(swing, crank=30), gk.crank_rocker(swing, crank=30, largest_ratio=1e6)
+    assert endless.transmission_angle_deg == pytest.approx(of, abs=1e-3)
+    assert of - best.transmission_angle_deg == pytest.approx(lost, abs=0.05)
+    assert best.linkage.ground == pytest.approx(180) and best.largest_ratio == 6
+
+
+def test_no_transmission_angle_is_more_than_a_right_angle_less_half_the_swing():
+    """Of any member of any family, by moving it: so that above 100 deg none has 40 deg."""
+    rng = np.random.default_rng(16)
+    for _ in range(40):
+        swing = rng.uniform(5, 175)
+        turn = rng.choice([180.0, rng.uniform(91 + swing / 2, min(269 + swing / 2, 359))])
+        low, high = gk.crank_rocker(swing, turn).family.range_deg
+        linkage = gk.crank_rocker(swing, turn, free_angle_deg=rng.uniform(low + 0.01, high - 0.01)).linkage
+        least = gk.least_transmission_angle(gk.move(linkage, np.linspace(0, 2 * np.pi, 361)))
+        assert np.degrees(least) <= 90 - swing / 2 + 1e-6
+
+
+def test_a_time_ratio_stands_for_the_crank_s_turn():
+    found = gk.crank_rocker(50, time_ratio=1.25)
+    assert found.linkage == gk.crank_rocker(50, 200).linkage and found.time_ratio == pytest.approx(1.25)
+    assert gk.crank_rocker(50, time_ratio=1.0).linkage == gk.crank_rocker(50).linkage
+    for wish in ({"time_ratio": 1.25, "crank_turn_deg": 200}, {"time_ratio": 9.0}):
+        with pytest.raises(gk.DesignError) as caught:
+            gk.crank_rocker(50, **wish)
+        assert caught.value.field == "time_ratio"
 
 
 def test_the_trap_is_refused_and_the_other_sense_is_named():

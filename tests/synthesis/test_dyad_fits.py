@@ -101,7 +101,7 @@ def test_least_squares_are_found_from_every_start_by_itself():
         by = np.stack([np.stack([-20 * x[:, 0], 10 * ones], -1), np.stack([-ones, none], -1)], axis=1)
         return away, by
 
-    assert least_squares(valley, starts) == pytest.approx(np.ones((4, 2)), abs=1e-6)
+    assert least_squares(valley, starts)[0] == pytest.approx(np.ones((4, 2)), abs=1e-6)
     # What has converged is not asked for again.
     assert asked[0] == [0, 1, 2, 3] and len(asked[-1]) < 4 and all(set(b) <= set(a) for a, b in zip(asked, asked[1:]))
     rng = np.random.default_rng(5)
@@ -112,10 +112,12 @@ def test_least_squares_are_found_from_every_start_by_itself():
         return x[:, :1] + x[:, 1:] * t - told[rows], by
 
     wanted = [np.polyfit(t, row, 1)[::-1] for row in told]
-    assert least_squares(line, np.zeros((2, 2))) == pytest.approx(np.array(wanted), abs=1e-8)
-    gone = least_squares(lambda x, rows: (np.exp(-x), -np.exp(-x)[..., None]), np.array([[0.0]]))
+    assert least_squares(line, np.zeros((2, 2)))[0] == pytest.approx(np.array(wanted), abs=1e-8)
+    gone, converged = least_squares(lambda x, rows: (np.exp(-x), -np.exp(-x)[..., None]), np.array([[0.0]]))
     assert np.isfinite(gone).all() and gone[0, 0] > 5
-    assert least_squares(valley, np.zeros((0, 2))).shape == (0, 2)
+    assert least_squares(valley, np.zeros((0, 2)))[0].shape == (0, 2)
+    # What has its least at infinity has not come to rest when the steps end.
+    assert not converged.any() and least_squares(valley, starts)[1].all()
 
 
 @pytest.mark.parametrize("count", [6, 11, 12, 17, 60])
@@ -126,7 +128,7 @@ def test_fits_of_any_number_of_poses_are_different_and_the_best_first(count):
         30 * np.exp(0.7j * angle) + 0.5 * places(rng, count) + 100,
         np.exp(1j * (angle**1.2 + 0.02 * rng.normal(size=count))),
     )
-    found = fitted_dyads(z, u)
+    found, converged = fitted_dyads(z, u)
     away = np.where(
         found.fixed_far,
         np.ptp((np.conj(found.fixed) * (z[:, None] + u[:, None] * found.moving)).imag, axis=0),
@@ -145,9 +147,10 @@ def test_fits_of_any_number_of_poses_are_different_and_the_best_first(count):
         reach = np.abs(z + u * moving - fixed)
         return np.sum((reach - reach.mean()) ** 2)
 
-    for fixed, moving in at[~found.fixed_far[pinned]]:
+    for fixed, moving in at[~found.fixed_far[pinned] & converged[pinned]]:
         least = squares(fixed, moving)
-        if abs(fixed - 100) < 60 and abs(moving) < 60 and least < 20:
+        # Of remote pins the squares change by less than rounding.
+        if abs(fixed - 100) < 1e4 and abs(moving) < 1e4 and least < 20:
             seen += 1
             for step in 0.03 * np.exp(2j * np.pi * np.arange(6) / 6):
                 assert squares(fixed + step, moving) > least and squares(fixed, moving + step) > least

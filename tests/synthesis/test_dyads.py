@@ -231,6 +231,31 @@ def test_poses_of_a_trammel_have_the_middle_of_the_rod_besides_its_slides():
         assert {complex(np.round(z[pinned][0], 9)) for z in (dyads.fixed, dyads.moving)} == {30 + 0j, 5 + 3j}
 
 
+@pytest.mark.parametrize("count", [4, 5, 6, 9])
+def test_slides_of_a_trammel_are_square_and_the_first_is_travelled_farthest(count):
+    rng = np.random.default_rng(count)
+    rod = gk.move(gk.EllipticTrammel(60, 12 + 5j, origin=5 + 3j), np.sort(rng.uniform(0.1, 2.6, count))).bodies["rod"]
+    z, u = rod.origin.position, rod.direction
+    for seen in (False, True):
+        # As the ground sees them, or the body, of which lines then run through pins on the ground.
+        z, u = (z, u) if not seen else (-np.conj(u) * z, np.conj(u))
+        dyads = dyads_through(list(zip(z, np.angle(u))))
+        fixed, moving, ways = dyads.fixed, dyads.moving, dyads.fixed_direction
+        if seen:
+            fixed, moving, ways = moving, fixed, dyads.moving_direction
+        slides = ~np.isfinite(fixed) & np.isfinite(moving)
+        assert dyads.exact[slides].all() and slides.sum() == 2
+        first, second = ways[slides]
+        assert abs((first * np.conj(second)).real) < 1e-9
+        z, u = (z, u) if not seen else (-np.conj(u) * z, np.conj(u))
+        pins = z[:, None] + u[:, None] * moving[slides]
+        travelled = np.std((pins * np.conj(ways[slides])).real, axis=0)
+        # All points of the circle about the middle of the rod slide.
+        others = z[:, None] + u[:, None] * (30 + 30 * np.exp(2j * np.pi * np.arange(720) / 720))
+        most = np.sqrt(np.mean(np.abs(others - others.mean(axis=0)) ** 2, axis=0)).max()
+        assert travelled[0] == pytest.approx(most, rel=1e-3)
+
+
 def test_the_fewer_the_better_is_said():
     rng = np.random.default_rng(11)
     fits = dyads_through(some_poses(rng, 9))

@@ -99,8 +99,11 @@ def test_three_poses_of_a_known_linkage_and_its_points_give_it_back():
     poses = poses_of(KNOWN, drive)
     # The pins in the body's frame, which is turned by 0.3 rad on the coupler.
     pins = tuple(complex(z) for z in (np.array([0, 90]) - KNOWN.coupler_point) * np.exp(-0.3j))
-    found = body_guides(poses, moving_points=pins)
+    (first,) = body_guides(poses, moving_points=pins)
+    assert has([first], KNOWN, drive) and first.pins == pytest.approx(pins)
+    found = body_guides(poses, moving_points=pins, driving_point="either")
     assert has(found, KNOWN, drive) and len(found) == 2
+    assert {tuple(np.round(guide.pins, 6)) for guide in found} == {tuple(np.round(p, 6)) for p in (pins, pins[::-1])}
     assert found[0].body_angle_deg == pytest.approx(np.degrees(0.3)) or found[1].body_angle_deg == pytest.approx(
         np.degrees(0.3)
     )
@@ -114,6 +117,11 @@ def test_three_poses_of_a_known_linkage_and_its_points_give_it_back():
     back = body_guides(poses, "crank-slider", moving_points=(-20 - 15j, 60 - 15j))
     assert len(back) == 1 and back[0].linkage.crank == pytest.approx(30) and back[0].linkage.offset == pytest.approx(10)
     assert back[0].linkage.origin == pytest.approx(3 + 4j) and back[0].linkage.coupler == pytest.approx(80)
+    assert back[0].pins == pytest.approx((-20 - 15j, 60 - 15j))
+    # Driven by its slider, whose pin then comes first.
+    back = body_guides(poses, "slider-crank", moving_points=(60 - 15j, -20 - 15j))
+    assert len(back) == 1 and back[0].linkage.crank == pytest.approx(30) and back[0].linkage.driver == "slider"
+    assert back[0].pins == pytest.approx((60 - 15j, -20 - 15j))
 
 
 def test_five_poses_of_random_known_linkages_give_them_back():

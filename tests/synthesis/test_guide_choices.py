@@ -1,5 +1,8 @@
 """Linkages through four poses and more by points and regions that are given; many poses; what three poses leave."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 
@@ -18,9 +21,11 @@ PINS = tuple(complex(z) for z in (np.array([0, 90]) - KNOWN.coupler_point) * np.
 @pytest.mark.parametrize("points", [{"moving_points": PINS}, {"fixed_points": PIVOTS}], ids=["moving", "fixed"])
 def test_points_of_a_known_linkage_give_it_back_through_more_poses(count, points):
     poses = poses_of(KNOWN, DRIVE[:count])
-    found = body_guides(poses, **points)
+    # The first point's dyad drives, or either of the two once.
+    (only,) = body_guides(poses, **points)
+    assert has([only], KNOWN, DRIVE[:count]) and only.linkage.crank == pytest.approx(35)
+    found = body_guides(poses, **points, driving_point="either")
     assert has(found, KNOWN, DRIVE[:count]) and len(found) == 2
-    # Either of its two dyads drives once.
     assert sorted(round(guide.linkage.crank, 6) for guide in found) == [35, 70]
     for guide in found:
         check(guide, poses)
@@ -28,6 +33,38 @@ def test_points_of_a_known_linkage_give_it_back_through_more_poses(count, points
     ((name, given),) = points.items()
     near = body_guides(poses, **{name: (given[0] + 0.01, given[1] - 0.01j)})
     assert (1e-6 if count > 3 else -1) < min(guide.pose_error for guide in near) < 0.5
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_poses_of_an_exact_trammel_have_one(count):
+    poses = [(60 * np.cos(t) + 0j, t) for t in (0, 0.3, 0.9, 1.7, 2.5)[:count]]
+    guide = body_guides(poses, "elliptic-trammel")[0]
+    assert guide.linkage.angle_deg == pytest.approx(90) and guide.linkage.rod == pytest.approx(60)
+    assert not guide.defects and guide.pose_error < 1e-9
+    # Its shuttle drives nearly as well as the best along any direction, by the rod's angles from the slot's normal.
+    best = 90 - np.degrees(poses[-1][1]) / 2
+    assert best - 2 < guide.transmission_angle_deg <= best + 1e-6
+
+
+@pytest.mark.parametrize(("kind", "half"), [("four-bar", 20), ("crank-slider", None)])
+def test_a_refusal_for_want_of_room_gives_a_region_that_is_large_enough(kind, half):
+    rng, refused = np.random.default_rng(1), 0
+    for _ in range(12):
+        poses = [(complex(*rng.uniform(-50, 50, 2)), float(t)) for t in np.sort(rng.uniform(0, 2.5, 4))]
+        region = None if half is None else (complex(-half, -half), complex(half, half))
+        try:
+            body_guides(poses, kind, region=region, seconds=60)
+        except gk.DesignError as error:
+            refused += 1
+            corners = re.search(r"\[(\[.*\]), (\[.*\])\]", error.remedy)
+            low, high = (complex(*json.loads(corner)) for corner in corners.groups())
+            guides = body_guides(poses, kind, region=(low, high), seconds=60)
+            assert guides and (half is None or high.real > half)
+    assert refused >= 1
+    # Five poses without a region lack no room.
+    with pytest.raises(gk.DesignError) as refusal:
+        body_guides([(60 * np.cos(t) + 0j, t) for t in (0, 0.3, 0.9, 1.7, 2.5)], "four-bar")
+    assert "[" not in refusal.value.remedy
 
 
 def joints_of(guide, poses):

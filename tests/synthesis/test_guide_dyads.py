@@ -20,7 +20,7 @@ FOUR = poses_of(KNOWN, np.array([0.4, 0.8, 1.2, 1.7]))
 
 
 def asked(poses, kinds=("four-bar",), **changed):
-    told = {"shuttle": True, "region": None, "least_angle": 0.0, "largest_ratio": None}
+    told = {"shuttle": True, "region": None, "either": False, "least_angle": 0.0, "largest_ratio": None}
     return Asked(
         body=body_of(poses), kinds=kinds, rng=np.random.default_rng(0), watch=Watch(60, "looking"), **told | changed
     )
@@ -37,6 +37,7 @@ def some_dyads(rng, count):
         np.where(sort == 1, way, nowhere),
         np.where(sort == 2, way, nowhere),
         np.zeros(count),
+        np.ones(count, dtype=bool),
         np.ones(count, dtype=bool),
     )
 
@@ -183,6 +184,8 @@ def rooms_of(monkeypatch, poses, *more, **changed):
 
 
 def test_a_larger_region_is_tried_where_one_that_nobody_asked_for_has_nothing(monkeypatch):
+    # The regions in which a refusal looks besides are left out.
+    monkeypatch.setattr(guide_groups, "LARGER", 0)
     rng = np.random.default_rng(1)
     met = set()
     for k in range(11):

@@ -116,7 +116,7 @@ def others():
     """What else goes through the nine points, but for the cognates of the known one."""
     nine, watch = _Nine(POINTS), Watch(60, "")
     known, keys = nine.new(THREE, NO_KEYS)
-    return nine.new(nine.solved(nine.followed(known, watch), 40, watch), keys)[0]
+    return nine.new(nine.reached(np.repeat(known, 8, axis=0), np.tile(np.eye(8), (len(known), 1)), watch), keys)[0]
 
 
 def test_of_three_cognates_through_nine_points_the_best_is_told(monkeypatch, nothing_else):
@@ -138,6 +138,17 @@ def test_of_three_cognates_through_nine_points_the_best_is_told(monkeypatch, not
         assert all(one.square_error < 1e-16 * SIZE**2 for one in found.ranked)
         mine = [one for one in sound if any(abs(one.linkage.crank - bar.crank) < 1e-6 for bar in bars)]
         assert len(mine) == 1 and mine[0].transmission_angle_deg >= least[0] - 1e-6
+
+
+def test_a_list_of_linkages_through_nine_points_is_said_to_be_incomplete(monkeypatch, nothing_else, tmp_path):
+    through(monkeypatch, THREE)
+    found = gk.path_generator(SEEN)
+    assert found.may_be_incomplete and all(one.may_be_incomplete for one in found.ranked)
+    points = [[z.real, z.imag] for z in SEEN.tolist()]
+    goal = gk.load(f'kind = "path-generator"\n[wanted]\npoints = {points}\n')
+    made = gk.make(goal, tmp_path, ("page",))
+    assert goal.notes["may_be_incomplete"] is True and len(made.remarks) == 1
+    assert made.remarks[0] in (tmp_path / "path-generator" / "path-generator.html").read_text()
 
 
 def test_what_goes_through_nine_points_keeps_the_limits_too(monkeypatch, nothing_else):

@@ -98,7 +98,7 @@ def test_a_mirrored_wish_is_a_mirrored_linkage():
 
 def test_at_half_a_turn_the_slide_line_goes_through_the_pivot():
     best = slider_crank_stroke(100)
-    assert best.at_largest_ratio and best.ratio == pytest.approx(100) and best.linkage.offset == 0
+    assert best.at_largest_ratio and best.ratio == pytest.approx(6) and best.linkage.offset == 0
     few = slider_crank_stroke(100, 180, largest_ratio=4)
     assert (few.linkage.crank, few.linkage.coupler) == pytest.approx((50, 200))
     assert few.transmission_angle_deg == pytest.approx(np.degrees(np.arccos(0.25)))

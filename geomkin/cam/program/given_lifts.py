@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ...beside import text_beside
+from ...beside import csv_cells, text_beside
 from ...brief import one_line
 from ...cached import cached_property
 from ...errors import DesignError, printable, shown
@@ -77,10 +76,7 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
     count = text.count("\n")
     if count > MOST_ROWS + 1:
         raise DesignError("file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows")
-    try:
-        lines = list(csv.reader(text.splitlines()))
-    except csv.Error as error:
-        raise DesignError("file", f"{printable(name)} is not CSV ({error})", "give a CSV file") from None
+    lines = csv_cells(text, name)
     header = [cell.strip() for cell in lines[0]] if lines else []
     lifts = [column for column in LIFTS if column in header]
     if ANGLE not in header or len(lifts) != 1:
@@ -88,13 +84,16 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
         raise DesignError(
             "file",
             f"the first line of {printable(name)} does not name {lacking}",
-            f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, with commas between",
+            f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons",
         )
     columns = header.index(ANGLE), header.index(lifts[0])
     points = []
     for k, line in enumerate(lines[1:], 2):
         if not "".join(line).strip():
             continue
+        if "".join(line[len(header) :]).strip():
+            problem = f"line {k} of {printable(name)} has {len(line)} cells, the first line {len(header)}"
+            raise DesignError("file", problem, "give as many; decimal commas need semicolons between the cells")
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
@@ -155,15 +154,19 @@ class TableFit:
     def noise(self) -> float:
         """How much of the acceleration is scatter of the rows, as a share of the motion's peak.
 
-        The largest difference from the smoothest curve in a band as wide as the rows scatter. nan as for `scatter`.
+        The largest difference from the smoothest curve in a band as wide as the rows scatter. inf if that curve is a
+        rest or a steady motion, but for less than the band: then all of the acceleration is scatter. nan as for
+        `scatter`.
         """
         if not self.wide > self.within:
             return 0.0 * self.scatter
         step = np.diff(self.x)[:, None] * np.arange(LOOKS) / LOOKS
         places = (self.x[:-1, None] + step).ravel()
-        motion, curve = (np.asarray(law(places))[2] for law in (self._near(self.wide), self.law))
-        peak = float(np.abs(motion).max())
-        return float(np.abs(curve - motion).max()) / peak if peak > 0 else np.nan
+        motion, curve = (np.asarray(law(places)) for law in (self._near(self.wide), self.law))
+        steady = motion[0, 0] + (motion[0, -1] - motion[0, 0]) * places / places[-1]
+        if np.abs(motion[0] - steady).max() <= self.wide:
+            return np.inf
+        return float(np.abs(curve[2] - motion[2]).max() / np.abs(motion[2]).max())
 
 
 def _scatter(x: Real, lifts: Real) -> float:

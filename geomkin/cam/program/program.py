@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,14 @@ from ...brief import one_line
 from ...cached import cached_property
 from ...errors import DesignError, shown
 from ...plane.vec import Real, Whole
-from .given_lifts import TableFit
+from ...scaling import with_lengths
+from ..maxima import highest
+from .given_lifts import TableFit, read_rows
 from .laws import breaks_of
 from .optimise import Optimum
+from .peaks import SegmentPeaks
 from .placed_segments import SLIP, band, place_segments
-from .segments import OneSegment, Segment
+from .segments import LiftTable, OneSegment, Segment
 from .solved_segments import SolvedSegment, lift_range, solve_segments
 
 # What a segment's lift is called where it is an arm's; not written where there is none.
@@ -86,6 +90,21 @@ class Program:
     def _stretches(self) -> _Stretches:
         return _Stretches(solve_segments(place_segments(self.segments, self.folder)))
 
+    def at_scale(self, scale: float) -> Program:
+        """The same with lifts in mm multiplied, those of a file too; how far a curve may leave rows goes with them."""
+        if self.oscillates:
+            return self
+        return Program(tuple(with_lengths(self._written_out(segment), scale) for segment in self.segments), self.folder)
+
+    def _written_out(self, segment: Segment) -> Segment:
+        """A table whose rows stand in it, and how far a curve may leave them as a length."""
+        if not isinstance(segment, LiftTable):
+            return segment
+        rows, within = tuple((x, lift) for x, lift in read_rows(segment, self.folder)[1].tolist()), band(segment)
+        if not within:
+            return replace(segment, rows=rows, file=None)
+        return replace(segment, rows=rows, file=None, within=within, decimals=None)
+
     @property
     def oscillates(self) -> bool:
         """Whether lifts are angles of an arm, given in degrees and told in radians. False for dwells alone."""
@@ -119,6 +138,17 @@ class Program:
         """
         return FollowerMotion(*self._stretches.jumps())
 
+    @cached_property
+    def peaks(self) -> dict[int, SegmentPeaks]:
+        """Largest velocity, acceleration and jerk of each segment that moves, by its place in `segments`."""
+        stretches, tops = self._stretches, self._stretches.tops()
+        found = {}
+        for k, (number, rise, width) in enumerate(zip(stretches.numbers, stretches.rises, stretches.widths.tolist())):
+            if stretches.law_of[k] < len(stretches.laws):
+                velocity, acceleration, jerk = tops[:, stretches.segment == k].max(axis=1).tolist()
+                found[number] = SegmentPeaks(velocity, acceleration, jerk, rise, width)
+        return found
+
     def motion(self, angle: ArrayLike) -> FollowerMotion:
         """The follower at cam angles of any shape, rad; at a joint, that of the segment that starts there."""
         return FollowerMotion(*self._stretches.motion(np.asarray(angle, dtype=float)))
@@ -137,11 +167,13 @@ class _Stretches:
         self._check_base()
         # Where one dwell follows another nothing changes: they count as one.
         resting = [one.law is None for one in solved]
-        solved = [one for k, one in enumerate(solved) if not (k and resting[k] and resting[k - 1])]
+        self.numbers = [k for k in range(len(solved)) if not (k and resting[k] and resting[k - 1])]
+        solved = [solved[k] for k in self.numbers]
         unit = np.radians(1) if self.oscillates else 1.0
         limits = np.radians([*(one.placed.start for one in solved), 360.0])
         self.starts, self.widths = limits[:-1], np.diff(limits)
         self.lifts = np.array([one.placed.lift for one in solved]) * unit
+        self.rises = [(one.placed.end_lift - one.placed.lift) * unit for one in solved]
         rises = np.array([one.scale for one in solved])
         self.scales = rises * unit * self.widths ** -np.arange(4.0)[:, None]
         self.laws = list({id(one.law): one.law for one in solved if one.law}.values())
@@ -181,12 +213,34 @@ class _Stretches:
 
     def jumps(self) -> Real:
         """(4, p): values after each break less those before."""
+        before, after = self._ends
+        return after - np.roll(before, 1, axis=1)
+
+    @cached_property
+    def _ends(self) -> tuple[Real, Real]:
+        """(4, p) each: values before the end of each stretch, and at its start, less rounding.
+
+        What is below 1e-9 of the largest value is 0, and what differs so little across a joint is the same.
+        """
         before, after = self.values(self.segment, self.high), self.values(self.segment, self.low)
         # Places between, none of them where a symmetric motion is 0.
         inside = [self.values(self.segment, self.low + share * (self.high - self.low)) for share in (0.3, 0.6)]
-        largest = np.abs([before, *inside, after]).max(axis=(0, 2))[:, None]
-        change = after - np.roll(before, 1, axis=1)
-        return np.where(np.abs(change) > 1e-9 * largest, change, 0.0)
+        small = 1e-9 * np.abs([before, *inside, after]).max(axis=(0, 2))[:, None]
+        after = np.where(np.abs(after - np.roll(before, 1, axis=1)) > small, after, np.roll(before, 1, axis=1))
+        return np.where(np.abs(before) > small, before, 0.0), np.where(np.abs(after) > small, after, 0.0)
+
+    def tops(self) -> Real:
+        """(3, p): largest velocity, acceleration and jerk of each stretch, infinite if a lower derivative jumps at one
+        of its ends, unless it is 0 on this side.
+        """
+        tops = np.array([highest(self.breaks, partial(self._size, k))[0] for k in (1, 2, 3)])
+        (before, after), jumps = self._ends, self.jumps() != 0
+        _, velocity, acceleration, _ = (jumps & (after != 0)) | (np.roll(jumps, -1, axis=1) & (before != 0))
+        tops[1:, velocity] = tops[2, acceleration] = np.inf
+        return tops
+
+    def _size(self, order: int, angle: Real) -> Real:
+        return np.asarray(np.abs(self.motion(angle)[order]))
 
     def _check_base(self) -> None:
         unit = "deg" if self.oscillates else "mm"

@@ -115,7 +115,9 @@ class LiftPolynomial:
     end_velocity_per_rad: float | None = _derivative("velocity where it ends; rad/rad for an arm", "mm/rad")
     end_acceleration_per_rad2: float | None = _derivative("acceleration there; rad/rad2 for an arm", "mm/rad2")
     end_jerk_per_rad3: float | None = _derivative("jerk there; rad/rad3 for an arm", "mm/rad3")
-    through: Rows = entry("values between, as [cam angle in deg, lift in mm, or deg for an arm]", default=())
+    through: Rows = entry(
+        "values between, as [cam angle in deg, lift in mm, or deg for an arm]", default=(), units=("deg", "mm")
+    )
     kind: Literal["polynomial"] = "polynomial"
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
@@ -135,7 +137,9 @@ class LiftSpline:
     equations are derived here.
     """
 
-    points: Rows | None = entry("values, as [cam angle in deg, lift in mm], from its start to its end", default=None)
+    points: Rows | None = entry(
+        "values, as [cam angle in deg, lift in mm], from its start to its end", default=None, units=("deg", "mm")
+    )
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
 
@@ -170,7 +174,9 @@ class LiftTable:
         whole=True,
         example=3,
     )
-    rows: Rows | None = entry("values, as [cam angle in deg, lift in mm], from its start to its end", default=None)
+    rows: Rows | None = entry(
+        "values, as [cam angle in deg, lift in mm], from its start to its end", default=None, units=("deg", "mm")
+    )
     rows_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     file: str | None = entry("CSV file with columns cam_angle_deg and lift_mm or lift_deg", default=None)
     within: float | None = quantity(

@@ -21,6 +21,7 @@ from ...plane.spread import direction
 from ...plane.vec import Pose
 from ...sizes import FARTHEST, Length, PointXY, check_sizes, entry, quantity, rounded_down, rounded_up
 from ..contract import AbstractGear, AbstractShaper, told
+from ..module import Settled, diametral_pitch, module, settle_module
 from ..tooth import toothed
 
 # Pitch radii from the axis that a flank may reach. More is no tooth, and its chords could be without number.
@@ -183,17 +184,19 @@ class StraightSidedGear(AbstractFlankGear):
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=40)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=3)
+    module: Settled = module(example=3)
     flank_angle_deg: float = quantity(
         "angle between a flank and the middle of its tooth", "deg", default=25.0, at_least=0, at_most=60
     )
     addendum: float = quantity("height of the teeth above the pitch circle", "modules", default=1.0, above=0, at_most=5)
     dedendum: float = quantity("depth of the spaces below the pitch circle", "modules", default=1.2, above=0, at_most=5)
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
             raise DesignError(
@@ -261,15 +264,19 @@ class PointToothGear(AbstractFlankGear):
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=24)
-    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=1e5, example=3)
+    module: Settled = module(example=3)
     points: tuple[Annotated[complex, PointXY()], ...] = entry(
-        "right-hand flank of the tooth on +y as [x, y] in mm, from the bottom land out to the tip", example=EXAMPLE
+        "right-hand flank of the tooth on +y as [x, y] in mm, from the bottom land out to the tip",
+        default=(),
+        example=EXAMPLE,
     )
+    diametral_pitch: float | None = diametral_pitch()
 
     __repr__ = one_line
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
         self._check_points()
         try:
             self._check_flank()

@@ -14,6 +14,7 @@ from ...plane.primitives import Arc, Circle, Segment
 from ...plane.vec import Pose
 from ...sizes import Length, check_sizes, quantity, rounded_down
 from ..contract import AbstractShaper
+from ..module import Settled, diametral_pitch, module, settle_module
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,15 @@ class LanternPinion(AbstractShaper):
     """
 
     pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
-    module: float = quantity("pin circle's diameter per pin", "mm", above=0, at_most=1e5, example=4)
-    pin_diameter: float = quantity("diameter of the pins", "mm", above=0, at_most=1e5, example=5)
+    module: Settled = module("pin circle's diameter per pin", example=4)
+    pin_diameter: Settled = quantity("diameter of the pins", "mm", default=None, above=0, at_most=1e5, example=5)
+    diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:
         check_sizes(self)
+        settle_module(self)
+        if self.pin_diameter is None:
+            raise DesignError("pin_diameter", "is missing", f"give it in mm, about {1.25 * self.module:.3g}")
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
             raise DesignError(

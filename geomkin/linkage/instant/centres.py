@@ -12,7 +12,7 @@ import numpy as np
 from ...arguments import check_fields, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Complex, Mask, Real, unit
+from ...plane.vec import Complex, Mask, Real, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
 
@@ -90,7 +90,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
                 gain = 1j * (one.origin.second - two.origin.second - turn * apart)
                 arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)
             weight = settled(weight, abs(arm), motion.linkage.size)
-    return InstantCentre(*(np.where(motion.closed, v, np.nan) for v in (reference, arm, weight)))
+    return InstantCentre(*(known(motion.closed, v) for v in (reference, arm, weight)))
 
 
 @checked

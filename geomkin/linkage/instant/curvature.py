@@ -9,7 +9,7 @@ import numpy as np
 from ...arguments import Extended, Place, Places, check_fields, checked
 from ...brief import one_line
 from ...errors import DesignError
-from ...plane.vec import Complex, Real, cross, dot, unit
+from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
 from .centres import pin_between, settled, slider_between
 
@@ -31,8 +31,8 @@ SIGN = {"point": 1, "centre": -1, "inflection": -1}
 class PathCurvature:
     """A point on its path to second order; any shape.
 
-    position: mm. tangent: unit complex, nan at a cusp. curvature: 1/mm, positive where the path turns left along
-    `tangent`; 0 where straight, inf at a cusp. Derived here.
+    position: mm. tangent: a direction of any length, kept as a unit one; nan at a cusp. curvature: 1/mm, positive where
+    the path turns left along `tangent`; 0 where straight, inf at a cusp. Derived here.
     """
 
     position: Complex
@@ -43,6 +43,7 @@ class PathCurvature:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "tangent", as_unit(self.tangent))
 
     @property
     def radius(self) -> Real:
@@ -98,7 +99,7 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     if rail is not None:
         along = motion.bodies[rail.along].direction * rail.direction
         backwards = np.where(dot(along, moved.origin.first) < 0, -1, 1)
-        return PathCurvature(position, along * backwards, 0 * position.real)
+        return PathCurvature(position, known(motion.closed, along * backwards), 0 * position.real)
     return path_in(position, position - moved.origin.position, *second_order(motion, carrier, settle=False))
 
 
@@ -132,7 +133,7 @@ def second_order(motion: Motion, body: str, settle: bool = True) -> tuple[Comple
         if settle:
             turn = settled(turn, abs(velocity), extent)
             turn_rate = settled(turn_rate, abs(acceleration), extent)
-    kept = [np.where(lost, np.nan, part) for part in (velocity, acceleration, turn, turn_rate)]
+    kept = [known(~lost, part) for part in (velocity, acceleration, turn, turn_rate)]
     return kept[0], kept[1], kept[2], kept[3]
 
 
@@ -150,7 +151,7 @@ def path_in(
     cusp = speed <= ROUNDING * speed_terms
     with np.errstate(divide="ignore", invalid="ignore"):
         curvature = np.where(cusp, np.inf, np.where(lost, straight, bend / speed**3))
-    return PathCurvature(position, np.where(cusp, np.nan, unit(first)), np.where(speed_terms > 0, curvature, np.nan))
+    return PathCurvature(position, known(~cusp, unit(first)), np.where(speed_terms > 0, curvature, np.nan))
 
 
 @checked

@@ -21,7 +21,7 @@ from ...arguments import Places, checked
 from ...brief import one_line
 from ...cached import cached_property
 from ...errors import DesignError
-from ...plane.vec import Complex, Real, cross, dot, unit
+from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
 from .centres import InstantCentre, settled
 from .curvature import PathCurvature, path_in, second_order
@@ -89,7 +89,7 @@ class InflectionCircle:
     def centre_velocity(self) -> Complex:
         """Velocity of the instant centre along both centrodes, mm per unit of time: |turn| D; nan at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.turn == 0, np.nan, 1j * self._p / self.turn**2)
+            return known(self.turn != 0, 1j * self._p / self.turn**2)
 
     @property
     def pole(self) -> Complex:
@@ -119,9 +119,12 @@ class InflectionCircle:
             return self.reference + 1j * self.tangent * (across / abs(self._p))
 
     def inflection(self, direction: ArrayLike) -> Real:
-        """Signed distance from the instant centre to the circle along a ray, mm: D cos(psi) from the normal."""
+        """Signed distance from the instant centre to the circle along a ray, mm: D cos(psi) from the normal.
+
+        direction: of the ray, of any length above 0.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
-            return dot(self._p, direction) / self.turn**3
+            return dot(self._p, as_unit(direction)) / self.turn**3
 
     def path(self, position: ArrayLike) -> PathCurvature:
         """Path of the body's point that is at `position` now, mm on the ground; by the Euler-Savary equation."""
@@ -218,15 +221,16 @@ def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
 def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, position: Places) -> PathCurvature:
     """From one crank and the centrode tangent line to the path of the body's point at `position`, mm; any shape.
 
-    tangent_foot: a point of the line, mm; tangent: its direction. The instant centre is where the line meets the
-    crank. nan where `position` is in line with the crank: there the Euler-Savary equation gives the answer; and where
-    the tangent lies along the crank, one end of which is the instant centre then: that says nothing of other points.
+    tangent_foot: a point of the line, mm; tangent: its direction, of any length. The instant centre is where the line
+    meets the crank. nan where `position` is in line with the crank: there the Euler-Savary equation gives the answer;
+    and where the tangent lies along the crank, one end of which is the instant centre then: that says nothing of other
+    points.
     Source as of `bobillier`.
     """
     base = np.asarray(one.position)
     away = np.asarray(position) - base
     pins = _point(one.position - base), _point(away)
-    line = _line(1j * np.asarray(tangent), np.asarray(tangent_foot) - base)
+    line = _line(1j * as_unit(tangent), np.asarray(tangent_foot) - base)
     crank = _line(one.tangent, one.position - base)
     extent = np.abs(away)
     centre = _settled(_crossing(crank, line, extent), extent)

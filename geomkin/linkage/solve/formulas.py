@@ -29,6 +29,12 @@ class Timing:
 
     __repr__ = one_line
 
+    def elapsed(self, drive: Real) -> Real:
+        """Time since the first of the drives, s, (frames,); nan where the speed is 0 or changes."""
+        constant = not self.speed.ndim and self.speed != 0 and not np.any(self.acceleration)
+        # A zero less the minus that a clockwise driver would give it.
+        return (drive - drive[:1]) / (self.speed if constant else np.nan) + 0.0
+
     @property
     def steady(self) -> bool:
         """Whether the speed is one number that stays."""

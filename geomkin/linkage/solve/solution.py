@@ -10,7 +10,7 @@ import numpy as np
 
 from ...brief import one_line
 from ...cached import cached_property
-from ...plane.vec import Array, Complex, Mask, Real, Whole
+from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
 from .drive_range import DriveRange, change_points
@@ -175,7 +175,7 @@ class LinkageSolution:
     def over_frames(self, body: str, values: Numbers) -> Numbers:
         """Values at every frame, of what moves nan where the linkage is open."""
         if self._whole is None and body != self.linkage.ground:
-            values = np.where(self.closed, values, np.nan)
+            values = known(self.closed, values)
         return values if values.shape == self.closed.shape else spread(values, self.closed.shape)
 
     @cached_property

@@ -100,7 +100,7 @@ def planetary_assembly(
     layer, top = told.lowest, told.lowest + (1 if stands and carried else 0)
     on_sun, on_planet = ("A", "C") if stands else ("", "")
     told.shaft("A", "sun", sun, (ring.thickness if stands else 0.0) + sun.thickness + carried, top)
-    turning = planet.fit == "press" or planet.across_flat is not None or bool(planet.keyway[0])
+    turning = turns_with_shaft(planet)
     if carried and not turning and not stands:
         told.tell(0, f"glue {_shafts(gears.planets, '')} into carrier, flush below")
     told.tell(layer, seated("sun", on_sun, sun) + clear(sun, told.plate))
@@ -130,6 +130,11 @@ def planetary_assembly(
         several = "s" if gears.planets > 1 else ""
         told.tell(top, f"{gears.planets} collar{several} on {on_planet or f'the shaft{several} of planet'}{below}")
     return told.told()
+
+
+def turns_with_shaft(stock: AbstractBored) -> bool:
+    """Whether a wheel holds its shaft, by a press fit, a flat or a key, so that the shaft turns in what carries it."""
+    return stock.fit == "press" or stock.across_flat is not None or bool(stock.keyway[0])
 
 
 def _shafts(count: int, letter: str) -> str:

@@ -29,7 +29,7 @@ class Web:
     form: Literal["spokes", "holes"] = entry("openings that leave straight spokes, or round holes", default="spokes")
     count: int = quantity("number of openings", whole=True, default=5, at_least=2, at_most=100)
     spoke_width: float = quantity(
-        "width of the spokes, or least width between holes", "mm", default=4.0, above=0, at_most=FARTHEST
+        "width of the spokes, or least width between holes", "mm", default=4.0, at_least=0.01, at_most=FARTHEST
     )
 
     def __post_init__(self) -> None:
@@ -131,16 +131,24 @@ def plate_of(
 
 @checked
 def base_plate(
-    name: str, axes: Sequence[complex], holes: Sequence[float], margin: Positive, thickness: Positive
+    name: str,
+    axes: Sequence[complex],
+    holes: Sequence[float],
+    margin: Positive,
+    thickness: Positive,
+    keys: tuple[str, str] = ("stock.bore", "stock.bore"),
 ) -> Part:
-    """A plate with a hole of a diameter for each of two axes, mm; it reaches `margin` beyond the widest hole."""
+    """A plate with a hole of a diameter for each of two axes, mm; it reaches `margin` beyond the widest hole.
+
+    keys: of the two shafts in a recipe, for refusals.
+    """
     for field, given in (("axes", axes), ("holes", holes)):
         if len(given) != 2:
             raise DesignError(field, f"found {len(given)}", "give two")
     apart = abs(axes[0] - axes[1])
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
-            "stock.bore",
+            keys[int(holes[1] > holes[0])],
             f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
             "meet in the plate",
             f"give bores and clearances of less than {2 * apart:.6g} mm together",

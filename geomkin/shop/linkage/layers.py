@@ -93,7 +93,7 @@ class Meetings:
 
 
 def runs(motion: Motion, pair: Pair) -> list[Run]:
-    """When a pair comes nearer than it may: runs of steps, each from its first step's start to its last step's end."""
+    """When a pair comes nearer than it may: runs of steps, each from its least to its greatest drive."""
     path = path_in(motion, pair.body, pair.other, pair.places)
     numbers = np.flatnonzero(path.gap(pair.corners) < pair.near)
     if not len(numbers):
@@ -104,7 +104,8 @@ def runs(motion: Motion, pair: Pair) -> list[Run]:
     for group in groups:
         first, last = path.frames[group[0]], path.frames[group[-1]]
         last = last + 1 if ends[group[-1]] == last + 1 else last
-        found.append((float(path.drive[first]), float(path.drive[last])))
+        low, high = sorted(path.drive[[first, last]].tolist())
+        found.append((low, high))
     return found
 
 

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from ...arguments import Reals, checked
 from ...brief import one_line
+from ...linkage.bars import FourBar
+from ...linkage.linkage import AbstractLinkage
+from ...linkage.sliders import SliderCrank
 from ...plane.vec import Real
 from ..found import Found, ten_digits
+from ..rounding import Rounding
 from .four_bar_generator import FourBarGenerator
+from .generators import AbstractGenerator
+from .peaks import peaks
+from .search import LOOKS, PEAKS
 from .slider_generator import SliderGenerator
 from .wanted import WantedFunction
 
@@ -49,6 +56,7 @@ class AbstractFunctionGenerator(Found):
     certificate: float
     others: tuple[Self, ...] = ()
     wanted: WantedFunction = field(repr=False)
+    task: AbstractGenerator = field(repr=False)
     unknowns: Real = field(repr=False)
     __repr__ = one_line
 
@@ -57,9 +65,29 @@ class AbstractFunctionGenerator(Found):
     def _output(self) -> tuple[float, float]:
         """Where the wanted output starts, and how far it goes: deg or mm."""
 
+    @property
     @abstractmethod
+    def _unit(self) -> float:
+        """Of the task's errors, deg or mm."""
+
     def _error(self, s: Real) -> Real:
         """Errors (1, m), deg or mm, at shares (1, m) of the input's way."""
+        return self._unit * self.task.error(self.unknowns[None], s)
+
+    def _with(self, linkage: AbstractLinkage, p: Real) -> Self:
+        """The same with other unknowns p (unknowns,); multipliers and certificate remain those of the optimum."""
+        at, errors, real = (row[0] for row in peaks(self.task, p[None], PEAKS, LOOKS))
+        x, errors = self.wanted.x(at[real]).tolist(), (self._unit * errors[real]).tolist()
+        same = len(x) == len(self.alternation)
+        multipliers = [peak.multiplier for peak in self.alternation] if same else len(x) * [np.nan]
+        return replace(
+            self,
+            linkage=linkage,
+            drive=p[3] + np.array([0.0, self.task.swing]),
+            transmission_angle_deg=float(np.degrees(self.task.transmission(p[None])[0])),
+            alternation=tuple(map(Peak, x, errors, multipliers)),
+            unknowns=p,
+        )
 
     @property
     def largest(self) -> float:
@@ -105,6 +133,7 @@ class FunctionGenerator(AbstractFunctionGenerator):
     and y(x0) on their scales. largest_error_deg: of the output angle, also between any samples.
     """
 
+    linkage: FourBar
     starts_deg: tuple[float, float]
     largest_error_deg: float
     task: FourBarGenerator = field(repr=False)
@@ -114,8 +143,16 @@ class FunctionGenerator(AbstractFunctionGenerator):
     def _output(self) -> tuple[float, float]:
         return self.starts_deg[1], DEGREE * self.task.out
 
-    def _error(self, s: Real) -> Real:
-        return DEGREE * self.task.error(self.unknowns[None], s)
+    @property
+    def _unit(self) -> float:
+        return DEGREE
+
+    def rounded(self, rounding: Rounding) -> FunctionGenerator:
+        linkage = rounding.linkage(self.linkage)
+        first, last = (rounding.angle(f"{end}_start_deg", at) for end, at in zip(("input", "output"), self.starts_deg))
+        logs = np.log(np.array([linkage.crank, linkage.coupler, linkage.rocker]) / linkage.ground)
+        other = self._with(linkage, np.array([*logs, *np.radians([first, last]), self.branch]))
+        return replace(other, starts_deg=(first, last), largest_error_deg=other.largest)
 
     def summary(self) -> Mapping[str, object]:
         starts = [ten_digits(start) for start in self.starts_deg]
@@ -130,6 +167,7 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
     of the crank pivot. largest_error: of the slider's place, mm, also between any samples.
     """
 
+    linkage: SliderCrank
     start_deg: float
     start_mm: float
     largest_error: float
@@ -140,8 +178,18 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
     def _output(self) -> tuple[float, float]:
         return self.start_mm, self.task.sense * self.task.length
 
-    def _error(self, s: Real) -> Real:
-        return self.task.length * self.task.error(self.unknowns[None], s)
+    @property
+    def _unit(self) -> float:
+        return self.task.length
+
+    def rounded(self, rounding: Rounding) -> SliderFunctionGenerator:
+        linkage, way = rounding.linkage(self.linkage), self.task.length
+        first = rounding.angle("input_start_deg", self.start_deg)
+        place = rounding.length("output_start_mm", self.start_mm)
+        logs = np.log(np.array([linkage.crank, linkage.coupler]) / way)
+        p = np.array([*logs, float(linkage.offset) / way, np.radians(first), place / way, self.branch])
+        other = self._with(linkage, p)
+        return replace(other, start_deg=first, start_mm=place, largest_error=other.largest)
 
     def summary(self) -> Mapping[str, object]:
         told = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}

@@ -19,9 +19,9 @@ MET = 1e-13
 # Distance, on the unit sphere, below which two points are one. Two that nearly meet are known to the root of rounding
 # alone. Larger, and they are taken for one; smaller, and one is told twice.
 ONE = 3e-8
-# Determinant of three points in common, over what it could be, from which they are in one line, which is then a part
-# of both conics. Larger, and true points close together are lost; smaller, and any three of a shared line are told.
-IN_LINE = 1e-9
+# Determinant of conics below which each may be two lines, and what both are along a line that they share. Larger, and
+# true points close together are lost; smaller, and four points of a shared line stand for all of them.
+TWO_LINES, SHARED = 1e-9, 1e-11
 # How much more slowly both conics change one way than the other where they nearly touch. Smaller, and one of the two
 # points that lie close together is missed; larger costs time.
 TOUCHING = 1e-2
@@ -31,7 +31,7 @@ def common_points(pair: Real) -> tuple[Real, Mask]:
     """Points (n, 4, 3) of the projective plane, unit vectors up to sign, and which of them there are, (n, 4).
 
     pair: (n, 2, 3, 3) symmetric matrices of the conics. Bezout: four at most, unless they share a line: then two
-    of its points, and the one that they have besides. The quartic of one unknown is solved as the eigenvalues of its
+    of its points, and the one that they have off it. The quartic of one unknown is solved as the eigenvalues of its
     companion, then all is polished by Newton's steps: complex points as such, then their real parts, both ways where
     the conics nearly touch. Derived here.
     """
@@ -48,11 +48,9 @@ def common_points(pair: Real) -> tuple[Real, Mask]:
     which, tried = _both_ways(parts, which, tried / _size(tried))
     found, off = (each[:, 0] for each in _polished(parts[which], tried[:, None], STEPS))
     points, there = _gathered(len(pair), which, found, off)
-    # The same as `IN_LINE` asks, of more than are in one line: vectors of length 1 span no more than this.
-    flat = np.abs(np.linalg.det(points[:, :3])) <= 1.5 * IN_LINE
-    for k in np.nonzero(flat & there[:, 2])[0]:
-        if (other := _off_the_line(parts[k], points[k, :3])) is not None:
-            points[k, 2], there[k] = other, [True, True, True, False]
+    for k in np.nonzero((np.abs(np.linalg.det(parts)) <= TWO_LINES).all(axis=1))[0]:
+        if (line := _shared_line(parts[k])) is not None:
+            points[k], there[k] = _on_and_off(parts[k], line)
     return points, there
 
 
@@ -78,19 +76,33 @@ def _gathered(count: int, which: Whole, found: Real, off: Real) -> tuple[Real, M
     return points, there
 
 
-def _off_the_line(pair: Real, three: Real) -> Real | None:
-    """Where the conics meet besides on a line that they share; None where they share none."""
-    if abs(np.linalg.det(three)) > IN_LINE * np.prod(np.linalg.svd(three, compute_uv=False)[:2]):
-        return None
-    line = np.linalg.svd(three)[2][2]
+def _shared_line(pair: Real) -> Real | None:
+    """The line, a unit vector, that is a part of both conics; None if there is none."""
+    sizes, ways = np.linalg.eigh(pair[0])
+    order = np.argsort(-np.abs(sizes))
+    (large, small), (one, other) = sizes[order[:2]], ways.T[order[:2]]
+    # The first conic as two lines, which are real if the two signs differ, or one line twice.
+    tilt = np.sqrt(max(-small / large, 0.0))
+    for line in (one + tilt * other, one - tilt * other):
+        along = np.linalg.svd(line[None])[2][1:]
+        if np.abs(along @ pair @ along.T).max() <= SHARED:
+            return np.asarray(line / np.linalg.norm(line))
+    return None
+
+
+def _on_and_off(pair: Real, line: Real) -> tuple[Real, list[bool]]:
+    """Two points (4, 3) of a line that the conics share, and the one off it, and which of them there are."""
+    points = np.zeros((4, 3))
+    points[:2] = np.linalg.svd(line[None])[2][1:]
     # Each conic is a pair of lines: line x other + other x line, linear in the other.
     each = np.einsum("i,jk->ijk", line, np.eye(3))
     factors = (each + each.transpose(1, 0, 2)).reshape(9, 3)
     others = np.linalg.lstsq(factors, pair.reshape(2, 9).T)[0].T
     point = _across(others[0], others[1])
     size = float(np.linalg.norm(point))
-    met = size > 0 and bool(np.abs(_values(pair[None], point[None, None] / size)).max() <= np.sqrt(MET))
-    return point / size if met else None
+    off = size > ONE and bool(abs(point @ line) > ONE * size)
+    points[2] = point / size if off else 0.0
+    return points, [True, True, off, False]
 
 
 def _values(parts: Real, x: Array) -> Array:
@@ -185,7 +197,7 @@ def _roots(parts: Real) -> Complex:
     quartic = _product(one, one) - _product(two, three)
     lead = quartic[:, :1]
     least = 1e-14 * np.abs(quartic).max(axis=-1, keepdims=True)
-    quartic = quartic / np.where(np.abs(lead) < least, least + 1e-300, lead)
+    quartic = quartic / np.where(np.abs(lead) <= least, least + 1e-300, lead)
     companion = np.zeros((len(parts), 4, 4))
     companion[:, 0] = -quartic[:, 1:]
     companion[:, [1, 2, 3], [0, 1, 2]] = 1

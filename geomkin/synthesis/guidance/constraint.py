@@ -27,6 +27,9 @@ FAR = 1e9
 # Least singular value over the largest from which a row says something new. Smaller, and poses that nearly say the
 # same are told apart by rounding; larger, and poses close together are taken for one.
 RANK = 1e-11
+# Share of w and a in relations that are those of slides, and of parallel slides among those. Larger, and slides that
+# nearly serve are told; smaller, and rounding hides that any direction has one.
+PARALLEL_SLIDES = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +138,28 @@ def pairs_of_least(poses: Relations) -> tuple[Pairs, Mask]:
     points, there = points.reshape(*shape, 4, 3), there.reshape(*shape, 4)
     found, good = pairs_of(points @ open_)
     return found.enlarged(poses.middle, poses.size), there & good
+
+
+def square_slides(z: Complex, u: Complex, poses: Relations) -> Pairs | None:
+    """Two slides on the ground, square to each other, of poses (n,) that have one along every direction; else None.
+
+    The first is the one that is travelled farthest, in the sense of squares: a driving slide is then farthest from its
+    dead centres. Derived here.
+    """
+    open_ = poses.vectors[8 - poses.freedom :]
+    left, sizes, _ = np.linalg.svd(open_[:, :3])
+    # What is left of them without w and a.
+    slides = left.T[np.append(sizes, np.zeros(len(left) - len(sizes))) <= PARALLEL_SLIDES] @ open_
+    if len(slides) != 2 or np.linalg.cond(slides[:, 3:5]) > 1 / PARALLEL_SLIDES:
+        return None
+    # Those with b = 1 and b = i, of which all others are sums, and what is travelled along them.
+    b, c = np.array([1, 1j]), np.linalg.solve(slides[:, 3:5], slides[:, 5:7]) @ [1, 1j]
+    travelled = (np.conj(b)[:, None] * (z - poses.middle) / poses.size + c[:, None] * u).imag
+    farthest = np.linalg.svd(travelled - travelled.mean(axis=1, keepdims=True))[0][:, 0]
+    share = np.array([farthest, [-farthest[1], farthest[0]]])
+    b, c = share @ b, share @ c
+    way = 1j * b * np.where(b.imag > 0, -1, 1)
+    return Pairs(way, poses.size * c / np.conj(b), np.full(2, True), np.full(2, False))
 
 
 def pairs_of(told: Real) -> tuple[Pairs, Mask]:

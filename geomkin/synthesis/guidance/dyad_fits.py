@@ -20,7 +20,7 @@ SAME = 1e-4
 # Singular value over the largest below which points are at two places only. Larger, and points close together get no
 # circle; smaller, and the rounding of two places is taken for a third.
 FEWER = 1e-12
-# Steps at most, each for all starts together; a start that needs more crawls along a valley that ends at infinity.
+# Steps at most, each for all starts together; a start that needs more creeps along a valley that ends at infinity.
 STEPS = 300
 # Gain of a step, as a share of the squares, below which a start has converged.
 CONVERGED = 1e-13
@@ -28,9 +28,10 @@ CONVERGED = 1e-13
 FARTHEST = 1e12
 
 
-def fitted_dyads(origins: Complex, directions: Complex) -> Pairs:
-    """Dyads at which the sum of squared distances missed is least, near by, best first.
+def fitted_dyads(origins: Complex, directions: Complex) -> tuple[Pairs, Mask]:
+    """Dyads at which the sum of squared distances missed is least, near by, best first, and which have converged.
 
+    The others creep towards a dyad at infinity, and are where their steps ended.
     Starts: the dyads of the least three rows of all poses, and those of sets of five of them, evenly chosen.
     """
     z, middle, size = normalised(origins)
@@ -39,11 +40,12 @@ def fitted_dyads(origins: Complex, directions: Complex) -> Pairs:
     sets_of_all = relations(z, directions), relations(z[chosen], directions[chosen])
     starts = joined([found.at(there) for found, there in map(pairs_of_least, sets_of_all)])
     body = starts.moving_far | (~starts.fixed_far & (np.abs(starts.moving) > np.abs(starts.fixed)))
-    on_ground = _polished(z, directions, starts.at(~body))
-    on_body = _polished(*inverse(z, directions), starts.at(body).swapped).swapped
-    found = joined([on_ground, on_body])
-    found = found.at(np.argsort(missed(z, directions, found), kind="stable"))
-    return found.at(_different(found)).enlarged(middle, size)
+    on_ground, settled = _polished(z, directions, starts.at(~body))
+    on_body, settled_too = _polished(*inverse(z, directions), starts.at(body).swapped)
+    found, converged = joined([on_ground, on_body.swapped]), np.concatenate([settled, settled_too])
+    order = np.argsort(missed(z, directions, found), kind="stable")
+    order = order[_different(found.at(order))]
+    return found.at(order).enlarged(middle, size), converged[order]
 
 
 def _spread(count: int) -> list[tuple[int, ...]]:
@@ -52,10 +54,10 @@ def _spread(count: int) -> list[tuple[int, ...]]:
     return [tuple(first + step * k for k in range(5)) for first in islice(range(step), MOST_FIVES)]
 
 
-def _polished(z: Complex, u: Complex, starts: Pairs) -> Pairs:
-    """The same at their least squares; the pin on the body is no slide."""
+def _polished(z: Complex, u: Complex, starts: Pairs) -> tuple[Pairs, Mask]:
+    """The same at their least squares, and which have come there; the pin on the body is no slide."""
     if not starts.fixed.size:
-        return starts
+        return starts, np.zeros(0, dtype=bool)
     m = starts.moving[:, None]
     pins = z + u * m
     with np.errstate(invalid="ignore"):
@@ -72,12 +74,12 @@ def _polished(z: Complex, u: Complex, starts: Pairs) -> Pairs:
         return away, np.stack([by_x, by_y, *by[:4]], axis=-1)
 
     start = np.concatenate([m.real, m.imag, bend, slope.real, slope.imag, level], axis=-1)
-    x = least_squares(cost, start)
+    x, converged = least_squares(cost, start)
     bend, slope = x[:, 2], x[:, 3] + 1j * x[:, 4]
     far = 2 * np.abs(bend) * FAR <= np.abs(slope)
     with np.errstate(divide="ignore", invalid="ignore"):
         fixed = np.where(far, 1j * slope / np.abs(slope), -slope / (2 * bend))
-    return Pairs(fixed, x[:, 0] + 1j * x[:, 1], far, np.zeros(len(x), dtype=bool))
+    return Pairs(fixed, x[:, 0] + 1j * x[:, 1], far, np.zeros(len(x), dtype=bool)), converged
 
 
 def _different(found: Pairs) -> Whole:
@@ -160,12 +162,14 @@ def _refined(p: Complex, bend: Real, slope: Complex, level: Real) -> tuple[Real,
         away, by = distances(p[rows], x[:, :1], x[:, 1:2] + 1j * x[:, 2:3], x[:, 3:])
         return away, np.stack(by[:4], axis=-1)
 
-    best = least_squares(cost, np.stack([bend, slope.real, slope.imag, level], axis=-1))
+    best, _ = least_squares(cost, np.stack([bend, slope.real, slope.imag, level], axis=-1))
     return best[:, 0], best[:, 1] + 1j * best[:, 2], best[:, 3]
 
 
-def least_squares(cost: Callable[[Real, Whole], tuple[Real, Real]], start: Real) -> Real:
+def least_squares(cost: Callable[[Real, Whole], tuple[Real, Real]], start: Real) -> tuple[Real, Mask]:
     """Unknowns (k, q) at which the squares of residuals are least, each from its own start (Levenberg-Marquardt).
+
+    Besides, which of them, (k,), came to rest within `STEPS`.
 
     cost: from unknowns (k, q), and which of the starts they are of, to residuals (k, n) and their derivatives
     (k, n, q). Unknowns that have a scale in common may be among them: the damping keeps what the residuals do not
@@ -195,4 +199,4 @@ def least_squares(cost: Callable[[Real, Whole], tuple[Real, Real]], start: Real)
         best[rows] = x
         left = ~done
         x, away, slopes, damping, rows = x[left], away[left], slopes[left], damping[left], rows[left]
-    return best
+    return best, ~np.isin(np.arange(len(start)), rows)

@@ -13,7 +13,7 @@ from ...brief import one_line
 from ...errors import DesignError
 from ...plane.vec import Complex, Mask, Real
 from .burmester import both_ways, slides_of
-from .constraint import Pairs, joined, missed, pairs_of_least, relations, sharpened
+from .constraint import Pairs, Relations, joined, missed, pairs_of_least, relations, sharpened, square_slides
 from .displacement_poles import PARALLEL
 from .dyad_fits import fitted_circles, fitted_dyads
 from .poses import Poses, inverse, placed
@@ -39,7 +39,8 @@ class Dyads:
     on the body, mm in its own frame; inf where a straight line of the body slides over the pin on the ground, with its
     direction in the body's frame in `moving_direction`. Directions are nan where there is no slide. residual: largest
     distance, mm, by which a pose is missed: of the pin from its circle or line, whose radius or offset is the one that
-    makes this least. exact: whether that is no more than rounding; where not, it is a least-squares fit.
+    makes this least. exact: whether that is no more than rounding; where not, it is a least-squares fit. converged:
+    false of a fit that still creeps towards a dyad at infinity when its steps end, and misses less farther out.
     """
 
     fixed: Complex
@@ -48,6 +49,7 @@ class Dyads:
     moving_direction: Complex
     residual: Real
     exact: Mask
+    converged: Mask
 
     __repr__ = one_line
 
@@ -71,7 +73,8 @@ def dyads_through(
     Without either: of five poses all dyads there are, none to four. Of four poses the two slides, then about `count`
     dyads along all branches of the whole curves, which `burmester_curves` draws. Of six poses and more the dyads at
     which the sum of squared distances missed is least near by, by rising residual, exact ones among them. Of poses
-    with infinitely many slides, as an elliptic trammel has, two of them.
+    with infinitely many slides, as an elliptic trammel has, two that are square to each other: the one that is
+    travelled farthest, and its partner.
 
     DesignError for fewer than three poses, equal ones, both fixed and moving, and neither where a dyad goes through
     every point of the plane: of three poses, and of such more as are parallel or turned about one point.
@@ -90,12 +93,28 @@ def dyads_through(
         why = f"found {len(z)}, for which every point of the body is as good as any other"
         raise DesignError("poses", why, "give moving or fixed points besides, or more poses that turn the body")
     if free == 4:
-        return told(z, u, _along_curves(z, u, count))
-    if len(z) > 5:
-        return told(z, u, _straightened(z, u, fitted_dyads(z, u)))
+        return told(z, u, _two_slides(z, u, asked, _along_curves(z, u, count)))
+    # More poses that leave as much open as five have exact dyads.
+    if free < 3:
+        fits, converged = fitted_dyads(z, u)
+        return told(z, u, _straightened(z, u, fits), converged=converged)
     found, there = pairs_of_least(asked)
+    found = found.at(there)
     # A body with two angles only is also held by what forbids it all others, which is no dyad.
-    return told(z, u, _straightened(z, u, sharpened(z, u, found.at(there))), MISSED)
+    found = _straightened(z, u, sharpened(z, u, found) if len(z) == 5 else found)
+    return told(z, u, _two_slides(z, u, asked, found), MISSED)
+
+
+def _two_slides(z: Complex, u: Complex, asked: Relations, found: Pairs) -> Pairs:
+    """The dyads with two slides in place of all, if any direction has one, on the ground or on the body."""
+    ground = square_slides(z, u, asked)
+    if ground is not None:
+        found = joined([ground, found.at(~found.fixed_far | found.moving_far)])
+    z, u = inverse(z, u)
+    body = square_slides(z, u, relations(z, u))
+    if body is not None:
+        found = joined([body.swapped, found.at(~found.moving_far | found.fixed_far)])
+    return found
 
 
 def _along_curves(z: Complex, u: Complex, count: int) -> Pairs:
@@ -149,10 +168,11 @@ def _slide(far: Mask, place: Complex, points: Complex, size: float) -> tuple[Mas
     return ~far & (np.abs(place) > REMOTE * size) & (across <= EXACT * (extent + size)), way
 
 
-def told(z: Complex, u: Complex, found: Pairs, most: float = np.inf) -> Dyads:
+def told(z: Complex, u: Complex, found: Pairs, most: float = np.inf, converged: Mask | None = None) -> Dyads:
     """Dyads (k,) with what they miss, those that miss by no more than `most` of their size."""
     off, size = missed(z, u, found), _size(z, u, found)
     kept = off <= most * size
+    converged = kept[kept] if converged is None else converged[kept]
     found, off, size = found.at(kept), off[kept], size[kept]
     nowhere, far = complex(np.nan, np.nan), complex(np.inf, np.inf)
     return Dyads(
@@ -162,6 +182,7 @@ def told(z: Complex, u: Complex, found: Pairs, most: float = np.inf) -> Dyads:
         np.where(found.moving_far, found.moving, nowhere),
         off,
         off <= EXACT * size,
+        converged,
     )
 
 

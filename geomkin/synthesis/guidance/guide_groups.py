@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -26,6 +26,8 @@ LISTED = 12
 LARGEST_RATIO = 10.0
 # Half of the side of the region, in extents of the poses' origins and near poles; the next if nothing sound is found.
 ROOMS = 1.0, 3.0, 9.0
+# Regions, each three times as large as the one before, in which a refusal looks for what there would be.
+LARGER = 6
 # Extents from their middle within which a pole is near. Larger, and one far pole makes a region of little else.
 NEAR = 3.0
 # Dyads of each sort that are paired where poses are met by least squares alone: the nearest. There is no end of others.
@@ -41,6 +43,8 @@ class Asked:
     kinds: Sequence[Kind]
     shuttle: bool
     region: tuple[complex, complex] | None
+    # Whether either of two points that are given may drive, and not the first alone.
+    either: bool
     least_angle: float
     largest_ratio: float | None
     rng: np.random.Generator
@@ -75,6 +79,18 @@ class Asked:
         centre = complex(xs.min() + xs.max(), ys.min() + ys.max()) / 2
         half = max(np.ptp(xs), np.ptp(ys))
         return centre - half * (1 + 1j), centre + half * (1 + 1j)
+
+    @property
+    def larger_regions(self) -> Iterator[tuple[complex, complex]]:
+        """Corners of regions larger than those that were tried, in short numbers."""
+        low, high = self.room
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        tried = ROOMS[-1] if self.region is None else 1.0
+        for room in (tried * 3.0**k for k in range(1, LARGER + 1)):
+            unit = 10.0 ** np.floor(np.log10(room * min(half.real, half.imag)) - 1)
+            ends = [middle - room * half, middle + room * half]
+            low, high = (complex(f(z.real / unit), f(z.imag / unit)) * unit for f, z in zip((np.floor, np.ceil), ends))
+            yield low, high
 
     def search(self, kind: Kind, room: float) -> Search:
         """The search through three poses, in a region so many times as large."""
@@ -113,7 +129,7 @@ def searched(ask: Asked) -> list[Group]:
 
 
 def of_chosen(ask: Asked, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None) -> list[Group]:
-    """With the two points that were given, either link driving."""
+    """With the two points that were given, the first driving, or either of them."""
     body, kind = ask.body, ask.kinds[0]
     if moving is not None and fixed is not None:
         raise DesignError("fixed_points", "are given besides moving_points", "give one of them")
@@ -122,12 +138,13 @@ def of_chosen(ask: Asked, moving: tuple[complex, complex] | None, fixed: tuple[c
     if len(body.origins) > 3:
         poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
         pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))
-        return of_dyads(ask, dyads_through(poses, fixed=pivots, moving=pins))
+        return of_dyads(ask, dyads_through(poses, fixed=pivots, moving=pins), chosen=True)
     z = body.at_first(np.array(fixed)) if fixed is not None else body.pins_of(np.array(moving))
     if not np.isfinite(z).all():
         raise DesignError("fixed_points", "one is seen in one line by the body", "give another")
-    # Of a slider-crank the second is the slider's; of the others either may drive.
-    orders = [z] if kind in ("crank-slider", "slider-crank") else [z, z[::-1]]
+    # A slider-crank's second pin is the slider's, whether it drives or not.
+    first = z[::-1] if kind == "slider-crank" else z
+    orders = [first, first[::-1]] if ask.either else [first]
     return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
 
 
@@ -144,12 +161,21 @@ def along_curves(ask: Asked, poses: Poses) -> list[Group]:
     return groups
 
 
-def of_dyads(ask: Asked, dyads: Dyads) -> list[Group]:
-    """Every two dyads whose pins sit on the body, as linkages of the kinds that they can make."""
+def of_dyads(ask: Asked, dyads: Dyads, chosen: bool = False) -> list[Group]:
+    """Every two dyads whose pins sit on the body, as linkages of the kinds that they can make.
+
+    chosen: the dyads are two that were given, and the first drives unless either may.
+    """
     held = held_pins(ask.body, dyads, None if len(ask.body.origins) <= 5 else NEAREST)
-    groups: list[Group] = [(kind, held.paired(kind, ask.slides(kind), *held.each(kind))) for kind in ask.kinds]
-    if ask.region is None:
-        return groups
-    low, high = ask.room
-    kept = [(kind, guides, np.flatnonzero(usable(guides, low, high))) for kind, guides in groups]
-    return [(kind, held.paired(kind, ask.slides(kind), *(n[k] for n in held.each(kind)))) for kind, _, k in kept]
+    groups: list[Group] = []
+    for kind in ask.kinds:
+        one, other = held.each(kind)
+        if chosen and not ask.either:
+            driving = other if kind == "slider-crank" else one
+            kept = (held.pins[:, driving] == ask.body.pins(ask.body.pins_of(dyads.moving[:1]))).all(axis=0)
+            one, other = one[kept], other[kept]
+        if ask.region is not None:
+            inside = usable(held.paired(kind, ask.slides(kind), one, other), *ask.room)
+            one, other = one[inside], other[inside]
+        groups.append((kind, held.paired(kind, ask.slides(kind), one, other)))
+    return groups

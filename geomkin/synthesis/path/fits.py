@@ -10,7 +10,7 @@ import numpy as np
 from ...plane.vec import Complex, Mask, Real, Whole, dot
 from ...progress import Watch
 from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
-from .least_squares import Linearised, least_squares
+from .least_squares import Linearised, least_squares, settled
 
 # Weight of a limit that is passed, in units of the points' own sum of squares. Smaller lets the search wander far
 # beyond the limits before it turns back, larger makes it creep along them.
@@ -202,6 +202,7 @@ def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tu
             t = nearest(task, _whole(x), t, fit.branch)
         if k < ROUNDS - 2:
             fit.update(x, t)
+    x, t = settled(fit, x, t, low, high)
     return sorted_out(task, _whole(x), t, fit.branch)
 
 
@@ -217,6 +218,7 @@ def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tup
             t = nearest(task, _whole(x), t, fit.branch)
         if k < REFINED - 2:
             fit.update(x, t)
+    x, t = settled(fit, x, t, task.low[:shared], task.high[:shared])
     return sorted_out(task, _whole(x), t, fit.branch)
 
 

@@ -19,6 +19,9 @@ GAIN, STILL = 1e-9, 8
 # Sums of squares below which nothing but rounding is left, in units of the problem.
 NOTHING_LEFT = 1e-29
 
+# Undamped steps at the end, and how long the first may be: a longer one is of a start that was not brought to its end.
+SETTLING, LOOSE = 40, 1e-4
+
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
@@ -96,6 +99,25 @@ def least_squares(
         now = _either(better, new, now)
     best_x[which], best_t[which], best[which] = x, t, sums
     return best_x, best_t, best
+
+
+def settled(residuals: Residuals, x: Real, t: Real, low: Real, high: Real) -> tuple[Real, Real]:
+    """Solutions of `least_squares` followed on by undamped steps, as long as each step is shorter than the one before.
+
+    Sums of squares stop falling where half of all digits of the unknowns are still open, and the rest would be decided
+    by a processor's rounding.
+    """
+    low, high = np.broadcast_to(low, x.shape), np.broadcast_to(high, x.shape)
+    which, before = np.arange(len(x)), np.full(len(x), LOOSE)
+    for _ in range(SETTLING):
+        new_x, new_t, _ = _step(residuals(which, x, t), x, t, low, high, np.full(len(x), LEAST_DAMPED))
+        length = np.linalg.norm(new_x - x, axis=1)
+        shorter = length < before
+        if not shorter.any():
+            break
+        x, t = np.where(shorter[:, None], new_x, x), np.where(shorter[:, None], new_t, t)
+        before = np.where(shorter, length, 0.0)
+    return x, t
 
 
 def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Real) -> tuple[Real, Real, Real]:

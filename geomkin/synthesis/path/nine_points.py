@@ -1,4 +1,4 @@
-"""All four-bars through nine points of a path that random starts and the curves between them lead to."""
+"""Four-bars through nine points of a path that random starts and the curves between them lead to."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ import numpy as np
 from ...plane.vec import Complex, Mask, Real, Whole
 from ...progress import Watch
 
-# Rounds of random starts, starts in each, and steps of each. After each round the curves from what is new are followed.
-# Fewer find fewer of the real linkages: these find 59 to 61 of the 64 of a published problem.
-TURNS, STARTS, STEPS = 2, 8_000, 150
-# As many starts at a time, and steps after which the worse of them are given up.
-AT_ONCE, SIFTED = 2_000, (30, 60)
+# Random starts in a round, and rounds in a row without a new linkage after which the search ends. Fewer find fewer of
+# the real linkages, and other seeds find others; more take longer.
+STARTS, IDLE = 250, 6
+# Curves followed at a time: more do not fit into a processor's memory, fewer wait for Python.
+AT_ONCE = 1_000
+# Steps to a solution from a point of a curve nearby.
+STEPS = 40
 # Steps along a curve, of which each is first so long and at most so long, as shares of where it stands; farther away
 # than so much it is left. More steps and a farther limit find hardly more.
-FOLLOWED, FIRST, LONGEST, SHORTEST, FARTHEST = 600, 0.02, 0.15, 1e-6, 60.0
+FOLLOWED, FIRST, LONGEST, SHORTEST, FARTHEST = 300, 0.02, 0.15, 1e-6, 60.0
 # Residuals of what counts as a linkage, and lengths below which it is none, in units of the points.
 MET, NONE = 1e-26, 1e-4
 
@@ -22,27 +24,29 @@ MET, NONE = 1e-26, 1e-4
 def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Real:
     """Rows (s, 8): x, y of crank pin, crank pivot, rocker pin, rocker pivot with the coupler point at the first point.
 
-    One of each three cognates. points: nine, the mean of their squares about 1. Eight equations in as many unknowns,
-    from |point + pin's arm - pivot| alike at all points, the coupler's turns eliminated (Wampler, Morgan and Sommese,
-    Complete solution of the nine-point path synthesis problem for four-bar linkages, Journal of Mechanical Design 114,
-    1992, who count 4326 solutions in threes of cognates). Without one of the equations a solution lies on a curve, and
-    where the curve meets that equation again there is another solution: derived here, as is all that is random.
+    One of each three cognates; some may be missing. points: nine, the mean of their squares about 1. Eight equations in
+    as many unknowns, from |point + pin's arm - pivot| alike at all points, the coupler's turns eliminated (Wampler,
+    Morgan and Sommese, Complete solution of the nine-point path synthesis problem for four-bar linkages, Journal of
+    Mechanical Design 114, 1992, who count 4326 solutions in threes of cognates). From a random start a curve along
+    which all residuals shrink in proportion leads to solutions (Newton homotopy). Without one of the equations a
+    solution lies on a curve too, and where that meets the equation again there is another solution: derived here. The
+    search ends when several rounds of new starts bring nothing new, or with its time.
     """
     problem = _Nine(points)
     found: Real = np.zeros((0, 8))
+    fresh: Real = np.zeros((0, 8))
     keys: Complex = np.zeros((0, 3), dtype=complex)
-    for turn in range(TURNS):
-        fresh: Real = np.zeros((0, 8))
-        for _ in range(STARTS // AT_ONCE):
-            size = np.exp(rng.normal(0, 0.7, (AT_ONCE, 4)))
-            places = size * (rng.normal(size=(AT_ONCE, 4)) + 1j * rng.normal(size=(AT_ONCE, 4)))
-            new, keys = problem.new(problem.solved(places.view(float), STEPS, watch), keys)
-            fresh = np.concatenate([fresh, new])
-        while len(fresh) and not watch.over():
-            found = np.concatenate([found, fresh])
-            fresh, keys = problem.new(problem.solved(problem.followed(fresh, watch), 40, watch), keys)
-            watch.tell((turn + min(1.0, len(found) / 64)) / TURNS)
+    idle, share = 0, 0.0
+    while idle < IDLE and not watch.over():
+        share = max(share, idle / IDLE)
+        watch.tell(share)
+        size = np.exp(rng.normal(0, 0.7, (STARTS, 4)))
+        starts = (size * (rng.normal(size=(STARTS, 4)) + 1j * rng.normal(size=(STARTS, 4)))).view(float)
+        x = np.concatenate([np.repeat(fresh, 8, axis=0), starts])
+        ways = np.concatenate([np.tile(np.eye(8), (len(fresh), 1)), problem(starts)[0]])
+        fresh, keys = problem.new(problem.reached(x, ways, watch), keys)
         found = np.concatenate([found, fresh])
+        idle = 0 if len(fresh) else idle + 1
     placed: Real = found + np.tile([points[0].real, points[0].imag], 4)
     return placed
 
@@ -88,7 +92,7 @@ class _Nine:
             residuals, by = self(x)
             sums = np.sum(residuals**2, axis=1)
             damping = np.full(len(x), 1e-2)
-            for k in range(steps):
+            for _ in range(steps):
                 square = np.swapaxes(by, 1, 2) @ by
                 scale = np.einsum("sii->si", square)
                 scale = scale + 1e-9 * scale.max(axis=1, keepdims=True) + 1e-300
@@ -103,35 +107,51 @@ class _Nine:
                 by, sums = np.where(better[:, None, None], new_by, by), np.where(better, new_sums, sums)
                 done.append(x[sums < MET])
                 kept = ~(sums < MET) & (damping < 1e8) & np.isfinite(sums)
-                if k in SIFTED and kept.any():
-                    kept &= sums < np.quantile(sums[kept], 0.45)
                 x, residuals, by, sums, damping = (row[kept] for row in (x, residuals, by, sums, damping))
                 if not len(x) or watch.over():
                     break
         return np.concatenate(done)
 
-    def followed(self, solutions: Real, watch: Watch) -> Real:
-        """Starts for further solutions: where the curves without one of the equations come to meet it again."""
-        many = len(solutions)
-        x, left_out = np.repeat(solutions, 16, axis=0), np.tile(np.repeat(np.arange(8), 2), many)
-        _, by = self(x)
-        by[np.arange(len(x)), left_out] = 0
-        ahead = np.linalg.svd(by)[2][:, -1] * np.tile([1.0, -1.0], 8 * many)[:, None]
-        length, before = np.full(len(x), FIRST), np.zeros(len(x))
-        met = [np.zeros((0, 8))]
+    def reached(self, x: Real, ways: Real, watch: Watch) -> Real:
+        """Solutions (k, 8) on curves through x (s, 8) along which the residuals change by multiples of ways (s, 8)."""
+        done: list[Real] = [np.zeros((0, 8))]
+        for first in range(0, len(x), AT_ONCE):
+            if watch.over():
+                break
+            some = slice(first, first + AT_ONCE)
+            done.append(self.solved(self.followed(x[some], ways[some], watch), STEPS, watch))
+        return np.concatenate(done)
+
+    def followed(self, x: Real, ways: Real, watch: Watch) -> Real:
+        """Places (k, 8) near solutions on these curves: where the share of the way changes its sign."""
+        ways = np.repeat(ways / np.linalg.norm(ways, axis=1, keepdims=True), 2, axis=0)
+        x = np.repeat(x, 2, axis=0)
+
+        def parted(x: Real, ahead: Real | float = 0.0) -> tuple[Real, Real, Real]:
+            """The residuals without their share of the way, their slopes with `ahead` in place of that, the share."""
+            residuals, by = self(x)
+            share = np.einsum("si,si->s", ways, residuals)
+            slope = np.einsum("si,sij->sj", ways, by)
+            return residuals - share[:, None] * ways, by + ways[:, :, None] * (ahead - slope)[:, None, :], share
+
         with np.errstate(all="ignore"):
+            _, by, before = parted(x)
+            # A solution is not met again where its own curve starts.
+            before = np.where(np.abs(before) < 1e-9, 0.0, before)
+            x, ways, by, before = (v[np.isfinite(by).all(axis=(1, 2))] for v in (x, ways, by, before))
+            # Both ways along each curve.
+            ahead = np.linalg.svd(by)[2][:, -1] * np.tile([1.0, -1.0], len(x) // 2)[:, None]
+            length = np.full(len(x), FIRST)
+            met = [np.zeros((0, 8))]
             for _ in range(FOLLOWED):
-                row, size = np.arange(len(x)), length * (1 + np.linalg.norm(x, axis=1))
+                size = length * (1 + np.linalg.norm(x, axis=1))
                 guess = x + size[:, None] * ahead
                 new = guess
                 for _ in range(3):
-                    residuals, by = self(new)
-                    residuals[row, left_out], by[row, left_out] = 0, ahead
+                    residuals, by, _ = parted(new, ahead)
                     new = new - _solved(by, residuals)
-                residuals, by = self(new)
-                here = residuals[row, left_out].copy()
-                residuals[row, left_out], by[row, left_out] = 0, ahead
-                onward = _solved(by, np.eye(8)[left_out])
+                residuals, by, here = parted(new, ahead)
+                onward = _solved(by, ways)
                 onward /= np.linalg.norm(onward, axis=1, keepdims=True)
                 good = (np.abs(residuals).max(axis=1) < 1e-9) & (np.linalg.norm(new - guess, axis=1) < 0.3 * size)
                 good &= np.einsum("si,si->s", onward, ahead) > 0.9
@@ -140,7 +160,7 @@ class _Nine:
                 before = np.where(good, here, before)
                 length = np.where(good, np.minimum(1.6 * length, LONGEST), 0.4 * length)
                 going = (length > SHORTEST) & (np.linalg.norm(x, axis=1) < FARTHEST) & self.real(x)
-                x, ahead, before, length, left_out = (v[going] for v in (x, ahead, before, length, left_out))
+                x, ahead, ways, before, length = (v[going] for v in (x, ahead, ways, before, length))
                 if not len(x) or watch.over():
                     break
         return np.concatenate(met)
@@ -177,7 +197,9 @@ def _solved(system: Real, right: Real) -> Real:
     try:
         return np.linalg.solve(scaled, (right / scale)[..., None])[..., 0]
     except np.linalg.LinAlgError:
-        return np.linalg.solve(scaled + 1e-13 * np.eye(8), (right / scale)[..., None])[..., 0]
+        singular = np.linalg.det(scaled) == 0
+        solutions = np.linalg.solve(np.where(singular[:, None, None], np.eye(8), scaled), (right / scale)[..., None])
+        return np.where(singular[:, None], np.nan, solutions[..., 0])
 
 
 def reached(sizes: Real, wanted: Complex) -> tuple[Real, Whole]:

@@ -85,9 +85,11 @@ def path_generator(
     The least sum of squared distances that is found, from tens of thousands of random linkages held against the points
     in closed form, the best of them improved by least squares. Nine points that are free of other conditions have a
     finite number of four-bars through them: those that are found are all ranked, each with its defects, one of three
-    cognates. `.usable` is the best with 30 deg and a ratio of 10. DesignError for fewer than 3 points, points that are
-    all the same, more than 1000, angles that are not in order, bounds that are none, time too short for any answer, and
-    where no linkage is found within the limits. Derived here; the sources are told where the work is done.
+    cognates. Some may be missing, as `.may_be_incomplete` says: the search goes on, in three quarters of its time,
+    until new starts bring nothing new. `.usable` is the best with 30 deg and a ratio of 10. DesignError for fewer than
+    3 points, points that are all the same, more than 1000, angles that are not in order, bounds that are none, time too
+    short for any answer, and where no linkage is found within the limits. Derived here; the sources are told where the
+    work is done.
     """
     wanted = np.asarray(points, dtype=complex)
     if not 3 <= len(wanted) <= MOST_POINTS:

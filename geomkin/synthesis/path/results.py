@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from ...cached import cached_property
 from ...errors import DesignError
 from ...linkage.bars import FourBar
 from ...linkage.cognate_linkages import Cognate, cognates
+from ...linkage.solve.move import move
 from ...plane.vec import Complex, Real
 from ..found import Found
+from ..rounding import Rounding
 
 # What counts as usable: a transmission angle, deg, and a ratio of links that a workshop can live with.
 USABLE_DEG, USABLE_RATIO = 30.0, 10.0
@@ -27,16 +29,20 @@ class PathFound(Found):
 
     drive: the crank's angle at each point, rad from the ground line; of a closed path at the nearest point of it.
     square_error: sum of squared distances of the points from the path, mm2, of timed ones from where the coupler point
-    then is. largest_distance: the largest of them, mm. at_limits: in words, the limits that it stands on.
-    cut_short: the search was ended by its time. ranked: distinct linkages, the best first, this one among them; those
-    with a defect come last. least_squares: more points are given than linkages can be made to meet.
+    then is. largest_distance: the largest of them, mm. closed: whether a full turn draws the path. at_limits: in words,
+    the limits that it stands on. cut_short: the search was ended by its time. may_be_incomplete: nine points have a
+    finite number of linkages, of which the search may have missed some; another seed or more time may find them.
+    ranked: distinct linkages, the best first, this one among them; those with a defect come last. least_squares: more
+    points are given than linkages can be made to meet.
     """
 
     points: Complex
     square_error: float
     largest_distance: float
+    closed: bool = False
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
+    may_be_incomplete: bool = False
     least_squares: bool = False
     ranked: tuple[PathFound, ...] = ()
     again: Callable[[], PathFound | None] | None = field(default=None, repr=False)
@@ -73,6 +79,18 @@ class PathFound(Found):
             return cognates(self.linkage)
         except DesignError:
             return ()
+
+    @property
+    def drive_range(self) -> tuple[float, float]:
+        return (0.0, 2 * np.pi) if self.closed else super().drive_range
+
+    def rounded(self, rounding: Rounding) -> PathFound:
+        other = super().rounded(rounding)
+        # One with a defect may reach some of the points on its other branch.
+        branches = (1, -1) if self.defects else (self.branch,)
+        paths = [move(other.linkage, other.drive, sign).point("coupler_point").position for sign in branches]
+        off = np.fmin.reduce(np.abs(np.array(paths) - self.points))
+        return replace(other, square_error=float(np.sum(off**2)), largest_distance=float(off.max()))
 
     def summary(self) -> Mapping[str, object]:
         told: dict[str, object] = {

@@ -29,6 +29,8 @@ MET = 1e-24
 SAME = 1e-3
 # Linkages that are ranked, at most.
 RANKED = 100
+# Share of the time that is spent on nine points as such: the rest is kept for linkages near them, if none is sound.
+NINE = 0.75
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,8 +64,11 @@ class PathSearch:
         task, watch = self.task, Watch(self.seconds, "linkages for the path")
         rng = np.random.default_rng([self.seed, number])
         found: list[PathFound] = []
-        if self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9:
-            found = self.through_nine(rng, watch)
+        nine = self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9
+        if nine:
+            part = Watch(NINE * self.seconds, watch.what)
+            found = self.through_nine(rng, part)
+            watch.cut = part.cut
         if not any(not one.defects for one in found):
             x, t, branch = self.searched(rng, watch)
             cranks = task.cranks(x, t)
@@ -83,7 +88,7 @@ class PathSearch:
         distinct: list[PathFound] = []
         for one in found:
             if not any(_alike(one, other) for other in distinct):
-                distinct.append(replace(one, cut_short=watch.cut))
+                distinct.append(replace(one, cut_short=watch.cut, may_be_incomplete=nine))
         watch.tell(1.0)
         return tuple(distinct[:RANKED]), watch.cut
 
@@ -152,6 +157,7 @@ class PathSearch:
             transmission_angle_deg=float(np.degrees(way.transmission)),
             defects=way.defects,
             points=self.points,
+            closed=task.closed,
             square_error=float(np.sum(off**2)),
             largest_distance=float(off.max()),
             at_limits=self.limits_of(x, way),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -13,7 +13,19 @@ from ...errors import DesignError
 from ...linkage.bars import FourBar
 from ...plane.vec import Real
 from ...sizes import Size, rounded_down, rounded_up
-from .families import RATIO, AbstractMember, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
+from ..rounding import Rounding
+from .families import (
+    TURNING_RATIO,
+    AbstractMember,
+    Family,
+    four_bars,
+    highest,
+    members,
+    scale_of,
+    the_choice,
+    turn_of,
+    within_sizes,
+)
 from .full_turn import FullTurn, full_turn
 
 Swing = Annotated[float, between(0.1, 179, "deg")]
@@ -39,6 +51,7 @@ class CrankRocker(AbstractMember):
 
     measured: ClassVar = ("swing_deg", "crank_turn_deg", "crank_start_deg")
 
+    linkage: FourBar
     swing_deg: float
     crank_turn_deg: float
     crank_start_deg: float
@@ -50,11 +63,20 @@ class CrankRocker(AbstractMember):
         """Of the stroke to the stroke back, at steady speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
 
+    def rounded(self, rounding: Rounding) -> CrankRocker:
+        linkage = rounding.linkage(self.linkage)
+        moved = full_turn(linkage)
+        start, way = moved.start, moved.turn
+        # The sense that was asked for is that of the stroke that begins where this one does.
+        if np.cos(start - self.drive[0]) < np.cos(start + way - self.drive[0]):
+            start, way = (start + way) % (2 * np.pi), 2 * np.pi - way
+        return replace(self, linkage=linkage, **_measured(moved, start, way))
+
 
 @checked
 def crank_rocker(
     swing_deg: Swing,
-    crank_turn_deg: float = 180.0,
+    crank_turn_deg: float | None = None,
     ground: Size | None = None,
     sense: Sense = "same",
     *,
@@ -63,29 +85,35 @@ def crank_rocker(
     rocker: Size | None = None,
     free_angle_deg: float | None = None,
     largest_ratio: Ratio | None = None,
+    time_ratio: Annotated[float, between(1e-6, 1e6)] | None = None,
 ) -> CrankRocker:
     """The crank-rocker of a swing and a crank's turn whose least transmission angle over the full turn is largest.
 
     swing_deg: of the rocker, from dead centre to dead centre. crank_turn_deg: the crank's turn while the rocker swings
-    in the same `sense` as the crank turns, or in the opposite one; 360 k/(1 + k) of a time ratio k. So 200 in the same
-    sense is 160 in the opposite one. ground, crank, coupler, rocker: one of the lengths, mm, the ground's 1 where none
-    is given. free_angle_deg: takes another of the linkages that there are, all of them in `family`; its tangent is
-    crank over coupler. largest_ratio: longest link over the shortest of the best, 100 where it is left out, and twice
-    the least one of swings so small that they need more.
+    in the same `sense` as the crank turns, or in the opposite one: 200 in the same sense is 160 in the opposite one.
+    time_ratio: instead of that turn, the time of this stroke over that of the stroke back; the turn is 360 k/(1 + k) of
+    a ratio k, and 180 where neither is given. ground, crank, coupler, rocker: one of the lengths, mm, the ground's 1
+    where none is given. free_angle_deg: takes another of the linkages that there are, all of them in `family`; its
+    tangent is crank over coupler. largest_ratio: longest link over the shortest of the best, 6 where it is left out, or
+    of swings below 39 deg twice the least that they need.
 
     There are linkages where the crank's turn is more than 90 deg and less than 270 deg, both and half the swing, in the
     same sense, or less half the swing in the opposite one; DesignError where there are none, and for a ratio too small
     for the swing. At a turn of 180 deg and near it the best runs to an endless ratio: `largest_ratio` ends it, and
-    `at_largest_ratio` says so. Each linkage is moved through its full turn, and what it does there is told.
-    Derived here, from the linkage in its two dead centres (Alt, Der Übertragungswinkel, Werkstattstechnik 26, 1932):
-    with the swing p, the turn f and the free angle z, crank : coupler : rocker : ground are sin(p/2) sin z :
-    sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| : |cos(f/2 - p/2) cos z + i sin(f/2 - p/2) sin z|.
+    `at_largest_ratio` says so. Its transmission angle then comes near to 90 deg less half the swing, which is more than
+    at any other turn: no crank-rocker that swings 100 deg or more has 40 deg. Each linkage is moved through its full
+    turn, and what it does there is told. Derived here, from the linkage in its two dead centres (Alt, Der
+    Übertragungswinkel, Werkstattstechnik 26, 1932): with the swing p, the turn f and the free angle z,
+    crank : coupler : rocker : ground are sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| :
+    |cos(f/2 - p/2) cos z + i sin(f/2 - p/2) sin z|.
     """
-    check_turn(swing_deg, crank_turn_deg, sense)
+    turn_deg = turn_of(crank_turn_deg, time_ratio)
+    check_turn(swing_deg, turn_deg, sense, "crank_turn_deg" if time_ratio is None else "time_ratio")
     lengths_given = {"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}
     name, length = the_choice(lengths_given) or ("ground", 1.0)
-    swing, turn = np.radians(swing_deg), np.radians(crank_turn_deg if sense == "same" else 360 - crank_turn_deg)
+    swing, turn = np.radians(swing_deg), np.radians(turn_deg if sense == "same" else 360 - turn_deg)
     low, high = free_range(float(swing), float(turn))
+    ratio = _ratio(swing_deg, largest_ratio)
     all_of_them = _family(float(swing), float(turn), (low, high), name, length)
 
     def least(free: Real) -> Real:
@@ -93,7 +121,7 @@ def crank_rocker(
 
     at_largest = False
     if free_angle_deg is None:
-        start = max(low, _free_at(float(swing), float(turn), _ratio(swing_deg, largest_ratio)))
+        start = max(low, _free_at(float(swing), float(turn), ratio))
         free = highest(least, start, high)
         at_largest = start > low and free <= start * (1 + 1e-9)
     else:
@@ -106,7 +134,7 @@ def crank_rocker(
     lengths = {k: length if k == name else scale * size for k, size in sizes.items()}
     linkage = FourBar(lengths["ground"], lengths["crank"], lengths["coupler"], lengths["rocker"])
     moved = full_turn(linkage)
-    return _told(linkage, moved, sense, float(swing), float(turn), np.degrees(free), at_largest, all_of_them)
+    return _told(linkage, moved, sense, float(swing), float(turn), np.degrees(free), ratio, at_largest, all_of_them)
 
 
 def _told(
@@ -116,6 +144,7 @@ def _told(
     swing: float,
     turn: float,
     free_deg: float,
+    largest_ratio: float,
     at_largest: bool,
     family: Family,
 ) -> CrankRocker:
@@ -126,16 +155,24 @@ def _told(
     return CrankRocker(
         linkage=linkage,
         branch=1,
-        drive=np.array([start, start + way]),
-        transmission_angle_deg=float(np.degrees(moved.least)),
+        **_measured(moved, start, way),
         defects=() if sound else ("circuit",),
-        swing_deg=float(np.degrees(moved.extent)),
-        crank_turn_deg=float(np.degrees(way)),
-        crank_start_deg=float(np.degrees(start)),
         free_angle_deg=float(free_deg),
+        largest_ratio=largest_ratio,
         at_largest_ratio=at_largest,
         family=family,
     )
+
+
+def _measured(moved: FullTurn, start: float, way: float) -> dict[str, Any]:
+    """What a full turn shows of the stroke that begins at `start` and takes a turn of `way`, rad."""
+    return {
+        "drive": np.array([start, start + way]),
+        "transmission_angle_deg": float(np.degrees(moved.least)),
+        "swing_deg": float(np.degrees(moved.extent)),
+        "crank_turn_deg": float(np.degrees(way)),
+        "crank_start_deg": float(np.degrees(start)),
+    }
 
 
 def crank_turns(swing_deg: float, sense: Sense) -> tuple[float, float]:
@@ -204,7 +241,7 @@ def _transmission(swing: float, turn: float, free: Real) -> Real:
 def _ratio(swing_deg: float, largest: float | None) -> float:
     least = 1 / np.sin(np.radians(swing_deg) / 2)
     if largest is None:
-        return float(max(RATIO, 2 * least))
+        return float(max(TURNING_RATIO, 2 * least))
     if largest <= least * 1.0001:
         found = f"found {largest:g}, but the rocker is longer than the crank by more where it swings {swing_deg:g} deg"
         raise DesignError("largest_ratio", found, f"give at least {rounded_up(least * 1.0002, 4)}")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ...linkage.bars import FourBar
 from ...linkage.solve.move import move
 from ...plane.vec import Real
 from ...sizes import Size, last_fit, rounded_down, rounded_up
+from ..rounding import Rounding
 from .families import RATIO, AbstractMember, Family, four_bars, highest, members, scale_of, the_choice, within_sizes
 from .two_places import TwoPlaces, between_places
 
@@ -42,10 +43,15 @@ class DoubleRocker(AbstractMember):
 
     measured: ClassVar = ("rocker_swing_deg", "overshoot_deg")
 
+    linkage: FourBar
     rocker_swing_deg: float
     overshoot_deg: float
 
     __repr__ = one_line
+
+    def rounded(self, rounding: Rounding) -> DoubleRocker:
+        linkage = rounding.linkage(self.linkage)
+        return replace(self, linkage=linkage, **_measured(linkage, self.branch, *self.drive.tolist()))
 
 
 @checked
@@ -85,8 +91,9 @@ def double_rocker(
     family = _family(wanted, ends, ground)
     given = {"crank": crank, "rocker": rocker, "free_angle_deg": free_angle_deg}
     choice = the_choice(given)
+    ratio = RATIO if largest_ratio is None else largest_ratio
     if choice is None:
-        free, at_largest = _best(wanted, ends, RATIO if largest_ratio is None else largest_ratio)
+        free, at_largest = _best(wanted, ends, ratio)
         weights = np.cos(free), np.sin(free)
     else:
         # Of very long links the weights keep more digits than the angle.
@@ -99,16 +106,14 @@ def double_rocker(
     # What was given is kept to the last digit.
     lengths = crank or scale * sizes["crank"], scale * sizes["coupler"], rocker or scale * sizes["rocker"]
     linkage, branch = FourBar(ground, *lengths), int(told.sign[0])
-    least, swing, overshoot = _simulated(linkage, branch, wanted)
     return DoubleRocker(
         linkage=linkage,
         branch=branch,
         drive=np.array(wanted.crank),
-        transmission_angle_deg=float(np.degrees(least)),
         defects=told.defects(0),
-        rocker_swing_deg=float(np.degrees(swing)),
-        overshoot_deg=float(np.degrees(overshoot)),
+        **_measured(linkage, branch, *wanted.crank),
         free_angle_deg=float(np.degrees(free)),
+        largest_ratio=ratio,
         at_largest_ratio=at_largest,
         family=family,
     )
@@ -226,9 +231,9 @@ def _best(wanted: TwoPlaces, ends: tuple[Real, Real], largest: float) -> tuple[f
     return best, bool(float(ratio(np.array([best]))[0]) > (1 - 1e-6) * largest)
 
 
-def _simulated(linkage: FourBar, branch: int, wanted: TwoPlaces) -> tuple[float, float, float]:
-    """Least transmission angle on the way, the rocker's swing, and how far it goes beyond its places: moved, rad."""
-    start, end = wanted.crank
+def _measured(linkage: FourBar, branch: int, start: float, end: float) -> dict[str, Any]:
+    """What the crank's way from `start` to `end`, rad, shows: all nan if the linkage does not close all the way."""
+    names = "transmission_angle_deg", "rocker_swing_deg", "overshoot_deg"
     size = {name: float(getattr(linkage, name)) / float(linkage.ground) for name in ("crank", "coupler", "rocker")}
     # Besides even frames: crank and ground in line, where it drives worst, and crank and coupler, where it goes back.
     special = [0.0, np.pi]
@@ -240,10 +245,10 @@ def _simulated(linkage: FourBar, branch: int, wanted: TwoPlaces) -> tuple[float,
     frames = np.sort(np.concatenate([np.linspace(0, abs(end - start), FRAMES), after[after < abs(end - start)]]))
     motion = move(linkage, start + way * frames, branch)
     if not motion.closed.all():
-        return np.nan, np.nan, np.nan
+        return dict.fromkeys(names, np.nan)
     out = np.unwrap(np.angle(motion.bodies["rocker"].direction))
     beyond = float(np.ptp(out)) - abs(float(out[-1] - out[0]))
-    return float(np.min(motion.transmission_angle)), float(out[-1] - out[0]), beyond
+    return dict(zip(names, np.degrees([np.min(motion.transmission_angle), out[-1] - out[0], beyond]).tolist()))
 
 
 def _family(wanted: TwoPlaces, ends: tuple[Real, Real], ground: float) -> Family:

@@ -23,9 +23,10 @@ MEMBERS = 179
 # Looks along a family before its best is narrowed. With nine, the best of one double rocker in some hundred is missed;
 # of crank-rockers and slider-cranks none is.
 LOOKS = 1025
-# Longest link over the shortest where no limit is given. Some families get better without end as it grows, by less
-# and less: larger limits give linkages that nobody can build, smaller ones hide good ones of small swings.
-RATIO = 100.0
+# Longest link over the shortest where no limit is given. Those of cranks that turn fully get better without end as it
+# grows where both strokes take alike long: 6 costs 0.8 of 45 deg of transmission angle at a swing of 90 deg and 2.6 of
+# 70 deg at 40 deg, and larger limits give linkages that nobody can build. Of double rockers the best has an end.
+TURNING_RATIO, RATIO = 6.0, 100.0
 # Of a family's range, the step over which a slope is taken, and what f may lose by rounding the place of its top, rad.
 # A smaller step leaves fewer digits of the place, a larger one bends it; a larger loss takes a corner for a round top.
 STEP = 1e-3
@@ -54,14 +55,15 @@ class Family:
 class AbstractMember(Found):
     """A linkage that was chosen from a family, and what it does as it is moved.
 
-    free_angle_deg: where in its family it is. at_largest_ratio: whether the best would be better still if one link
-    could be longer.
+    free_angle_deg: where in its family it is. largest_ratio: of the longest link over the shortest, beyond which none
+    was looked for. at_largest_ratio: whether the best would be better still if one link could be longer.
     """
 
     # What the simulated motion does, in mm where no other unit is told: comes first in summary.json.
     measured: ClassVar[tuple[str, ...]]
 
     free_angle_deg: float
+    largest_ratio: float
     at_largest_ratio: bool
     family: Family
 
@@ -70,7 +72,8 @@ class AbstractMember(Found):
     def summary(self) -> Mapping[str, object]:
         told = {name: ten_digits(getattr(self, name)) for name in (*self.measured, "free_angle_deg")}
         named = {name if name.endswith("_deg") else f"{name}_mm": value for name, value in told.items()}
-        return {**named, **super().summary(), "at_largest_ratio": self.at_largest_ratio}
+        limit = {"largest_ratio": ten_digits(self.largest_ratio), "at_largest_ratio": self.at_largest_ratio}
+        return {**named, **super().summary(), **limit}
 
 
 def members(low: float, high: float) -> Real:
@@ -114,6 +117,15 @@ def the_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
         first, second, *_ = told
         raise DesignError(second, f"is given besides {first}", "give one of them: the others follow")
     return next(iter(told.items()), None)
+
+
+def turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
+    """The crank's turn in a stroke, deg, from itself or from the ratio of times there and back; 180 from neither."""
+    if time_ratio is None:
+        return 180.0 if crank_turn_deg is None else crank_turn_deg
+    if crank_turn_deg is not None:
+        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
+    return 360 * time_ratio / (1 + time_ratio)
 
 
 def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -13,9 +13,10 @@ from ...errors import DesignError
 from ...linkage.sliders import SliderCrank
 from ...plane.vec import Real
 from ...sizes import FARTHEST, Size, rounded_down, rounded_up
+from ..rounding import Rounding
 from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, reach
-from .families import RATIO, AbstractMember, Family, highest, members, the_choice, within_sizes
-from .full_turn import full_turn
+from .families import TURNING_RATIO, AbstractMember, Family, highest, members, the_choice, within_sizes
+from .full_turn import FullTurn, full_turn
 
 Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 # Of a connecting rod to its crank: the least ratio that leaves a slider-crank which can be moved, with a hair of room.
@@ -34,6 +35,7 @@ class StrokeCrank(AbstractMember):
 
     measured: ClassVar = ("stroke", "crank_turn_deg", "crank_start_deg")
 
+    linkage: SliderCrank
     stroke: float
     crank_turn_deg: float
     crank_start_deg: float
@@ -44,6 +46,10 @@ class StrokeCrank(AbstractMember):
     def time_ratio(self) -> float:
         """Of the stroke towards +x to the stroke back, at steady speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
+
+    def rounded(self, rounding: Rounding) -> StrokeCrank:
+        linkage = rounding.linkage(self.linkage)
+        return replace(self, linkage=linkage, **_measured(full_turn(linkage)))
 
 
 @checked
@@ -63,7 +69,7 @@ def slider_crank_stroke(
     360 k/(1 + k) of a time ratio k. More than 180 makes that the slow stroke, and the offset negative: the slide line
     then passes below the crank's pivot. One more size may be given, mm, and takes the linkage that has it instead of
     the best: the offset, the crank or the coupler; or free_angle_deg does, whose tangent is crank over coupler, as in
-    `family`. largest_ratio: coupler over crank of the best, 100 where it is left out.
+    `family`. largest_ratio: coupler over crank of the best, 6 where it is left out.
 
     There are linkages for turns of more than 90 and less than 270 deg; DesignError for others, and for a size that
     none of them has. At 180 deg, where the offset is 0 and the crank half the stroke, the best has an endless coupler:
@@ -78,10 +84,11 @@ def slider_crank_stroke(
     all_of_them = _family(stroke, turn, (low, high))
     given = {"offset": offset, "crank": crank, "coupler": coupler, "free_angle_deg": free_angle_deg}
     choice, at_largest = the_choice(given), False
+    ratio = TURNING_RATIO if largest_ratio is None else largest_ratio
     if choice is not None and not (offset == 0 and turn == np.pi):
         free = _free_of(*choice, stroke, turn, (low, high))
     else:
-        start = max(low, float(np.arctan2(1.0, RATIO if largest_ratio is None else largest_ratio)))
+        start = max(low, float(np.arctan2(1.0, ratio)))
         free = highest(lambda places: _transmission(turn, places), start, high)
         at_largest = start > low and free <= start * (1 + 1e-9)
     sizes = {name: float(size) for name, size in _sizes(stroke, turn, np.array(free)).items()}
@@ -96,16 +103,24 @@ def slider_crank_stroke(
     return StrokeCrank(
         linkage=linkage,
         branch=1,
-        drive=np.array([moved.start, moved.start + moved.turn]),
-        transmission_angle_deg=float(np.degrees(moved.least)),
+        **_measured(moved),
         defects=() if sound else ("circuit",),
-        stroke=moved.extent,
-        crank_turn_deg=float(np.degrees(moved.turn)),
-        crank_start_deg=float(np.degrees(moved.start)),
         free_angle_deg=float(np.degrees(free)),
+        largest_ratio=ratio,
         at_largest_ratio=at_largest,
         family=all_of_them,
     )
+
+
+def _measured(moved: FullTurn) -> dict[str, Any]:
+    """What a full turn shows of the stroke."""
+    return {
+        "drive": np.array([moved.start, moved.start + moved.turn]),
+        "transmission_angle_deg": float(np.degrees(moved.least)),
+        "stroke": moved.extent,
+        "crank_turn_deg": float(np.degrees(moved.turn)),
+        "crank_start_deg": float(np.degrees(moved.start)),
+    }
 
 
 def check_turn(crank_turn_deg: float, field: str = "crank_turn_deg") -> None:

@@ -1,0 +1,146 @@
+"""The gear-shaped tool that cuts internal gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import checked
+from ..cached import cached_property
+from ..errors import DesignError
+from ..plane.curve import AbstractCurve, Moved
+from ..plane.joined import Ring
+from ..plane.primitives import Arc, Segment
+from ..plane.roulettes import Involute, inverse_involute, involute_function
+from ..plane.vec import Pose
+from ..sizes import check_sizes, quantity, rounded_down, rounded_up
+from .cutters import HelixAngle, transverse_factors
+from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
+
+
+@dataclass(frozen=True)
+class PinionCutter:
+    """An involute gear with cutting edges that cuts internal gears, lengths in modules.
+
+    `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
+    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one. With a
+    `fillet_radius` the roots of its teeth, which then are as deep as the ring's tips ask, round those tips' edges.
+    Raises DesignError where its teeth are pointed, or their tips have no room for the rounding.
+    """
+
+    teeth: int = quantity("number of the cutter's teeth", whole=True, default=24, at_least=4, at_most=1000)
+    pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
+    addendum: float = quantity(
+        "height of the cutter's teeth above its reference circle", "modules", default=1.25, above=0, at_most=5
+    )
+    tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
+    profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
+    fillet_radius: float = quantity(
+        "fillet at the root of the cutter's teeth, which rounds the ring's tips", "modules", default=0.0, at_least=0
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
+            raise DesignError(
+                "addendum",
+                f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
+                self._whole_addendum(),
+            )
+        largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
+        if self.tip_radius > largest:
+            raise DesignError(
+                "tip_radius",
+                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
+                f"give at most {rounded_down(largest)}, or a smaller addendum",
+            )
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the flanks at the reference circle, rad."""
+        return float(np.radians(self.pressure_angle_deg))
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> PinionCutter:
+        """The transverse section of a cutter of helical teeth that has these sizes square to them, as of a rack."""
+        pressure_angle, ratio, rounding = transverse_factors(self.pressure_angle, helix_angle_deg)
+        return PinionCutter(
+            self.teeth,
+            float(np.degrees(pressure_angle)),
+            self.addendum * ratio,
+            self.tip_radius * rounding,
+            self.profile_shift * ratio,
+            self.fillet_radius * rounding,
+        )
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the circle from which its flanks unwind, modules."""
+        return self.teeth / 2 * float(np.cos(self.pressure_angle))
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of its tips, modules."""
+        return self.teeth / 2 + self.addendum + self.profile_shift
+
+    @property
+    def half_angle_at_base(self) -> float:
+        """Half the angle that a tooth takes on the base circle, rad."""
+        a = np.tan(self.pressure_angle)
+        return float((np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a))
+
+    @cached_property
+    def corner(self) -> TipRounding:
+        """The rounding of its tips, modules and rad."""
+        return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
+
+    def fillet(self, root_radius: float) -> TipRounding:
+        """The fillet at its roots, modules and rad, where they reach a radius: as its tips' rounding, from outside."""
+        return tip_rounding(self.base_radius, self.half_angle_at_base, root_radius, -self.fillet_radius)
+
+    def edge(self, module: float, root_radius: float | None = None) -> Ring:
+        """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
+
+        module: mm. root_radius: of its roots, modules, which count where they have a fillet.
+        """
+        corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
+        fillet = self.fillet(root_radius) if self.fillet_radius and root_radius else None
+        begin = fillet.roll if fillet else 0.0
+        flank = Moved(Involute(module * self.base_radius, begin, corner.roll), Pose(0j, turned))
+        # Its spaces are as deep as its teeth reach out.
+        root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
+        side: list[AbstractCurve] = [flank]
+        half_land = max(0.0, np.pi / self.teeth - self.half_angle_at_base)
+        if fillet:
+            inward = 1j * np.exp(-1j * fillet.angle)
+            end, centre = complex(flank.point(begin)), module * fillet.radius * inward
+            start = centre - module * self.fillet_radius * inward
+            side.insert(0, Arc(centre, start, float(np.angle((end - centre) / (start - centre)))))
+            half_land = max(0.0, np.pi / self.teeth - fillet.angle)
+        elif 0 < root < self.base_radius:
+            start = complex(flank.point(0.0))
+            side.insert(0, Segment(start * root / self.base_radius, start))
+        if self.tip_radius:
+            towards = 1j * np.exp(-1j * max(0.0, corner.angle))
+            start, centre = complex(flank.point(corner.roll)), module * corner.radius * towards
+            side.append(Arc(centre, start, float(np.angle(towards / (start - centre)))))
+        return toothed(side, self.teeth, half_land)
+
+    def _half_angle(self, radius: float) -> float:
+        return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
+
+    def _whole_addendum(self) -> str:
+        """The addendum with which flanks begin and do not meet, in words, or else what might help."""
+        others = "other teeth or profile_shift"
+        least = self.base_radius - self.teeth / 2 - self.profile_shift
+        if self.half_angle_at_base <= 0:
+            return f"give {others}"
+        point = self.base_radius * np.hypot(1, inverse_involute(self.half_angle_at_base))
+        largest = float(point - self.teeth / 2 - self.profile_shift)
+        if largest <= max(least, 0.0) + 1e-5:
+            return f"give {others}"
+        if self.addendum <= least:
+            # A little more, for flanks of some length.
+            return f"give at least {rounded_up(least + 1e-6)} modules, or {others}"
+        return f"give at most {rounded_down(largest)} modules, or {others}"

@@ -1,0 +1,167 @@
+"""Dwell of an output: the longest way of the driver over which it stays within a band."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Positive, checked
+from ..brief import one_line
+from ..errors import DesignError
+from ..plane.vec import Real, dot
+from .motion import Motion, goes_without_turning
+
+# Places between two frames at which the output is looked at, at most, and in all. Fewer, and a dwell that ends at a
+# steep place is told short; more take longer for digits that nobody reads.
+BETWEEN, LOOKS = 16, 20_000
+# Miss of a turn's end from its start, of unit directions and in sizes, by which it still closes.
+CLOSED = 1e-9
+
+
+@dataclass(frozen=True)
+class OutputDwell:
+    """The longest dwell of a body. start, end: drives, rad or mm; low, high: rad, or mm of a body that slides.
+
+    Of a driver that turns round and round, `end` may lie beyond the last frame: the dwell goes on in the next turn.
+    """
+
+    start: float
+    end: float
+    low: float
+    high: float
+
+    __repr__ = one_line
+
+    @property
+    def range(self) -> float:
+        """The driver's way over which the output dwells, rad or mm."""
+        return self.end - self.start
+
+
+@checked
+def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
+    """The longest way of the driver over which a body's angle, or its place if it slides, stays within a band.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of one linkage, its drives rising or falling. Between frames the output is a cubic with its
+        values and slopes there.
+    output : str
+        The body.
+    band : float
+        Greatest less least value during the dwell: rad for a body that turns, mm for one that slides on the ground.
+
+    Returns
+    -------
+    OutputDwell
+        Where it begins and ends, and the output's least and greatest value there.
+
+    Raises
+    ------
+    DesignError
+        If the linkage has no such body, if the body neither turns nor slides on the ground, and for less than two
+        neighbouring frames that are reached.
+
+    Notes
+    -----
+    Derived here: of all places between the frames, the two farthest apart between which the output keeps within the
+    band.
+    """
+    drive, value, slope = motion.drive, *_output(motion, output)
+    if len(drive) and drive[-1] < drive[0]:
+        # The same positions, in the order of rising drives.
+        drive, value, slope = drive[::-1], value[::-1], slope[::-1]
+    last, turn = drive[-1] if len(drive) else np.nan, float(np.ptp(drive)) if len(drive) else np.nan
+    if motion.linkage.driven_slider is None and _comes_round(motion):
+        # A dwell may begin in one turn and end in the next.
+        drive = np.append(drive, drive[1:] + (drive[-1] - drive[0]))
+        value, slope = np.append(value, value[1:] + (value[-1] - value[0])), np.append(slope, slope[1:])
+    t, y = _between(drive, value, slope)
+    start, end = _longest(t, y, float(band))
+    if start == end:
+        raise DesignError("motion", "found no two neighbouring frames that are reached", "give drives that it reaches")
+    # On to where it leaves the band, at the end and then at the start.
+    t_end, y_end = _left_at(t, y, end, end + 1, y[start : end + 1], float(band))
+    t_start, y_start = _left_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
+    inside = np.append(y[start : end + 1], [y_start, y_end])
+    first = t_start - turn if t_start >= last else t_start
+    return OutputDwell(first, first + min(t_end - t_start, turn), float(inside.min()), float(inside.max()))
+
+
+def _output(motion: Motion, output: str) -> tuple[Real, Real]:
+    """Angle, rad, or place along its slide, mm, and the derivative by the drive."""
+    general = motion.linkage
+    if general.many:
+        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    if output not in general.bodies or output == general.ground:
+        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
+    body = motion.bodies[output]
+    if not goes_without_turning(motion, output):
+        angle = np.angle(body.direction)
+        angle[motion.closed] = np.unwrap(angle[motion.closed])
+        return angle, body.first
+    slider = next((s for s in general.sliders if {s.body, s.along} == {output, general.ground}), None)
+    if slider is None:
+        problem = f"found {output}, which moves without turning and is not guided straight by the {general.ground}"
+        raise DesignError("output", problem, "give a body that turns or slides on the ground")
+    line = motion.bodies[slider.along].direction * slider.direction * (1 if slider.body == output else -1)
+    return dot(line, body.origin.position), dot(line, body.origin.first)
+
+
+def _comes_round(motion: Motion) -> bool:
+    """Whether the frames are one turn of the driver, at the end of which the linkage is where it began."""
+    if abs(abs(motion.drive[-1] - motion.drive[0]) - 2 * np.pi) > CLOSED or not motion.closed.all():
+        return False
+    size = float(motion.linkage.size) or 1.0
+    return all(
+        abs(b.direction[-1] - b.direction[0]) + abs(b.origin.position[-1] - b.origin.position[0]) / size < CLOSED
+        for b in motion.bodies.values()
+    )
+
+
+def _between(drive: Real, value: Real, slope: Real) -> tuple[Real, Real]:
+    """Drives and values at the frames and between them, by cubics; nan where there is no value or no slope."""
+    parts = int(np.clip(LOOKS // max(1, len(drive)), 1, BETWEEN))
+    s, step = np.arange(parts) / parts, np.diff(drive)[:, None]
+    from_one = (1 + 2 * s) * (1 - s) ** 2 * value[:-1, None] + s * (1 - s) ** 2 * step * slope[:-1, None]
+    from_two = s**2 * (3 - 2 * s) * value[1:, None] - s**2 * (1 - s) * step * slope[1:, None]
+    return np.append(drive[:-1, None] + s * step, drive[-1]), np.append(from_one + from_two, value[-1])
+
+
+def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
+    """First and last of the places, farthest apart, between which values keep within a band."""
+    best, start = (0, 0), 0
+    low: deque[int] = deque()
+    high: deque[int] = deque()
+    for end, value in enumerate(y.tolist()):
+        if value != value:
+            start = end + 1
+            low.clear()
+            high.clear()
+            continue
+        while low and y[low[-1]] >= value:
+            low.pop()
+        while high and y[high[-1]] <= value:
+            high.pop()
+        low.append(end)
+        high.append(end)
+        while y[high[0]] - y[low[0]] > band:
+            start += 1
+            for queue in (low, high):
+                if queue[0] < start:
+                    queue.popleft()
+        if t[end] - t[start] > t[best[1]] - t[best[0]]:
+            best = start, end
+    return best
+
+
+def _left_at(t: Real, y: Real, inside: int, outside: int, values: Real, band: float) -> tuple[float, float]:
+    """Where between two neighbouring places the value leaves the band that the values inside leave free."""
+    if not 0 <= outside < len(t) or not np.isfinite(y[outside]):
+        return float(t[inside]), float(y[inside])
+    border = values.min() + band if y[outside] > y[inside] else values.max() - band
+    share = float(np.clip((border - y[inside]) / (y[outside] - y[inside]), 0, 1)) if y[outside] != y[inside] else 0.0
+    return float(t[inside] + share * (t[outside] - t[inside])), float(y[inside] + share * (y[outside] - y[inside]))

@@ -1,0 +1,117 @@
+"""Mechanisms and their recipes in another size: what is a length is known from the declarations of the fields."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+from collections.abc import Collection, Mapping, Sequence
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from .arguments import between, checked
+from .errors import DesignError
+
+T = TypeVar("T")
+# Beyond, no mechanism stays between the least and the greatest sizes that are calculated with.
+Scale = Annotated[float, between(1e-6, 1e6)]
+
+
+@checked
+def scaled(thing: T, scale: Scale) -> T:
+    """The same linkage or cam, or the same recipe of one, in another size.
+
+    Angles, times, masses and numbers of turns stay.
+
+    Parameters
+    ----------
+    thing : a linkage, a cam, or a recipe of either
+        Of a recipe every length of the mechanism, of its stroke and of what a goal wants is multiplied; what it is cut
+        from and held by (`stock` with its screws and motor, `base`) and `files` stay. Points and lifts that are read
+        from a file are multiplied, and then stand in the recipe itself. A slide keeps its times: its speed and its
+        acceleration are multiplied. A cam's lifts in degrees stay.
+    scale : float
+        From 1e-6 to 1e6; lengths are multiplied by it, 1/mm is divided by it, kg mm multiplied.
+
+    Returns
+    -------
+    The same type.
+
+    Raises
+    ------
+    DesignError
+        If it is nothing that can be scaled, or a length leaves its range.
+    """
+    if not getattr(thing, "can_be_scaled", False) or isinstance(thing, type):
+        raise DesignError("thing", f"found {type(thing).__name__}", "give a linkage, a cam, or a recipe of either")
+    if scale == 1:
+        return thing
+    try:
+        found: T = resized(thing, scale)
+    except DesignError as error:
+        problem = f"found {scale:g}, with which {error.field}: {error.problem}"
+        raise DesignError("scale", problem, error.remedy) from None
+    return found
+
+
+def resized(thing: Any, scale: float) -> Any:
+    """A dataclass in another size: by its own `at_scale`, where it has one, or field by field."""
+    return thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
+
+
+def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
+    """A dataclass whose fields are multiplied as their declarations say. but: names of fields that stay."""
+    hints = get_type_hints(type(thing), include_extras=True)
+    changed: dict[str, Any] = {}
+    for field in dataclasses.fields(thing):
+        value, about = getattr(thing, field.name), field.metadata
+        if value is None or field.name in but or not field.init:
+            continue
+        if "unit" in about:
+            power = _power(about["unit"])
+            changed |= {field.name: value * scale**power} if power else {}
+        elif "units" in about:
+            changed[field.name] = _rows(value, [scale ** _power(unit) for unit in about["units"]])
+        else:
+            changed[field.name] = _resized(value, hints[field.name], scale)
+    return dataclasses.replace(thing, **changed)
+
+
+def _power(unit: str) -> int:
+    """Of the length in a unit: 1 in mm, mm/s2 and kg mm, -1 in 1/mm, 0 in deg."""
+    above, _, below = unit.partition("/")
+    return sum(
+        sign * int(part[2:] or 1)
+        for sign, parts in ((1, above), (-1, below))
+        for part in parts.split()
+        if part.startswith("mm")
+    )
+
+
+def _rows(rows: Any, factors: Sequence[float]) -> Any:
+    """Rows of numbers, each multiplied by its own factor."""
+    if rows and isinstance(rows[0], (tuple, list)):
+        return tuple(_rows(row, factors) for row in rows)
+    return tuple(number * factor for number, factor in zip(rows, factors)) if rows else rows
+
+
+def _resized(value: Any, hint: Any, scale: float) -> Any:
+    """A value whose places, complex as its annotation says, are multiplied, and the dataclasses in it resized."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if dataclasses.is_dataclass(value):
+        return resized(value, scale)
+    if origin is Annotated:
+        return _resized(value, inner[0], scale)
+    if hint is complex:
+        return np.multiply(value, scale) if np.ndim(value) else value * scale
+    if origin in (Union, types.UnionType):
+        # A sign, or the place of a joint.
+        if int in inner and isinstance(value, int):
+            return value
+        return _resized(value, complex if complex in inner else inner[0], scale)
+    if isinstance(value, (tuple, list)) and inner:
+        hints = inner if origin is tuple and inner[-1] is not ... else [inner[0]] * len(value)
+        return tuple(_resized(one, of, scale) for one, of in zip(value, hints))
+    if isinstance(value, Mapping) and inner:
+        return {name: _resized(one, inner[1], scale) for name, one in value.items()}
+    return value

@@ -1,0 +1,93 @@
+"""Sizes of a linkage that a search found, as short decimal numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import degrees, floor, log10
+from typing import TypeVar
+
+from ..brief import one_line
+from ..linkage.bars import FourBar
+from ..linkage.linkage import AbstractLinkage
+from ..linkage.sliders import EllipticTrammel, SliderCrank
+
+L = TypeVar("L", bound=AbstractLinkage)
+# Share by which a number is moved away from 0 before it is rounded, so that one half way between two decimals, as
+# closed forms have them, rounds alike on every processor. Searches differ by more, and are half way by chance only.
+BESIDE_HALF = 1e-12
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """How sizes are rounded to decimals.
+
+    Parameters
+    ----------
+    share : float
+        Largest error of rounding: lengths, places and strokes as a share of `size`, angles in rad.
+    size : float
+        Longest link of the linkage, mm.
+    bounds : mapping of str to (float, float), optional
+        Least and greatest value of sizes by name; a size that is given has both alike, and keeps all its digits.
+    longer : tuple of (str, int), optional
+        A length, by name, that is so many units of its last decimal longer than rounded.
+    """
+
+    share: float
+    size: float
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    longer: tuple[str, int] = ("", 0)
+
+    __repr__ = one_line
+
+    def length(self, name: str, value: float) -> float:
+        """A length, mm."""
+        return self._within(name, value, _decimals(self.share * self.size))
+
+    def angle(self, name: str, value: float) -> float:
+        """An angle, deg."""
+        return self._within(name, value, _decimals(degrees(self.share)))
+
+    def place(self, name: str, value: complex) -> complex:
+        """A point, mm."""
+        return complex(self.length(f"{name}_x", value.real), self.length(f"{name}_y", value.imag))
+
+    def linkage(self, linkage: L) -> L:
+        """A four-bar, a slider-crank or an elliptic trammel, all its sizes rounded."""
+        sizes: dict[str, float | complex] = {
+            name: self.length(name, value) for name, value in lengths_of(linkage).items()
+        }
+        for name in ("coupler_point", "rod_point", "origin"):
+            if hasattr(linkage, name):
+                sizes[name] = self.place(name, complex(getattr(linkage, name)))
+        for name in ("ground_angle_deg", "angle_deg"):
+            if hasattr(linkage, name):
+                sizes[name] = self.angle(name, float(getattr(linkage, name)))
+        return replace(linkage, **sizes)  # type: ignore[type-var]
+
+    def _within(self, name: str, value: float, decimals: int) -> float:
+        low, high = self.bounds.get(name, (value, value))
+        if name in self.bounds and low == high:
+            return low
+        rounded = round(value * (1 + BESIDE_HALF), decimals)
+        if name == self.longer[0]:
+            rounded = round(rounded + self.longer[1] * 10.0**-decimals, decimals)
+        if name in self.bounds:
+            rounded = min(max(rounded, low), high)
+        return rounded + 0.0
+
+
+def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
+    """Lengths of a linkage's links by name, mm; of a slider-crank its offset too."""
+    names = {
+        FourBar: ("ground", "crank", "coupler", "rocker"),
+        SliderCrank: ("crank", "coupler", "offset"),
+        EllipticTrammel: ("rod",),
+    }[type(linkage)]
+    return {name: float(getattr(linkage, name)) for name in names}
+
+
+def _decimals(error: float) -> int:
+    """The fewest decimals to which rounding is off by no more than so much."""
+    return -floor(log10(2 * error))

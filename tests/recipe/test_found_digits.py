@@ -1,0 +1,192 @@
+"""Linkages that goals found are written in short decimal numbers, and what is reported is true of these."""
+
+import dataclasses
+import json
+import tomllib
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.kinds.linkage_goals import AbstractLinkageGoal
+from geomkin.recipe import to_toml
+from geomkin.synthesis import Found
+
+from .test_rocker_goals import STROKE, SWING, SWINGS, changed
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+POSES = {"kind": "body-guidance", "wanted": {"poses": [[0, 0, 0], [40, 20, 30], [60, 60, 80]]}}
+FUNCTION = {"kind": "function-generator", "wanted": {"function": "x**1.5", "x_start": 1, "x_end": 3, "input_deg": 90}}
+PLACE = {
+    "kind": "slider-function-generator",
+    "wanted": {"function": "x**1.5", "x_start": 1, "x_end": 3, "input_deg": -90, "output_mm": 40},
+}
+PATH = {
+    "kind": "path-generator",
+    "wanted": {"points": [[30, 30], [27.59, 33.63], [23.72, 36.63], [18.9, 38.62], [13.55, 39.43]], "step_deg": 15},
+    "bounds": {"origin_x": [0, 0], "origin_y": [0, 0]},
+    "limits": {"least_transmission_angle_deg": 50},
+    "search": {"seconds": 300},
+}
+GOALS = {
+    "swing": SWING,
+    "swings": SWINGS,
+    "stroke": STROKE,
+    "poses": POSES,
+    "slide": {**POSES, "wanted": {**POSES["wanted"], "type": "slider-crank"}},
+    "trammel": {**POSES, "wanted": {**POSES["wanted"], "type": "elliptic-trammel"}},
+    "function": FUNCTION,
+    "place": PLACE,
+    "path": PATH,
+}
+
+
+@cache
+def goal_of(name):
+    return gk.load(GOALS[name])
+
+
+def numbers(table):
+    for value in table.values() if isinstance(table, dict) else table:
+        if isinstance(value, dict | list):
+            yield from numbers(value)
+        elif isinstance(value, int | float):
+            yield value
+
+
+@pytest.mark.parametrize("name", GOALS)
+def test_found_recipes_have_short_numbers_that_are_within_a_millionth_of_what_was_found(name):
+    goal = goal_of(name)
+    table = tomllib.loads(to_toml(goal.design))
+    # A step of a stroke is a share of it.
+    table.get("stroke", {}).pop("step", None)
+    assert max(len(f"{abs(value)!r}".replace(".", "").strip("0")) for value in numbers(table)) <= 9
+    exact, found = goal.ranked[0], goal.found
+    assert found.lengths == pytest.approx(exact.lengths, rel=0, abs=1e-6 * exact.size)
+    assert found.linkage.origin == pytest.approx(exact.linkage.origin, abs=2e-6 * exact.size)
+    assert found.linkage.ground_angle_deg == pytest.approx(exact.linkage.ground_angle_deg, abs=1e-4)
+    assert found.linkage == goal.design.linkage
+    assert gk.load(to_toml(goal.design)) == goal.design
+
+
+def test_what_is_reported_of_the_rounded_linkage_is_what_it_does():
+    """Moved, and looked at in many frames, as the file has it."""
+    for name, output in (("swing", "rocker"), ("swings", "rocker"), ("stroke", "slider")):
+        goal = goal_of(name)
+        design = gk.load(to_toml(goal.design))
+        low, high = np.radians(goal.way)
+        motion = gk.move(design.linkage, np.linspace(low, high, 200_001), design.branch)
+        if output == "rocker":
+            swing = np.degrees(np.ptp(np.unwrap(np.angle(motion.bodies[output].direction))))
+            reported = goal.found.swing_deg if name == "swing" else abs(goal.found.rocker_swing_deg)
+        else:
+            swing, reported = np.ptp(motion.bodies[output].origin.position.real), goal.found.stroke
+        assert reported == pytest.approx(swing, rel=1e-8)
+        least = np.degrees(gk.least_transmission_angle(motion))
+        assert goal.found.transmission_angle_deg == pytest.approx(least, abs=1e-5)
+    for name in ("poses", "slide", "trammel"):
+        goal = goal_of(name)
+        point = "rod_point" if name == "trammel" else "coupler_point"
+        motion = gk.move(goal.design.linkage, goal.found.drive, goal.found.branch)
+        off = np.abs(motion.point(point).position - [complex(x, y) for x, y, _ in goal.wanted.poses])
+        assert 1e-9 < goal.found.pose_error == pytest.approx(off.max(), rel=1e-6)
+        assert goal.found.pose_error < 1e-5 * np.max(np.abs(goal.seen))
+    for name, unit in (("function", "deg"), ("place", "mm")):
+        goal = goal_of(name)
+        fine = dataclasses.replace(goal, drive=dataclasses.replace(goal.drive, step_deg=0.01))
+        largest = goal.found.summary()[f"largest_error_{unit}"]
+        assert largest == pytest.approx(np.abs(fine.table.to_columns()[f"error_{unit}"]).max(), rel=1e-5)
+    goal = goal_of("path")
+    motion = gk.move(goal.design.linkage, goal.found.drive, goal.found.branch)
+    off = np.abs(motion.point("coupler_point").position - goal.wanted.places)
+    assert goal.found.largest_distance == pytest.approx(off.max(), rel=1e-9)
+    assert goal.found.square_error == pytest.approx(np.sum(off**2), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", GOALS)
+def test_noise_of_a_processor_does_not_reach_what_is_written(name):
+    goal = goal_of(name)
+    rng = np.random.default_rng(7)
+    for _ in range(5):
+        sizes = {
+            name: getattr(goal.ranked[0].linkage, name) * (1 + 1e-11 * rng.uniform(-1, 1))
+            for name in (*goal.ranked[0].lengths, "ground_angle_deg", "origin")
+        }
+        noisy = dataclasses.replace(
+            goal.ranked[0],
+            linkage=dataclasses.replace(goal.ranked[0].linkage, **sizes),
+            drive=goal.ranked[0].drive + 1e-11 * rng.uniform(-1, 1, goal.ranked[0].drive.shape),
+        )
+        assert goal.shortened(noisy).linkage == goal.design.linkage
+        assert goal.shortened(noisy).summary() == goal.found.summary()
+
+
+def test_limits_that_a_search_stands_on_are_kept_by_the_rounded_linkage():
+    path, function = goal_of("path"), goal_of("function")
+    assert path.ranked[0].at_limits and 50 - 1e-9 <= path.found.transmission_angle_deg < 50.001
+    assert function.found.transmission_angle_deg >= 40 - 1e-9
+    for largest in (3.3, 4.0, 5.7, 10 / 3):
+        goal = gk.load(changed(SWING, crank_turn_deg=180, ground=None, crank=30, largest_ratio=largest))
+        assert goal.found.ratio == pytest.approx(largest, rel=1e-5) and goal.found.ratio <= largest * (1 + 1e-9)
+        assert all(check.passed for check in goal.met)
+
+
+def test_given_sizes_keep_all_their_digits():
+    assert gk.load(changed(SWING, ground=100 / 3)).found.linkage.ground == 100 / 3
+    assert gk.load(changed(STROKE, coupler=1e3 / 7)).found.linkage.coupler == 1e3 / 7
+    goal = gk.load({**FUNCTION, "wanted": {**FUNCTION["wanted"], "ground": 100 / 3, "input_start_deg": 100 / 7}})
+    assert goal.found.linkage.ground == 100 / 3 and goal.found.starts_deg[0] == 100 / 7
+
+
+class Plain(AbstractLinkageGoal[Found]):
+    """A goal with nothing to check."""
+
+    size_bounds, search_limits = {}, (0.0, np.inf)
+    ranked, design = (), None
+
+    def met_by(self, found):
+        return ()
+
+
+@pytest.mark.parametrize("spare", [0.0, 3e-7, -3e-7])
+def test_the_grashof_type_stays(spare):
+    """Irrational lengths of a change point, and of linkages that are one by less than the first rounding."""
+    lengths = np.array([100.0, 100 / np.pi, 80.0]) * np.sqrt(2)
+    for rocker in (lengths[0] - lengths[1] + lengths[2] + spare, lengths[0] + lengths[1] - lengths[2] + spare):
+        linkage = gk.FourBar(*lengths.tolist(), rocker)
+        found = Found(linkage=linkage, branch=1, drive=np.array([0.5, 1.0]), transmission_angle_deg=30.0)
+        rounded = Plain().shortened(found)
+        assert gk.linkage.grashof_type(rounded.linkage) == gk.linkage.grashof_type(linkage)
+        assert rounded.lengths == pytest.approx(found.lengths, rel=0, abs=4e-6 * found.size)
+
+
+def test_the_bound_of_the_links_is_named_where_it_keeps_the_angle_low():
+    """Crank-rockers of ratio 1: six times the shortest does not reach 40 deg at 99 deg, nothing does at 101 deg."""
+    advice = {}
+    for swing in (90, 99, 101):
+        goal = gk.load(changed(SWING, swing_deg=swing, crank_turn_deg=None))
+        checks = {check.name: check for check in goal.judged}
+        advice[swing] = checks["least transmission angle"].advice
+        assert checks["least transmission angle"].passed == (swing == 90)
+        bound = checks["longest link over the shortest"]
+        assert bound.passed and bound.limit == 6 and bound.value == pytest.approx(6, rel=1e-5)
+        angles = [one["transmission_angle_deg"] for one in goal.notes["family"]["trade_off"]]
+        assert angles == sorted(angles) and angles[-1] < 90 - swing / 2
+    assert "largest_ratio = 6" in advice[99] and "40.5 deg" in advice[99]
+    assert "largest_ratio" not in advice[101] and "39.5 deg" in advice[101] and "swing_deg" in advice[101]
+
+
+def test_a_link_that_is_too_short_for_its_pins_is_refused_by_the_key_that_sets_it(tmp_path):
+    wish = changed(SWING, swing_deg=90, crank_turn_deg=None, ground=20)
+    with pytest.raises(gk.RecipeError, match="wanted.ground: the crank that was found is 3.333") as caught:
+        gk.make(wish, tmp_path)
+    assert "largest_ratio below 6" in str(caught.value)
+    assert gk.make(changed(wish, ground=100), tmp_path).files
+
+
+def test_summaries_list_what_choosing_makes(tmp_path):
+    gk.make(SWING, tmp_path, only=["csv"])
+    told = json.loads((tmp_path / "crank-rocker" / "summary.json").read_text())
+    assert told["ranked"][2] == gk.load(SWING | {"choose": 3}).found.summary()

@@ -1,0 +1,88 @@
+"""What a recipe of a linkage tells when asked: both assembly modes, a dwell, Grashof's sums, cognates one by one."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from tests.texts import parse
+
+FOUR_BAR = """
+kind = "four-bar"
+both_modes = true
+[linkage]
+ground = 100
+crank = 30
+coupler = 90
+rocker = 70
+coupler_point = [40, 25]
+[drive]
+step_deg = 10
+[dwell]
+band = 2
+"""
+
+
+def test_both_modes_stand_in_the_table() -> None:
+    recipe = parse(FOUR_BAR)
+    mirrored = gk.move(recipe.linkage, np.radians(np.arange(0, 361, 10)), -1, recipe.drive.speed)
+    point = mirrored.point("coupler_point")
+    told = recipe.table
+    np.testing.assert_allclose(told["other_coupler_point_x"], point.position.real, rtol=1e-12)
+    np.testing.assert_allclose(told["other_coupler_point_velocity_y"], point.velocity.imag, rtol=1e-9)
+    np.testing.assert_allclose(told["other_rocker_omega"], mirrored.rocker.omega, rtol=1e-9)
+    assert set(told["rocker_pin_branch"]) == {1} and set(told["other_rocker_pin_branch"]) == {-1}
+    least = np.degrees(gk.least_transmission_angle(mirrored))
+    assert recipe.notes["other_mode"]["least_transmission_angle_deg"] == pytest.approx(least, rel=1e-9)
+    assert recipe.notes["other_mode"]["driver_reaches_deg"] == [[0.0, 360.0]]
+    assert recipe.scene is not None and len(recipe.scene.others) == 1
+
+
+def test_one_mode_is_the_rule() -> None:
+    recipe = parse(FOUR_BAR.replace("both_modes = true", ""))
+    assert not [c.name for c in recipe.table.columns if c.name.startswith("other_")]
+    assert "other_mode" not in recipe.notes
+
+
+def test_there_may_be_no_other_mode() -> None:
+    yoke = 'kind = "scotch-yoke"\nboth_modes = true\n[linkage]\ncrank = 20\nguide = 40'
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(yoke)
+    assert [problem.key for problem in caught.value.problems] == ["both_modes"]
+
+
+def test_the_dwell_and_grashof_s_sums_are_in_the_summary(tmp_path) -> None:
+    notes = parse(FOUR_BAR).notes
+    dwell = notes["dwell"]
+    assert dwell["output"] == "rocker" and dwell["band_deg"] == 2
+    assert dwell["driver_range_deg"] == pytest.approx(dwell["to_deg"] - dwell["from_deg"])
+    drive = np.radians(np.linspace(dwell["from_deg"], dwell["to_deg"], 500))
+    angle = np.degrees(np.angle(gk.move(parse(FOUR_BAR).linkage, drive).rocker.direction))
+    assert np.ptp(angle) == pytest.approx(2, abs=5e-3)
+    assert (angle.min(), angle.max()) == pytest.approx((dwell["least_deg"], dwell["greatest_deg"]), abs=5e-3)
+    assert notes["grashof"] == {
+        "shortest": "crank", "longest": "ground", "shortest_and_longest_mm": 130, "other_two_mm": 160,
+    }  # fmt: skip
+
+
+def test_a_slide_dwells_in_mm() -> None:
+    text = 'kind = "slider-crank"\n[dwell]\nband = 0.5\n[linkage]\ncrank = 30\ncoupler = 90'
+    dwell = parse(text).notes["dwell"]
+    assert dwell["output"] == "slider" and dwell["band_mm"] == 0.5
+    assert dwell["greatest_mm"] - dwell["least_mm"] == pytest.approx(0.5, abs=1e-6)
+    with pytest.raises(gk.RecipeError) as caught:
+        parse(text.replace("band = 0.5", 'band = 0.5\noutput = "rocker"'))
+    assert [problem.key for problem in caught.value.problems] == ["dwell.output"]
+
+
+def test_each_cognate_is_shown_by_itself() -> None:
+    recipe = gk.load({
+        "kind": "cognates", "drive": {"step_deg": 30},
+        "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [50, 45]},
+    })  # fmt: skip
+    trails = [next(mark.place for mark in scene.marks if mark.trail) for scene in recipe.scene.others.values()]
+    figure = next(mark.place for mark in recipe.scene.marks if mark.label == "coupler_point" and mark.trail)
+    assert len(trails) == 3
+    for trail in trails:
+        np.testing.assert_allclose(trail, figure, atol=1e-6)
+    drawings = {part.name: part for part in recipe.parts if part.name.endswith("drawing")}
+    assert set(drawings) == {"given_drawing", "left_drawing", "right_drawing", "drawing"}

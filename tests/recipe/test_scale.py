@@ -1,0 +1,235 @@
+"""The key `scale` and `gk.scaled`: every length of a mechanism and of a goal's wishes, and nothing else."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.kinds import KINDS
+from geomkin.recipe.load import adapter
+from geomkin.recipe.recipe import UNSCALED
+from tests.texts import choices_of, parse, schema_of_all, template_of
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+SCALED = [name for name in KINDS if KINDS[name].can_be_scaled]
+BAR = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
+BIG = 1.5
+# Lengths to which power a column's unit has them; forces of the same masses are m a.
+POWER = {"mm": 1, "mm/s": 1, "mm/s2": 1, "mm/s3": 1, "N": 1, "1/mm": -1}
+# Columns that a table has no unit for, as the polygons' own.
+SIZES = {"polygons": {"size"}}
+
+
+def gallery(name):
+    return tomllib.loads((RECIPES / f"{name}.toml").read_text())
+
+
+def test_linkages_and_cams_take_it_and_gears_do_not():
+    assert set(KINDS) - set(SCALED) == {
+        name for name in KINDS if "gear" in name or name in ("rack-and-pinion", "planetary")
+    }
+    defined = schema_of_all()["$defs"]
+    for name in KINDS:
+        held = template_of(name)
+        assert ("# scale = 1 " in held) == (name in SCALED)
+        assert ("scale" in defined[KINDS[name].__name__]["properties"]) == (name in SCALED)
+        if name in SCALED:
+            assert parse(held.replace("# scale = 1 ", "scale = 1 ")) == parse(held)
+    with pytest.raises(gk.RecipeError, match="scale"):
+        parse("scale = 2\n" + template_of("spur-gear"))
+
+
+# No search, and the others that do not take long.
+ALIKE = (
+    "crank-rocker", "slider-crank", "slider-crank-by-slider", "watt-six-bar", "stephenson-dwell", "shaper", "whitworth",
+    "elliptic-trammel", "scotch-yoke", "oldham-coupling", "sieve", "lift-table", "parallelogram", "coupler-atlas",
+    "inflection-circle", "centrodes", "shaking-force", "roller-cam", "flat-cam", "rocker-cam", "undercut-cam",
+    "polygons", "walking-leg",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ALIKE)
+def test_a_scaled_mechanism_moves_as_a_similar_one(name):
+    """Every column of the table, by its unit: lengths and their rates are multiplied, angles and times stay."""
+    data = gallery(name)
+    one, big = gk.load(data), gk.load(data | {"scale": BIG})
+    assert [c.name for c in one.table.columns] == [c.name for c in big.table.columns]
+    for before, after in zip(one.table.columns, big.table.columns):
+        if before.values.dtype.kind not in "fiu":
+            assert list(before.values) == list(after.values)
+            continue
+        power = 1 if before.name in SIZES.get(data["kind"], ()) else POWER.get(before.unit, 0)
+        if "coefficient" in before.name or "advantage" in before.name:
+            continue
+        values, wanted = np.asarray(after.values, float), np.asarray(before.values, float) * BIG**power
+        assert before.unit == after.unit
+        size = np.nanmax(np.abs(wanted), initial=0.0)
+        assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.name
+
+
+@pytest.mark.parametrize("name", SCALED)
+def test_stock_and_files_stay_and_no_scale_is_written(name):
+    text = template_of(name)
+    one, big = parse(text), parse("scale = 2.5\n" + text)
+    for table in UNSCALED:
+        assert getattr(one, table, None) == getattr(big, table, None)
+    assert one != big and gk.scaled(one, 2.5) == big
+    written = gk.recipe.to_toml(big)
+    assert "scale" not in tomllib.loads(written) and gk.load(tomllib.loads(written)) == big
+    # Back again.
+    back = gk.scaled(big, 0.4)
+    assert type(back) is type(one)
+
+
+def lengths_of(thing, path=""):
+    """Numbers of a recipe, as its text has them, by dotted key."""
+    if isinstance(thing, dict):
+        for key, value in thing.items():
+            yield from lengths_of(value, f"{path}.{key}")
+    elif isinstance(thing, list):
+        for k, value in enumerate(thing):
+            yield from lengths_of(value, f"{path}[{k}]")
+    elif isinstance(thing, (int, float)) and not isinstance(thing, bool):
+        yield path, thing
+
+
+# What keys say that are no lengths, by hand: nothing of this is read from the declarations.
+PLAIN = (
+    "deg", "rpm", "rad", "branch", "choose", "seed", "seconds", "ratio", "rows", "columns", "chosen", "degree", "decimals",
+    "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
+    "intervals", "jerk_limit",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCALED)
+def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
+    """By the names of keys: a number whose key says no other unit is a length."""
+    wishes = [key for key, kinds in choices_of(name).items() if list(kinds) == [""] and key not in UNSCALED]
+    wishes = [key for key in wishes if not key.startswith(("stock", "base", "copies", "follower"))]
+    for text in {template_of(name), template_of(name, wishes)}:
+        held = tomllib.loads(text)
+        for key in ("stock", "base", "files"):
+            held.pop(key, None)
+        small, big = (
+            adapter(KINDS[name]).dump_python(gk.load(held | more), mode="json") for more in ({}, {"scale": 2})
+        )
+        before, after = dict(lengths_of(small)), dict(lengths_of(big))
+        assert set(before) == set(after)
+        for key, value in before.items():
+            end = key.rpartition(".")[2]
+            if key.startswith((".stock", ".base", ".files")):
+                assert after[key] == value
+            elif name in ("body-guidance", "burmester-curves") and ".poses[" in key:
+                assert after[key] == (value if key.endswith("[2]") else 2 * value), key
+            elif key.startswith(".wanted.points[") or not any(
+                end.endswith(word) or end.startswith(f"{word}[") or word in end.split("_") or key.endswith(word)
+                for word in PLAIN
+            ):
+                if end in ("position", "speed", "acceleration") and name == "polygons":
+                    assert after[key] == value
+                else:
+                    assert after[key] == pytest.approx(2 * value), key
+            else:
+                assert after[key] == value, key
+
+
+@pytest.mark.parametrize("name", ["wiper", "double-rocker", "pump-stroke", "poses-by-slider", "square-root-slide"])
+def test_a_goal_finds_the_similar_linkage(name):
+    data = gallery(name)
+    one, big = gk.load(data), gk.load(data | {"scale": BIG})
+    for field in dataclasses.fields(one.design.linkage):
+        before, after = (getattr(recipe.design.linkage, field.name) for recipe in (one, big))
+        if isinstance(before, (float, complex)):
+            factor = 1 if field.name.endswith("_deg") else BIG
+            assert after == pytest.approx(factor * before, rel=1e-4, abs=1e-4), field.name
+    written = tomllib.loads(gk.recipe.to_toml(big.design))
+    assert "scale" not in written
+
+
+def test_points_and_lifts_of_files_are_multiplied(tmp_path):
+    (tmp_path / "path.csv").write_text("x,y\n0,0\n10,5\n20,0\n15,-8\n")
+    wanted = 'kind = "path-generator"\nscale = 3\n[wanted]\nfile = "path.csv"\n'
+    path = parse(wanted, folder=tmp_path).wanted
+    assert path.places == pytest.approx([0, 30 + 15j, 60, 45 - 24j]) and path.file is None
+    svg = parse('kind = "path-generator"\nscale = 3\n[wanted]\nsvg = "M 0 0 L 10 0"\ncount = 3\n').wanted
+    assert svg.places == pytest.approx([0, 15, 30])
+    rows = [(120 + 5 * k, 10 - 10 * np.cos(np.pi * k / 24)) for k in range(25)]
+    text = "\n".join(["cam_angle_deg,lift_mm", *(f"{x},{lift:.3f}" for x, lift in rows)])
+    (tmp_path / "lift.csv").write_text(text)
+    cam = (
+        'kind = "disk-cam"\n[cam]\nbase_radius = 40\n[cam.follower]\nkind = "translating-roller"\nroller_radius = 8\n'
+        '[[cam.program]]\nkind = "dwell"\nend_deg = 120\n[[cam.program]]\nkind = "table"\nfile = "lift.csv"\ndecimals = 3\n'
+        '[[cam.program]]\nkind = "return"\nlaw = "cycloidal"\nend_deg = 360\n'
+    )
+    one, big = parse(cam, folder=tmp_path), parse("scale = 2\n" + cam, folder=tmp_path)
+    angles = np.linspace(0, 2 * np.pi, 721)
+    before, after = (recipe.cam.program.motion(angles) for recipe in (one, big))
+    for name in ("lift", "velocity", "acceleration"):
+        wanted = 2 * getattr(before, name)
+        assert getattr(after, name) == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
+    table = big.cam.program.segments[1]
+    assert table.file is None and table.within == pytest.approx(2 * 0.75e-3)
+    assert parse(gk.recipe.to_toml(big)) == big
+
+
+def test_an_arm_keeps_its_lifts():
+    recipe = gk.load(gallery("rocker-cam"))
+    big = gk.scaled(recipe, 2)
+    angles = np.linspace(0, 6, 50)
+    assert big.cam.program.motion(angles).lift == pytest.approx(recipe.cam.program.motion(angles).lift)
+    assert big.cam.base_radius == 2 * recipe.cam.base_radius
+
+
+def test_types_are_scaled_with_arrays_and_places_on_the_x_axis():
+    many = gk.scaled(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70, coupler_point=40), 0.5)
+    assert many.crank == pytest.approx([10, 15]) and many.coupler_point == 20 and many.driver == "crank"
+    linkage = gk.Linkage(
+        {"ground": {"O": 0, "C": 100}, "crank": {"O": 0, "A": 30j}, "coupler": {"A": 0, "B": 90}, "rocker": {"C": 0, "B": 70}},
+        "crank", origin=5, estimate={"B": 90 + 60j},
+    )  # fmt: skip
+    big = gk.scaled(linkage, 2)
+    assert big.bodies["ground"] == {"O": 0, "C": 200} and big.bodies["crank"]["A"] == 60j
+    assert big.origin == 10 and big.estimate["B"] == 180 + 120j
+    slider = gk.scaled(gk.SliderCrank(30, 90, 10).linkage, 3)
+    assert slider.size == pytest.approx(3 * gk.SliderCrank(30, 90, 10).linkage.size)
+    six = gk.scaled(gk.load(gallery("watt-six-bar")).linkage, 2)
+    assert six.four_bar.ground == 2 * gk.load(gallery("watt-six-bar")).linkage.four_bar.ground
+
+
+def test_a_branch_by_place_and_a_sliding_driver_go_with_it():
+    data = {"kind": "four-bar", "linkage": BAR, "branches": {"rocker_pin": [60, 60]}}
+    assert gk.load(data | {"scale": 2}).branches == {"rocker_pin": 120 + 120j}
+    assert gk.load(data | {"branches": {"rocker_pin": -1}, "scale": 2}).branches == {"rocker_pin": -1}
+    slide = gallery("slider-crank-by-slider")
+    one, big = gk.load(slide), gk.load(slide | {"scale": 2})
+    assert big.stroke.speed == 2 * one.stroke.speed and len(big.way.frames) == len(one.way.frames)
+    assert big.table["time"] == pytest.approx(one.table["time"])
+
+
+@pytest.mark.parametrize("scale", [0, -1, 1e7, float("nan"), True, "2", [2]])
+def test_a_scale_that_is_none_is_refused(scale):
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load({"kind": "four-bar", "linkage": BAR, "scale": scale})
+    (problem,) = caught.value.problems
+    assert problem.key == "scale"
+
+
+def test_what_leaves_its_range_and_what_is_no_linkage_or_cam_is_refused():
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load({"kind": "four-bar", "linkage": BAR | {"ground": 1e6, "coupler": 1e6}, "scale": 1e5})
+    assert caught.value.problems[0].key == "scale"
+    for thing in (gk.SpurGear(20, 2), gk.FourBar, 3, gk.load(gallery("gear-pair"))):
+        with pytest.raises(gk.DesignError) as refused:
+            gk.scaled(thing, 2)
+        assert refused.value.field == "thing"
+
+
+def test_tables_of_stock_are_all_known_by_name():
+    """What is declared in `shop` is cut from and held by: no recipe that can be scaled has it under another name."""
+    for name in SCALED:
+        recipe = parse(template_of(name))
+        held = {f.name: type(getattr(recipe, f.name)).__module__ for f in dataclasses.fields(recipe)}
+        assert {key for key, home in held.items() if home.startswith("geomkin.shop")} <= set(UNSCALED)

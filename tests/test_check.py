@@ -1,0 +1,107 @@
+"""Checks: values beside their limits, and failures that a recipe expects."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.commands import cli
+from geomkin.export.sections import checks as rows_of
+from geomkin.export.sections import number, verdict
+from tests.export.test_page import job_of, turning
+
+CLOSE = [
+    (39.99996, "at least", 40.0),
+    (39.99999999999999, "at least", 40.0),
+    (0.0500000001, "at most", 0.05),
+    (12345.6, "at most", 12345.4),
+    (9999.99, "at least", 1e4),
+    (1e7, "at most", 9999999.0),
+    (-1e-12, "at least", 0.0),
+    (2.5e-7, "at most", 2.4999999e-7),
+]
+
+
+def numbers(text):
+    plain = text.replace("\N{MINUS SIGN}", "-").replace(",", "")
+    return [float(found) for found in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", plain)]
+
+
+@pytest.mark.parametrize(("value", "side", "limit"), CLOSE)
+def test_a_value_that_fails_is_shown_apart_from_its_limit(value, side, limit):
+    check = gk.Check("gap", value, side, limit, "mm")
+    told, held = (cell for cell in re.findall(r"<td>([^<]*\d[^<]*)</td>", rows_of(job_of(turning(), checks=(check,)))))
+    for pair in (numbers(str(check)), numbers(repr(check)), [*numbers(told), *numbers(held)]):
+        shown, bound = pair
+        assert (shown < bound) == (value < limit) and shown != bound
+        assert shown == pytest.approx(value, rel=5e-3, abs=0)
+
+
+def test_what_holds_is_shown_to_few_digits():
+    assert numbers(str(gk.Check("gap", 40 + 1e-12, "at least", 40.0, "mm"))) == [40]
+
+
+def test_numbers_keep_as_many_digits_as_are_asked_for():
+    random = np.random.default_rng(2)
+    for value in [*10 ** random.uniform(-6, 9, 200), 9999.96, 99999.7, 9999999.6, 1e4]:
+        for digits in range(4, 15):
+            for sign in (1, -1):
+                assert numbers(number(sign * value, digits)) == [
+                    pytest.approx(sign * value, rel=0.51 * 10 ** (1 - digits))
+                ]
+
+
+FAILING = """kind = "four-bar"
+[linkage]
+ground = 80
+crank = 30
+coupler = 80
+rocker = 30
+[expected_failures]
+"{}" = "{}"
+"""
+
+
+def test_an_expected_failure_is_still_one_and_is_marked(tmp_path):
+    recipe = gk.load(FAILING.format("least transmission angle", "it lies in line"))
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
+    (failed,) = (check for check in recipe.checks if not check.passed)
+    assert failed.name == "least transmission angle" and failed.expected == "it lies in line"
+    gk.make(recipe, tmp_path, ["page"])
+    summary = json.loads((tmp_path / "four-bar" / "summary.json").read_text())
+    expected = {
+        entry["name"]: (entry["passed"], entry["expected"]) for entry in summary["checks"] if "expected" in entry
+    }
+    assert expected == {failed.name: (False, "it lies in line")}
+    (row,) = re.findall(r'<tr class="fails">.*?</tr>', (tmp_path / "four-bar" / "four-bar.html").read_text())
+    assert "it lies in line" in row and "expected" in row
+    assert "it lies in line" in verdict(recipe.checks)
+
+
+def test_a_failure_that_nobody_expects_comes_first():
+    meant, other = gk.Check("a", 1, "at least", 2, expected="so"), gk.Check("b", 1, "at least", 2)
+    rows = rows_of(job_of(turning(), checks=(meant, other)))
+    assert re.findall(r'<th scope="row">(.)</th>', rows) == ["B", "A"] and "b 1," in verdict((meant, other))
+
+
+@pytest.mark.parametrize("name", ["least transmission angle", "no check of it"])
+def test_a_reason_is_no_markup_and_reaches_a_terminal_as_plain_text(name, tmp_path):
+    (tmp_path / "a.toml").write_text(FAILING.format(name, r"<b>\u001b[31m\u202e"))
+    gk.make(tmp_path / "a.toml", tmp_path, ["page"])
+    page = (tmp_path / "a" / "a.html").read_text()
+    assert (
+        "<b>" not in page.partition("<body>")[2].partition("<script")[0] and "\x1b" not in page and "\u202e" not in page
+    )
+    said = CliRunner().invoke(cli, ["check", str(tmp_path / "a.toml")]).output
+    assert "FAIL  least transmission angle" in said and not set(said) & {"\x1b", "\u202e"}
+    assert ("<b>" in said) == (name == "least transmission angle")
+
+
+@pytest.mark.parametrize("given", ["true", "[1]", '{ "least transmission angle" = 3 }'])
+def test_other_than_a_table_of_reasons_is_refused_by_its_key(given):
+    with pytest.raises(gk.RecipeError) as refusal:
+        gk.load(f'expected_failures = {given}\nkind = "spur-gear"\ngear = {{ teeth = 20, module = 2 }}\n')
+    assert all(problem.key.startswith("expected_failures") for problem in refusal.value.problems)
