@@ -80,8 +80,9 @@ class RackCutter:
         """The transverse section of a rack that cuts helical teeth, and has these sizes square to the teeth.
 
         Heights stay as they are in mm, widths grow. The ellipses that the roundings become count as circles that leave
-        the flanks at the same height, so that form radius and undercut are exact (derived here). helix_angle_deg: of
-        the teeth at the pitch circle, 0 to 45 deg.
+        the flanks at the same height, so that form radius and undercut are exact; of the ISO 53 rack's rounding they
+        are 0.002, 0.007 and 0.016 modules off at most, at 15, 30 and 45 deg (derived here). helix_angle_deg: of the
+        teeth at the pitch circle, 0 to 45 deg.
         """
         pressure_angle, ratio, rounding = transverse_factors(self.pressure_angle, helix_angle_deg)
         return RackCutter(

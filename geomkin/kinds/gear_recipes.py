@@ -45,9 +45,8 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """What recipes of involute gears have in common."""
 
     advice: ClassVar[str] = (
-        "If teeth lie on helices, sizes are those of the transverse section, square to the axis, which drawings show; "
-        'with section = "normal", modules, diametral pitches, pressure angles, profile shifts and heights are those '
-        "square to the teeth, as in catalogues."
+        "If teeth lie on helices, sizes are those of the section across the axis, which drawings show; with the "
+        "normal section, modules, pressure angles, profile shifts and heights are those square to the teeth."
     )
 
     kind: str
