@@ -260,6 +260,8 @@ export class Drawing {
           .map(([side, down]) => at(mark, 0, side, down)));
       }
     }
+    // What was asked for displaces what is always shown.
+    this.named.all.sort((a, b) => OFF.includes(b.role) - OFF.includes(a.role));
   }
 
   // Across and up, mm, of what is on.
