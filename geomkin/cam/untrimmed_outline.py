@@ -99,7 +99,7 @@ class UntrimmedOutline:
         return 2 * k + (angle - first) / (last - first)
 
     def last_bit(self, t: Real) -> Real:
-        """What rounding moves parameters by: that of their own, or of the cam angles, which a short piece sees large."""
+        """What rounding moves parameters by: that of their own or, on a short piece, that of the cam angles."""
         ends = np.array([piece.breaks[[0, -1]] for piece in self.pieces])
         own = np.abs(ends).max(axis=1) / np.diff(ends, axis=1)[:, 0]
         piece = np.clip(t.astype(int), 0, len(self.pieces) - 1)
