@@ -176,8 +176,10 @@ class _Tracing:
                 following[np.maximum(chords - beside, 0)],
                 following[np.minimum(chords + beside + 1, len(self.grid))],
             )
-            found = crossings(self.raw.curve, self.pairs[which], low, high)
+            start = self.pairs[which]
+            found = crossings(self.raw.curve, start, low, high, self.raw.last_bit(start))
             settled = np.isfinite(found[:, 0])
+            settled[settled] = ~self.raw.touches(found[settled])
             self.pairs[which[settled]] = found[settled]
             which = which[~settled]
         # What is found nowhere was none; neighbouring chords may have led to the same crossing: it is kept once.

@@ -22,7 +22,7 @@ APART = 5e-10
 CHORDS, CHORDS_PER_SEGMENT = 4096, 64
 # Share of the curve's size by which a chord may miss the curve; where it misses by more it is halved, so often at most.
 # Larger loses crossings of steep short segments, whose contact runs far in a small cam angle; smaller takes longer.
-MISS, HALVINGS = 2e-7, 16
+MISS, HALVINGS = 1e-7, 16
 # Newton's steps before a crossing of chords is taken for no crossing of the curve. Where branches cross at an angle
 # six are enough; where they touch each step only halves the gap, and fewer would lose that crossing.
 STEPS = 60
@@ -32,6 +32,9 @@ BITS = 4
 # Share of the curve's size from which a loop is one: less is a single place that rounding found twice. A smaller share
 # takes rounding at joints for crossings, a larger one loses loops that can be found.
 ONE_PLACE = 3e-11
+# Width, as a share of the reach, below which two pieces that meet enclose nothing. Less takes rounding for crossings,
+# more loses slivers that nobody sees.
+THIN = 1e-11
 # Pairs of chords looked at in one go: more takes more memory; fewer than a thousand take longer.
 BLOCK = 1_000_000
 
@@ -95,6 +98,31 @@ class UntrimmedOutline:
         first, last = map(float, self.pieces[2 * k].breaks[[0, -1]])
         return 2 * k + (angle - first) / (last - first)
 
+    def last_bit(self, t: Real) -> Real:
+        """What rounding moves parameters by: that of their own or, on a short piece, that of the cam angles."""
+        ends = np.array([piece.breaks[[0, -1]] for piece in self.pieces])
+        own = np.abs(ends).max(axis=1) / np.diff(ends, axis=1)[:, 0]
+        piece = np.clip(t.astype(int), 0, len(self.pieces) - 1)
+        return np.asarray(np.finfo(float).eps * np.maximum(np.abs(t), own[piece]))
+
+    def touches(self, pairs: Real) -> Mask:
+        """Which pairs of parameters (n, 2) are of a piece and the next where these only touch, at their common end.
+
+        There the follower's surface is tangent to the profile, so that both are in one place to rounding for some way,
+        and enclose nothing; where they cross, they do.
+        """
+        whole, share = len(self.pieces), np.linspace(0, 1, 17)
+        way = pairs[:, 1] - pairs[:, 0]
+        way -= whole * np.rint(way / whole)
+        low = np.where(way > 0, pairs[:, 0], pairs[:, 1])[:, None]
+        high = low + np.abs(way)[:, None]
+        tip = np.floor(high)
+        t = np.concatenate([low + (tip - low) * share, tip + (high - tip) * share[1:]], axis=1)
+        z = self.curve.point(np.mod(t, whole))
+        z = z - z[:, :1]
+        enclosed = np.abs(cross(z[:, :-1], z[:, 1:]).sum(axis=1)) / 2
+        return np.asarray((np.floor(low) == tip - 1)[:, 0] & (enclosed <= THIN * self.reach * np.abs(z).max(axis=1)))
+
     def between(self, start: float, end: float) -> list[AbstractCurve]:
         """The curves between two parameters."""
         parts: list[AbstractCurve] = []
@@ -129,10 +157,11 @@ def _joint(cam: Cam, angle: float, before: complex, after: complex) -> AbstractC
     return cam.follower.joint(Pose(to_cam * on_ground.origin, to_cam * on_ground.direction), before, after)
 
 
-def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
+def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real, bit: Real | None = None) -> Real:
     """Parameters (n, 2) at which a closed curve is in the same place, near `start` (n, 2), between `low` and `high`.
 
-    nan where there are none: where chords cross, the curve itself may pass by.
+    bit: what rounding moves the parameters by, (n, 2); unless given, their own last bit. nan where there are none:
+    where chords cross, the curve itself may pass by.
     """
     first, last = curve.breaks[[0, -1]].tolist()
     size = float(np.abs(curve.point(np.linspace(first, last, 65))).max())
@@ -140,11 +169,12 @@ def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real) -> Real:
     # Where a curve runs fast, the last bit of its parameter alone is more than that.
     close = np.full(len(start), 1e-12 * size)
     live, t = np.arange(len(start)), best
+    bit = np.finfo(float).eps * np.abs(best) if bit is None else bit
     for _ in range(STEPS):
         apart, v = np.subtract(*curve.point(t).T), curve.velocity(t)
         nearer = np.abs(apart) < least[live]
         least[live[nearer]], best[live[nearer]] = np.abs(apart[nearer]), t[nearer]
-        close[live] = np.maximum(1e-12 * size, BITS * np.finfo(float).eps * np.abs(t * v).max(axis=1))
+        close[live] = np.maximum(1e-12 * size, BITS * (bit[live] * np.abs(v)).max(axis=1))
         turned = cross(v[:, 0], v[:, 1])
         # At its limit Newton's step is rounding, and brings nothing nearer.
         going = (turned != 0) & (nearer | (least[live] > close[live]))

@@ -138,9 +138,9 @@ def waves(count, follower, law="cycloidal"):
 def test_only_crossings_along_the_outline_are_settled(monkeypatch, follower, count):
     asked = []
 
-    def counted(curve, start, low, high):
+    def counted(curve, start, *more):
         asked.append(len(start))
-        return crossings(curve, start, low, high)
+        return crossings(curve, start, *more)
 
     monkeypatch.setattr(tracing, "crossings", counted)
     cut = undercut(waves(count, follower))
