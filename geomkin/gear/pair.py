@@ -278,7 +278,8 @@ class GearPair:
         jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
         if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
             most = f"from {rounded_up(self._base_distance)} to {rounded_down(tight)} mm"
-            least = f"at least {rounded_up(tight)} mm"
+            # Rounding of the last bits must not cost a digit.
+            least = f"at least {rounded_up(tight * (1 - 1e-12))} mm"
             raise DesignError(
                 "centre_distance",
                 f"found {self.centre_distance:g} mm, at which the teeth jam",

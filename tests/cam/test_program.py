@@ -408,7 +408,7 @@ UP = {"rise": 3, "end_deg": 100}
         ([gk.Rise("cycloidal", **UP, rise_deg=3), BACK], "[0].rise", "both"),
         ([gk.Rise("cycloidal", **UP), gk.Return("harmonic", 1, end_deg=200, end_lift_deg=1)], "[1].end_lift", "both"),
         ([gk.Rise("cycloidal", **UP, rise_deg=3, end_lift=3), BACK], "[0].rise", "more"),
-        ([gk.Rise("cycloidal", rise_deg=-3, end_deg=100), BACK], "[0].rise", "-3 deg, not above"),
+        ([gk.Rise("cycloidal", rise_deg=-3, end_deg=100), BACK], "[0].rise_deg", "-3 deg, not above"),
         ([gk.Rise("cycloidal", rise=np.array([3.0, 4]), end_deg=100), BACK], "[0].rise", "number"),
         ([gk.Rise("cycloid", **UP), BACK], "[0].law", "'cycloid'"),
         ([gk.Rise(lambda x: x, **UP), BACK], "[0].law", "shape"),

@@ -109,9 +109,9 @@ def test_the_order_in_which_faults_are_told(places, expected):
         cut(gk.Part("plate", gk.plane.Circle(0j, 10.0), holes, 3.0), 0.01)
 
 
-def test_touching_holes_share_no_area_and_one_within_another_does():
+def test_holes_that_share_a_side_or_an_area_overlap_and_those_that_meet_at_a_corner_do_not():
     square = np.array([0, 1, 1 + 1j, 1j])
-    assert region.overlapping([square, square + 1, square + 1 + 1j]).tolist() == []
+    assert sorted(region.overlapping([square, square + 1, square + 1 + 1j]).tolist()) == [[0, 1], [1, 2]]
     nested = [square, square + 5, 0.5 * square + 0.2 + 0.2j, square]
     assert sorted(region.overlapping(nested).tolist()) == [[0, 2], [0, 3], [2, 3]]
     assert region.overlapping([]).tolist() == []
