@@ -19,11 +19,20 @@ from ..sizes import FARTHEST, check_sizes, entry, quantity
 class DwellBand:
     """Within what an output counts as standing still."""
 
-    band: float = quantity(
-        "greatest less least of the output's values in its dwell: deg where it turns, mm where it slides",
+    band_deg: float | None = quantity(
+        "largest less smallest angle of the output in its dwell; for an output that turns",
+        "deg",
+        default=None,
+        above=0,
+        at_most=360,
+        example=0.5,
+    )
+    band_mm: float | None = quantity(
+        "largest less smallest displacement of the output in its dwell; for an output that slides",
+        "mm",
+        default=None,
         above=0,
         at_most=FARTHEST,
-        example=0.5,
     )
     output: str = entry("the body; the last one on the ground that does not drive where left out", default="")
 
@@ -43,9 +52,15 @@ class DwellBand:
     def found(self, motion: Motion) -> Mapping[str, object]:
         """The longest dwell, as the summary has it."""
         output = self.body(motion.linkage)
-        unit, factor = ("mm", 1.0) if goes_without_turning(motion, output) else ("deg", 180 / np.pi)
+        slides = goes_without_turning(motion, output)
+        unit, factor = ("mm", 1.0) if slides else ("deg", 180 / np.pi)
+        band, other = (self.band_mm, self.band_deg) if slides else (self.band_deg, self.band_mm)
+        if band is None or other is not None:
+            verb, wrong = ("slides", "deg") if slides else ("turns", "mm")
+            problem = "is missing" if other is None else f"is missing: found band_{wrong} = {other:g}"
+            raise DesignError(f"dwell.band_{unit}", problem, f"give band_{unit}: {output} {verb}")
         by, turn = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
-        dwell = longest_dwell(motion, output, self.band / factor)
+        dwell = longest_dwell(motion, output, band / factor)
         values = {
             f"from_{by}": dwell.start * turn,
             f"to_{by}": dwell.end * turn,
@@ -54,4 +69,4 @@ class DwellBand:
             f"greatest_{unit}": dwell.high * factor,
         }
         rounded = {name: float(f"{value:.10g}") for name, value in values.items()}
-        return {"output": output, f"band_{unit}": self.band, **rounded}
+        return {"output": output, f"band_{unit}": band, **rounded}

@@ -49,7 +49,7 @@ SCALED = {
         ({"files.tolerance": "9"}, "", "tolerance"),
         ({"drive.step_deg": "1e-6"}, "drive.step_deg", "at least"),
         ({"drive.step_deg": "400"}, "drive.step_deg", "at most"),
-        ({"drive.speed_rpm": "0"}, "drive.speed_rpm", "number"),
+        ({"drive.speed_rpm": "0"}, "drive.speed_rpm", "0.001"),
     ],
     ids=str,
 )

@@ -153,6 +153,9 @@ GOOD = {
     "dashes": {"linkage": FOUR_BAR, "points": np.array([1j]), "drive": DRIVE, "tolerance": 0.1, "branch": 1, "body": "coupler"},
     "dead_centres": {"linkage": FOUR_BAR, "output": "rocker", "branch": 1, "span": (0.0, 6.0)},
     "double_rocker": {"crank_start_deg": 60, "crank_swing_deg": 60, "rocker_start_deg": 80, "rocker_swing_deg": 40, "ground": 100.0, "crank": 40, "rocker": None, "free_angle_deg": None, "largest_ratio": 50},
+    "grashof": {"linkage": FOUR_BAR},
+    "longest_dwell": {"motion": MOTION, "output": "rocker", "band": 0.1},
+    "scaled": {"thing": FOUR_BAR, "scale": 2.0},
     "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
     "dyads_through": {"poses": FOUR, "count": 20},
     "euler_savary": {"instant_centre": 0.0, "point": 3.0, "centre": -2.0},
@@ -240,6 +243,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
+    "Grashof", "OutputDwell",
     "index", "load", "make", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",

@@ -34,7 +34,7 @@ def test_lengths_that_make_no_triangle_are_refused_and_those_that_are_advised_do
         pen(lengths)
     one, other = lengths
     assert str(caught.value) == (
-        f"corners.2: {one:g} and {other:g} mm make no triangle on the {base:g} mm from A to B; give two lengths that "
+        f"corners[1]: {one:g} and {other:g} mm make no triangle on the {base:g} mm from A to B; give two lengths that "
         f"differ by less than {base:g} mm and together exceed it"
     )
     # As little within both limits as beyond them.
@@ -54,7 +54,7 @@ def test_a_corner_stands_on_points_that_its_body_has():
     for base, lacking in ((("O", "X"), "X"), (("Y", "A"), "Y"), (("Y", "X"), "Y")):
         with pytest.raises(gk.DesignError) as caught:
             BodyList(bodies, "plate", (TriangleCorner("plate", "p", base, (20.0, 20.0)),))
-        assert str(caught.value) == f"corners.1: plate has no point {lacking}; give it under bodies.plate"
+        assert str(caught.value) == f"corners[0]: plate has no point {lacking}; give it under bodies.plate"
     # One corner may stand on another that comes before it.
     corners = (
         TriangleCorner("plate", "p", ("O", "A"), (20.0, 20.0)),

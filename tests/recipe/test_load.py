@@ -139,7 +139,7 @@ def test_a_corner_s_wrong_name_is_told_by_the_corner_s_number(key, value):
     good, bad = ("\n".join(f"{k} = {v}" for k, v in (corner | more).items()) for more in ({}, {key: value}))
     text = "".join(line for line in template_of("linkage").splitlines(keepends=True) if not line.startswith("#"))
     text = text.split("[[linkage.corners]]")[0] + f"[[linkage.corners]]\n{good}\n[[linkage.corners]]\n{bad}\n"
-    with pytest.raises(gk.RecipeError, match=rf"linkage\.corners\.2\.{key}"):
+    with pytest.raises(gk.RecipeError, match=rf"linkage\.corners\[1\]\.{key}"):
         parse(text)
 
 

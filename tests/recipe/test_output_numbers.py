@@ -18,7 +18,7 @@ coupler_point = [40, 25]
 [drive]
 step_deg = 10
 [dwell]
-band = 2
+band_deg = 2
 """
 
 
@@ -65,12 +65,12 @@ def test_the_dwell_and_grashof_s_sums_are_in_the_summary(tmp_path) -> None:
 
 
 def test_a_slide_dwells_in_mm() -> None:
-    text = 'kind = "slider-crank"\n[dwell]\nband = 0.5\n[linkage]\ncrank = 30\ncoupler = 90'
+    text = 'kind = "slider-crank"\n[dwell]\nband_mm = 0.5\n[linkage]\ncrank = 30\ncoupler = 90'
     dwell = parse(text).notes["dwell"]
     assert dwell["output"] == "slider" and dwell["band_mm"] == 0.5
     assert dwell["greatest_mm"] - dwell["least_mm"] == pytest.approx(0.5, abs=1e-6)
     with pytest.raises(gk.RecipeError) as caught:
-        parse(text.replace("band = 0.5", 'band = 0.5\noutput = "rocker"'))
+        parse(text.replace("band_mm = 0.5", 'band_deg = 0.5\noutput = "rocker"'))
     assert [problem.key for problem in caught.value.problems] == ["dwell.output"]
 
 

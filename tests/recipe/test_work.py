@@ -132,10 +132,10 @@ def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatc
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
-    from geomkin.cam.program import given_lifts
+    from geomkin import beside
 
     (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
-    monkeypatch.setattr(given_lifts.csv, "reader", lambda *a: pytest.fail("taken apart"))
+    monkeypatch.setattr(beside.csv, "reader", lambda *a: pytest.fail("taken apart"))
     (tmp_path / "r.toml").write_text(
         template_of("disk-cam", ["program=table"])
         .replace("rows = [", "# rows = [")

@@ -310,7 +310,7 @@ def test_the_walls_of_a_base_are_checked_and_holes_that_belong_together_have_one
     ("text", "field", "words"),
     [
         (PAIR.replace("bore = 8", "bore = 0") + "[base]\n", "first_stock.bore", "at least 0.01"),
-        (PAIR + "[base]\nclearance = 60\n", "first_stock.bore", "meet"),
+        (PAIR + "[base]\nclearance = 60\n", "base.clearance", "meet"),
         (PAIR + "[base]\nedge = 1e6\n", "base", "100000 mm"),
         (RACK.replace("teeth = 15", "teeth = 3") + "[base]\n", "rack.teeth", "at least 4"),
         (RACK + "[base]\nguide_pin = 9.3\n", "base.clearance", "less than 0.075 mm"),

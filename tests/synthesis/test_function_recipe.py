@@ -99,7 +99,7 @@ def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
         (
             "x_end = 3",
             'x_end = 3\nmethod = "points"\npoints_at = [1, 2, 4]',
-            "wanted.points: found 1, 2, 4; give rising",
+            "wanted.points: found the default of 1, 2, 4; give rising",
         ),
         ("input_deg = 90", "input_deg = 0", "wanted.input_deg: found 0.0; give a number from 0.1 to 359"),
         ("input_deg = 90", "output_deg = 400", "wanted.output_deg: found 400; give a number at least -359"),
