@@ -191,7 +191,9 @@ def test_what_is_frozen_stays_so(file):
     functions = [node for node in nodes(file) if isinstance(node, ast.FunctionDef)]
     settled = [function.name for function in functions for _ in calls(ast.walk(function), "__setattr__")]
     assert not written and not made
-    assert all(name in ("__post_init__", "called") or name.lstrip("_").startswith("settle") for name in settled), settled
+    assert all(name in ("__post_init__", "called") or name.lstrip("_").startswith("settle") for name in settled), (
+        settled
+    )
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(PACKAGE)))

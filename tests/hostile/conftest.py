@@ -233,7 +233,9 @@ def _html(file):
     assert text.startswith("<!doctype html>") and text.endswith("</html>\n") and "nan" not in text.split("<main>")[0]
     data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', text, re.DOTALL)[1]
     told = json.loads(data, parse_constant=_refused)
-    assert told["frames"] > 1 and all(isinstance(row, (str, list, dict)) or np.isfinite(row) for row in told["series"])
+    assert told["frames"] > 1 and all(
+        row is None or isinstance(row, (str, list, dict)) or np.isfinite(row) for row in told["series"]
+    )
 
 
 def _refused(word):

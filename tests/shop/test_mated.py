@@ -115,12 +115,12 @@ def test_a_motor_turns_the_gear_on_a_plate_of_its_own_or_over_a_base(text):
 
 
 REFUSED = [
-    ({"mate_bore": 7, "mate_bore_form": "D"}, "mate_bore", "mate_bore as one of 3, 4, 5, 6, 8"),
+    ({"mate_bore": 7, "mate_bore_form": "D"}, "mate_bore", "one of 3, 4, 5, 6, 8, or mate_flat"),
     ({"mate_bore": 2, "mate_bore_form": "keyed"}, "mate_bore", "mate_keyway_width and mate_keyway_depth of your own"),
     ({"mate_flat": 3}, "mate_flat", 'mate_bore_form = "D"'),
     ({"mate_bore": 0, "mate_bore_form": "D"}, "mate_bore", 'mate_bore_form = "round"'),
     ({"mate_bore": 0.1, "mate_fit": "press"}, "interference", "at most 0.09 mm"),
-    ({"bore": 7, "bore_form": "D"}, "bore", "or bore as one of"),
+    ({"bore": 7, "bore_form": "D"}, "bore", "one of 3, 4, 5, 6, 8, or flat"),
     ({"bore": 22, "motor": "nema17"}, "bore", "less than 22 mm"),
 ]
 
