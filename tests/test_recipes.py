@@ -129,7 +129,8 @@ def test_motion_table_is_whole_and_rises(made):
     rows = list(csv.reader((folder / f"{file.stem}.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) > 9 and all(len(row) == len(rows[0]) for row in rows)
     first = np.array([float(row[0]) for row in rows[1:]])
-    assert np.all(np.diff(first) > 0)
+    # Lands of teeth are arcs about the axis: their two ends have one radius.
+    assert np.all(np.diff(first) > 0) or (rows[0][0] == "radius_mm" and np.all(np.diff(first) >= 0))
 
 
 @pytest.mark.campaign
@@ -181,8 +182,7 @@ def test_every_number_of_the_table_is_in_its_files(made):
         assert header == column.header
         if column.values.dtype.kind == "f":
             told = np.array([float(cell or "nan") for cell in cells])
-            known = np.where(np.isfinite(column.values), column.values, np.nan)
-            assert told == pytest.approx(known, rel=1e-9, abs=1e-9, nan_ok=True), header
+            assert told == pytest.approx(column.values, rel=1e-9, abs=1e-9, nan_ok=True), header
     page = folder / f"{made[0].stem}.html"
     if not page.exists():
         return
@@ -239,7 +239,8 @@ def test_the_ring_gear_s_table_is_the_side_of_the_tooth_in_its_drawing(tmp_path)
     plate, hole = found["CUT"][0], found["HOLE"][0]
     middle = complex(plate.centroid.x, plate.centroid.y)
     assert max(hole.exterior.distance(shapely.Point(p.real, p.imag)) for p in z + middle) < 0.006
-    assert [r["region"] for r in rows] == sorted(r["region"] for r in rows)  # involute, then root
+    regions = list(dict.fromkeys(r["region"] for r in rows))
+    assert (regions[0], regions[-1]) == ("tip land", "bottom land") and len(regions) >= 4
     half = np.interp(48.0, np.abs(z), [float(r["half_thickness_angle_deg"]) for r in rows])
     assert 2 * 48 * np.radians(half) == pytest.approx(np.pi - 0.1, abs=0.01)
 
