@@ -129,8 +129,7 @@ def test_motion_table_is_whole_and_rises(made):
     rows = list(csv.reader((folder / f"{file.stem}.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) > 9 and all(len(row) == len(rows[0]) for row in rows)
     first = np.array([float(row[0]) for row in rows[1:]])
-    # Lands of teeth are arcs about the axis: their two ends have one radius.
-    assert np.all(np.diff(first) > 0) or (rows[0][0] == "radius_mm" and np.all(np.diff(first) >= 0))
+    assert np.all(np.diff(first) > 0)
 
 
 @pytest.mark.campaign
@@ -182,7 +181,8 @@ def test_every_number_of_the_table_is_in_its_files(made):
         assert header == column.header
         if column.values.dtype.kind == "f":
             told = np.array([float(cell or "nan") for cell in cells])
-            assert told == pytest.approx(column.values, rel=1e-9, abs=1e-9, nan_ok=True), header
+            known = np.where(np.isfinite(column.values), column.values, np.nan)
+            assert told == pytest.approx(known, rel=1e-9, abs=1e-9, nan_ok=True), header
     page = folder / f"{made[0].stem}.html"
     if not page.exists():
         return

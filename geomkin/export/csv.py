@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv as text_csv
 import io
-from math import isnan
+from math import inf, isnan
 
 from ..errors import harmless
 from ..table import Column, Table
@@ -16,22 +16,23 @@ def write(job: Job) -> dict[str, bytes]:
     return {f"{job.name}.csv": csv(job.table)}
 
 
-def csv(table: Table) -> bytes:
-    """The table as UTF-8 CSV; what is nan is left empty."""
+def csv(table: Table, infinite: str = "") -> bytes:
+    """The table as UTF-8 CSV; nan is left empty, and so is what is infinite unless a text for it is given."""
     stream = io.StringIO()
     writer = text_csv.writer(stream, lineterminator="\n")
     writer.writerow([_harmless(c.header) for c in table.columns])
-    writer.writerows(zip(*[_cells(c) for c in table.columns]))
+    writer.writerows(zip(*[_cells(c, infinite) for c in table.columns]))
     return stream.getvalue().encode("utf-8")
 
 
-def _cells(column: Column) -> list[str]:
+def _cells(column: Column, infinite: str) -> list[str]:
     values = column.written
     if values.dtype.kind in "iub":
         return [str(int(v)) for v in values.tolist()]
     if values.dtype.kind != "f":
         return [_harmless(str(v)) for v in values.tolist()]
-    return ["" if isnan(v) else repr(v) for v in values.tolist()]
+    words = {inf: infinite, -inf: infinite and f"-{infinite}"}
+    return ["" if isnan(v) else words.get(v, repr(v)) for v in values.tolist()]
 
 
 def _harmless(text: str) -> str:

@@ -153,8 +153,10 @@ def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
     chords[1:] = [side[1:] for side in chords[1:]]  # neighbouring curves share a point
     z = np.concatenate(chords)
     half = np.degrees(np.arctan2(z.real, z.imag))
+    along = np.append(0.0, np.cumsum(np.abs(np.diff(z))))
     return Table(
         (
+            Column("along", "mm", "length of the side from its inner end, by chords", along),
             Column("radius", "mm", "distance from the gear's axis", np.abs(z)),
             *xy_columns("tooth", "mm", "right-hand side of the tooth centred on +y", z),
             Column("half_thickness_angle", "deg", "angle from the tooth's centre line", half),

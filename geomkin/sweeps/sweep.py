@@ -152,7 +152,7 @@ def swept(
     if out is None:
         return result
     folder = Path(out) / name
-    contents = {f"{name}{ENDING}.csv": csv(result.table), f"{name}{ENDING}.html": report(name, keyed, told)}
+    contents = {f"{name}{ENDING}.csv": csv(result.table, "inf"), f"{name}{ENDING}.html": report(name, keyed, told)}
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})
 

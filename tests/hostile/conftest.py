@@ -178,8 +178,10 @@ def _csv(file, gaps):
         # A part may be named nan, and only what has one has a thickness: of a bill the numbers are judged.
         assert all(np.isfinite(float(cell)) for row in rows for cell in row[1:5] if cell), file.name
         return
-    # An infinite jerk is stated as such.
-    assert not {*([] if gaps else [""]), "nan", "-inf"} & {cell for row in rows for cell in row}, file.name
+    cells = [(name, cell) for row in rows for name, cell in zip(header, row, strict=True)]
+    assert not {"nan", "inf", "-inf"} & {cell for _, cell in cells}, file.name
+    # At a step of a cam's motion acceleration and jerk are infinite, and left empty.
+    assert gaps or all(cell or "acceleration" in name or "jerk" in name for name, cell in cells), file.name
 
 
 def _svg(file):
