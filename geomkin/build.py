@@ -115,7 +115,9 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
             if writer.needs == "parts":
                 _ = job.sheets if writer.flat else job.solids
             else:
-                _ = job.table if writer.needs == "table" else job.scene
+                writer.write(job)
+        # The summary would refuse what these refuse.
+        _ = recipe.notes
         facts, remarks = recipe.facts, recipe.remarks
     return Made(name, checks, {}, facts, remarks)
 

@@ -86,3 +86,11 @@ def test_each_cognate_is_shown_by_itself() -> None:
         np.testing.assert_allclose(trail, figure, atol=1e-6)
     drawings = {part.name: part for part in recipe.parts if part.name.endswith("drawing")}
     assert set(drawings) == {"given_drawing", "left_drawing", "right_drawing", "drawing"}
+
+
+def test_check_and_make_refuse_the_same_band(tmp_path) -> None:
+    recipe = parse('kind = "elliptic-trammel"\n[dwell]\nband_deg = 0.5\n[linkage]\nrod = 60\nrod_point = [100, 0]')
+    for call in (gk.build.check_recipe, lambda thing: gk.make(thing, tmp_path)):
+        with pytest.raises(gk.RecipeError) as caught:
+            call(recipe)
+        assert [problem.key for problem in caught.value.problems] == ["dwell.band_mm"]
