@@ -1,4 +1,4 @@
-"""The dwell of a linkage's output in a recipe: within what band it is sought, and what the summary has of it."""
+"""The dwell of a linkage's output in a recipe: its band, and its entries in the summary."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..sizes import FARTHEST, check_sizes, entry, quantity
 
 @dataclass(frozen=True)
 class DwellBand:
-    """Within what an output counts as standing still."""
+    """How far an output may move and still count as standing still."""
 
     band_deg: float | None = quantity(
         "largest less smallest angle of the output in its dwell; for an output that turns",

@@ -36,13 +36,13 @@ class OutputDwell:
 
     @property
     def range(self) -> float:
-        """The driver's way over which the output dwells, rad or mm."""
+        """Range of the driver over which the output dwells, rad or mm."""
         return self.end - self.start
 
 
 @checked
 def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
-    """The longest way of the driver over which a body's angle, or its place if it slides, stays within a band.
+    """The longest range of the driver over which a body's angle, or displacement if it slides, stays within a band.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     output : str
         The body.
     band : float
-        Greatest less least value during the dwell: rad for a body that turns, mm for one that slides on the ground.
+        Largest less smallest value during the dwell: rad for a body that turns, mm for one that slides on the ground.
 
     Returns
     -------
