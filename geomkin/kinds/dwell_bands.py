@@ -33,6 +33,7 @@ class DwellBand:
         default=None,
         above=0,
         at_most=FARTHEST,
+        example=0.5,
     )
     output: str = entry("the body; the last one on the ground that does not drive where left out", default="")
 
@@ -54,11 +55,10 @@ class DwellBand:
         output = self.body(motion.linkage)
         slides = goes_without_turning(motion, output)
         unit, factor = ("mm", 1.0) if slides else ("deg", 180 / np.pi)
-        band, other = (self.band_mm, self.band_deg) if slides else (self.band_deg, self.band_mm)
-        if band is None or other is not None:
-            verb, wrong = ("slides", "deg") if slides else ("turns", "mm")
-            problem = "is missing" if other is None else f"is missing: found band_{wrong} = {other:g}"
-            raise DesignError(f"dwell.band_{unit}", problem, f"give band_{unit}: {output} {verb}")
+        band = self.band_mm if slides else self.band_deg
+        if band is None:
+            verb = "slides" if slides else "turns"
+            raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}")
         by, turn = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
         dwell = longest_dwell(motion, output, band / factor)
         values = {

@@ -83,7 +83,7 @@ def test_a_design_s_error_is_told_under_the_recipe_s_key(field, key):
         (["dxf", "svg"], {"sheets"}),
         (["stl"], {"solids"}),
         (["csv"], {"table"}),
-        (["page"], {"scene"}),
+        (["page"], {"scene", "sheets"}),
         (["csv", "svg", "stl"], {"table", "sheets", "solids"}),
         ([], {"table", "sheets", "solids", "scene"}),
     ],
