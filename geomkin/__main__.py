@@ -15,8 +15,8 @@ def main() -> None:
         import click
 
         try:
-            from .commands import cli
-            from .errors import harmless
+            from .cli import cli
+            from .core.errors import harmless
 
             sys.exit(cli(standalone_mode=False))
         except click.ClickException as error:

@@ -10,22 +10,22 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from .arguments import Sort, checked
-from .brief import one_line
-from .check import Check
-from .errors import DesignError, Problem, RecipeError, printable
+from .core.arguments import Sort, checked
+from .core.errors import DesignError, Problem, RecipeError, printable
+from .core.names import file_name_flaw
+from .core.reprs import one_line
 from .export.files import remove, write_whole
+from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, Loose, Source
 from .export.summary import FOUND, NAME, files_told, summary
-from .export.writers import WRITERS, format_of, tail_of
-from .kinds import KINDS
-from .names import file_name_flaw
-from .part import Part
+from .model.check import Check
+from .model.part import Part
+from .model.table import Table
 from .recipe import load as reading
-from .recipe.dump import to_toml
+from .recipe.kinds import KINDS
+from .recipe.load import to_toml
 from .recipe.recipe import AbstractRecipe
 from .recipe.settings import Files, Format
-from .table import Table
 
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
@@ -132,7 +132,7 @@ def index(out: str | Path = "out") -> dict[Path, int]:
     """
     folder = Path(out)
     # A run of one recipe needs none of it, and pages load much.
-    from .export import index as overview
+    from .page import index as overview
 
     contents = overview.index(folder)
     write_whole(folder, contents)

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 import geomkin as gk
-from geomkin import arguments as of
-from geomkin.arguments import check_fields, checked, sort_of
+from geomkin.core import arguments as of
+from geomkin.core.arguments import check_fields, checked, sort_of
 
 
 class Plain:

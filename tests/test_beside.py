@@ -3,8 +3,8 @@
 import pytest
 
 import geomkin as gk
-from geomkin import beside
-from geomkin.names import file_name_flaw
+from geomkin.core import names as beside
+from geomkin.core.names import file_name_flaw
 
 WHAT = "give a CSV file"
 

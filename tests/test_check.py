@@ -8,9 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.export.sections import checks as rows_of
-from geomkin.export.sections import number, verdict
+from geomkin.cli import cli
+from geomkin.export.text import number
+from geomkin.page.sections import checks as rows_of
+from geomkin.page.sections import verdict
 from tests.export.test_page import job_of, turning
 
 CLOSE = [

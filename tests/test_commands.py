@@ -6,8 +6,8 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin import commands
-from geomkin.kinds import KINDS
+from geomkin import cli as commands
+from geomkin.recipe.kinds import KINDS
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 

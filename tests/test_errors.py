@@ -8,7 +8,7 @@ from multiprocessing import get_context
 import pytest
 
 import geomkin as gk
-from geomkin import errors
+from geomkin.core import errors
 
 ERRORS = [
     gk.GeomkinError("something"),

@@ -13,9 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from geomkin import __main__ as door
-from geomkin import build, commands
-from geomkin.errors import FileError, GeomkinError
-from geomkin.progress import tell
+from geomkin import build
+from geomkin import cli as commands
+from geomkin.core.errors import FileError, GeomkinError
+from geomkin.core.progress import tell
 from geomkin.tradeoff import results
 
 
@@ -91,7 +92,7 @@ def watched(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
-    monkeypatch.setattr("geomkin.processes._cores", lambda: 1)
+    monkeypatch.setattr("geomkin.core.processes._cores", lambda: 1)
     handler = signal.getsignal(signal.SIGINT)
     real = build.make
 

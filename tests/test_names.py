@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.names import check_names, file_name_flaw
 from geomkin.export.files import write_whole
-from geomkin.names import check_names, file_name_flaw
-from geomkin.part import Part
-from geomkin.table import Column, Table
+from geomkin.model.part import Part
+from geomkin.model.table import Column, Table
 
 PLAIN = [
     "A",

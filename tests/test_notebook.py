@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin import notebook
 from geomkin.plane.curve import reach
+from geomkin.studio import notebook
 from tests.export.test_page import unpacked
 
 RECIPES = Path(__file__).parent.parent / "recipes"
@@ -238,9 +238,9 @@ def test_nothing_is_loaded_before_it_is_shown():
     code = """import sys, geomkin as gk
 gear = gk.SpurGear(24, 2)
 repr(gear), repr(gk.FourBar(100, 30, 90, 70))
-before = {"geomkin.notebook", "geomkin.export.thumbnail", "shapely", "pydantic"} & set(sys.modules)
+before = {"geomkin.studio.notebook", "geomkin.export.svg_path", "shapely", "pydantic"} & set(sys.modules)
 gear._repr_svg_()
-print(before, {"geomkin.notebook", "shapely", "pydantic", "click"} & set(sys.modules))"""
+print(before, {"geomkin.studio.notebook", "shapely", "pydantic", "click"} & set(sys.modules))"""
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert told.split() == ["set()", "set()"]
 

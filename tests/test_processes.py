@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from geomkin import processes
-from geomkin.progress import shown
-from geomkin.progress import tell as tell_progress
+from geomkin.core import processes
+from geomkin.core.progress import shown
+from geomkin.core.progress import tell as tell_progress
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="copies are made where the system bears it")
 if sys.platform == "linux" and len(os.sched_getaffinity(0)) < 2:
@@ -22,7 +22,7 @@ if sys.platform == "linux" and len(os.sched_getaffinity(0)) < 2:
 # `work` tells who did it; some of it takes longer, or is killed.
 PRELUDE = """
 import json, os, signal, sys, time
-from geomkin.processes import each
+from geomkin.core.processes import each
 def work(task):
     if task == "kill":
         os.kill(os.getpid(), signal.SIGKILL)

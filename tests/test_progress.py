@@ -4,8 +4,8 @@ import threading
 
 import pytest
 
-from geomkin import progress
-from geomkin.progress import Watch, shown, tell
+from geomkin.core import progress
+from geomkin.core.progress import Watch, shown, tell
 
 
 def test_shares_are_told_from_0_to_1_to_the_innermost_listener():

@@ -14,7 +14,8 @@ import trimesh
 from ezdxf import path as dxf_path
 
 import geomkin as gk
-from geomkin.export.island import kept_frames, shown_columns
+from geomkin.export.still import kept_frames
+from geomkin.model.scene import shown_columns
 from tests.export.test_page import unpacked
 from tests.watching import ORDERS, Watch
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.brief import LONGEST, clipped, one_line, short
+from geomkin.core.reprs import LONGEST, clipped, one_line, short
 
 from .hostile.test_wrong_arguments import GOOD, PUBLIC
 from .tradeoff.toy import CHART
@@ -52,7 +52,7 @@ def everything() -> list[object]:
     slides = gk.move(gk.SliderCrank(30, 90, 5), [0.1, 0.2])
     kept += [gk.linkage.opening(gk.move(gk.FourBar(100, 80, 90, 40), np.linspace(0, 6, 90)))]
     kept += [slides.slide(slider.name) for slider in slides.linkage.sliders]
-    plates = gk.TranslatingRoller(10).plates(gk.shop.CamStock().bars, GOOD["Cam"]["program"], 40.0, 1)
+    plates = gk.TranslatingRoller(10).plates(gk.cam.CamStock().bars, GOOD["Cam"]["program"], 40.0, 1)
     kept += [plates, plates[0].holes, gk.Cam(**GOOD["Cam"]).contact(1.0)]
     kept += [
         gk.synthesis.Found(linkage=gk.FourBar(3, 1, 3, 2), branch=1, drive=np.zeros(2), transmission_angle_deg=9.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin import notebook
+from geomkin.studio import notebook
 
 
 @pytest.mark.parametrize("sizes", [(8e4, 1.0), (8e3, 0.1), (3.0, 2.0), (1e-3, 0.5e-3), (500.0, 1.0, 40.0)])

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.part import Twist
-from geomkin.recipe.recipe import AbstractRecipe
-from geomkin.sizes import (
+from geomkin.core.fields import (
     SMALLEST,
     KindTable,
     PointXY,
@@ -21,7 +19,9 @@ from geomkin.sizes import (
     rounded_down,
     rounded_up,
 )
-from geomkin.table import xy_columns
+from geomkin.model.part import Twist
+from geomkin.model.table import xy_columns
+from geomkin.recipe.recipe import AbstractRecipe
 
 LIMITS = [
     ({"above": 0, "unit": "mm"}, "a number above 0, in mm", [1, 0.5, 1e-11], [0, -1, 0.1 * SMALLEST]),

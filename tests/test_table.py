@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.table import finite, significant
+from geomkin.model.table import finite, significant, xy_columns
 
 ANGLE = gk.Column("crank_angle", "deg", "angle of the crank", np.arange(4.0))
 OMEGA = gk.Column("rocker_omega", "rad/s", "angular velocity of the rocker", np.arange(4.0) ** 2)
@@ -99,7 +99,7 @@ def test_rounding_noise_is_written_as_0_and_what_is_more_is_not(size):
 
 def test_the_terms_of_one_frame_do_not_round_another():
     """A point that is nearly at infinity at one frame, with noise in its other coordinate, and at hand at the others."""
-    x, y = gk.table.xy_columns("p", "mm", "", np.array([1e17 + 3j, 2e9 + 1e-8j, 1.234567890123 - 4e-6j]))
+    x, y = xy_columns("p", "mm", "", np.array([1e17 + 3j, 2e9 + 1e-8j, 1.234567890123 - 4e-6j]))
     assert y.written.tolist() == [0.0, 0.0, -4e-6] and x.written.tolist() == [1e17, 2e9, 1.23456789]
 
 

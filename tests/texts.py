@@ -2,8 +2,8 @@
 
 from functools import cache
 
-from geomkin.kinds import KINDS
 from geomkin.recipe import load, template
+from geomkin.recipe.kinds import KINDS
 
 
 def parse(text, file="recipe", folder="."):

@@ -8,9 +8,9 @@ import pytest
 
 from geomkin import build
 from geomkin.export import WRITERS, job
-from geomkin.export.writers import Writer
-from geomkin.kinds import KINDS
+from geomkin.export.formats import Writer
 from geomkin.linkage.solve.drive_range import DriveRange
+from geomkin.recipe.kinds import KINDS
 
 HELD = ("parts", "table", "scene")
 # Of a linkage, by its drive.

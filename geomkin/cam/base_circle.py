@@ -8,14 +8,14 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import checked
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.reprs import one_line
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
+from .extrema import exceeds, largest, samples
 from .followers.flat import straight_face_base_radius
 from .followers.follower import AbstractFollower, Follower
-from .maxima import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 

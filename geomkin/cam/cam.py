@@ -8,12 +8,11 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..brief import one_line
-from ..display import moving
-from ..errors import DesignError
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, check_sizes, entry, quantity
+from ..core.reprs import moving, one_line
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Pose, Real
-from ..sizes import FARTHEST, check_sizes, entry, quantity
 from .followers.follower import AbstractFollower, Contact, Follower
 from .followers.roller import TranslatingRoller
 from .program.program import Program

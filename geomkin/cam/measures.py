@@ -9,14 +9,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Positive, RealRow, Reals, checked
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.arguments import Positive, RealRow, Reals, checked
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from ..model.table import Column, Table, finite, xy_columns
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real, Whole
-from ..table import Column, Table, finite, xy_columns
 from .cam import Cam
-from .maxima import highest, largest, samples
+from .extrema import highest, largest, samples
 from .undercut import Undercut, undercut
 
 # Points looked at in each smooth piece of the outline: fewer may miss that it passes a direction three times.

@@ -5,19 +5,18 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import checked
-from ..brief import one_line
-from ..cached import cached_property
+from ..core.arguments import checked
+from ..core.reprs import one_line
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole
 from .cam import Cam
-from .maxima import climb, highest_between, samples
+from .extrema import climb, highest_between, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
 
 # Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..cached import cached_property
 from ..plane.curve import AbstractCurve, Stretch, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Pose, Real, Whole, cross
 from .cam import Cam
-from .maxima import samples
+from .extrema import samples
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius lie apart, and
 # what joins them is a piece of the outline. Smaller makes pieces out of the rounding at a law's ends; larger

@@ -1,13 +1,5 @@
-"""Parts and tables as files. Nothing here knows a mechanism."""
+"""Parts, tables and scenes as files. Nothing here knows a mechanism."""
 
-from typing import TYPE_CHECKING
+import lazy_loader
 
-if TYPE_CHECKING:
-    from .job import Job as Job
-    from .title import Title as Title
-    from .writers import WRITERS as WRITERS
-    from .writers import Writer as Writer
-else:
-    from ..lazy import attach
-
-    __getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

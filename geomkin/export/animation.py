@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.errors import DesignError
+from ..core.reprs import one_line
 from ..plane.vec import Real, Whole, rounded
-from .island import kept_frames
 from .job import Job
-from .path import decimal
 from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box, style, transform
-from .still import Still, frame_at
+from .still import Still, frame_at, kept_frames
+from .svg_path import decimal
 
 # Seconds of a pass, about as the page takes at first: a turn that is faster cannot be followed.
 SECONDS = 5
@@ -25,7 +24,7 @@ OFF = 0.3
 LOOKS = 72
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_animation(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
     return {f"{job.name}-animation.svg": animation(job)}
 

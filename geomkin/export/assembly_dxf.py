@@ -6,16 +6,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..errors import harmless
-from ..names import folded
+from ..core.errors import harmless
+from ..core.names import folded
+from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
-from ..scene import Scene, SceneBody, SceneMark
 from .cut import Loop, cut, decimals
 from .dxf import drawn
 from .job import Job
-from .names_beside import LETTER, Name, stand
+from .labels import LETTER, Name, stand
 from .still import Still, frame_at, palette
 from .text import Text
 
@@ -30,7 +30,7 @@ EITHER = 7
 Shape = tuple[str, Circle | Polyline]
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_assembly_dxf(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
     return {f"{job.name}-assembly.dxf": assembly(job)}
 

@@ -7,14 +7,14 @@ from html import escape
 
 import numpy as np
 
-from ..errors import harmless
+from ..core.errors import harmless
 from ..plane.vec import rounded
 from .job import Job
-from .names_beside import LETTER, Name, half_size, stand
-from .path import decimal
+from .labels import LETTER, Name, half_size, stand
 from .picture import MARGIN, document, items, page_box, style, transform
-from .sections import number, with_unit
 from .still import Still, frame_at
+from .svg_path import decimal
+from .text import number, with_unit
 
 # Pixels below the picture, for the scale.
 BELOW = 22.0
@@ -22,7 +22,7 @@ BELOW = 22.0
 SCALE = 0.3
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_assembly_svg(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
     return {f"{job.name}-assembly.svg": assembly(job)}
 

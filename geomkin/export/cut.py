@@ -6,17 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import DesignError
-from ..part import Part
-from ..plane import measure, region
+from ..core.errors import DesignError
+from ..core.fields import WIDEST, rounded_up
+from ..core.reprs import one_line
+from ..model.part import Part
+from ..plane import measure as measure
+from ..plane import region as region
 from ..plane.arcs import to_arcs
 from ..plane.curve import AbstractCurve, reach
 from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
-from ..sizes import WIDEST, rounded_up
 from .lettering import lettered
 
 # Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,

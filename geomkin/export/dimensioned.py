@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import harmless
-from ..part import HoleFit, Part
+from ..core.errors import harmless
+from ..core.reprs import one_line
+from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .cut import Cut, Loop
 from .job import Job

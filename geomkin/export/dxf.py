@@ -5,21 +5,25 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
-from ezdxf import options, units  # type: ignore[attr-defined]  # not told to be public, but documented
+from ezdxf import options, units  # type: ignore[attr-defined]  # documented, though not exported
 from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
 from ..plane.primitives import Circle, Polyline
+from ..plane.vec import Complex, rounded
+from .cut import decimals
+from .dimensioned import COLOURS, drawing
 from .job import Job
 from .layout import LAYERS, Sheet
 from .text import Text
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_dxf(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
     return job.sheet_files("dxf", dxf)
 
@@ -100,3 +104,28 @@ def _fixed_stamps() -> Iterator[None]:
         yield
     finally:
         options.write_fixed_meta_data_for_testing = before
+
+
+def write_sheet_dxf(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    return {f"{job.name}-sheet.dxf": sheet(job)}
+
+
+def sheet(job: Job) -> bytes:
+    """The drawing on paper; its scale is told in the title."""
+    made, digits = drawing(job), decimals(job.tolerance)
+    shapes = [(layer, _rounded(shape, digits)) for layer, shape in made.shapes]
+    # Two signs of per cent begin a code in the format.
+    texts = [
+        replace(text, text=text.text.replace("%%", "% %"), place=rounded(text.place, digits).item())
+        for text in made.texts
+    ]
+    paper = 0j, complex(made.width, made.height)
+    return drawn(COLOURS, shapes, texts, paper, paper)
+
+
+def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:
+    if isinstance(shape, Circle):
+        return Circle(rounded(shape.centre, digits).item(), rounded(shape.radius, digits).item())
+    vertices: Complex = np.asarray(shape.vertices)
+    return Polyline(rounded(vertices, digits), shape.bulges, shape.closed)

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..errors import FileError, printable, shown
-from ..names import file_name_flaw, folded
+from ..core.errors import FileError, printable, shown
+from ..core.names import file_name_flaw, folded
 
 # Of the names of files that are being written; hidden, so that nobody takes one for a part.
 PREFIX = ".making-"

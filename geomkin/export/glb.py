@@ -8,17 +8,15 @@ import numpy as np
 import trimesh
 
 from ..plane.vec import Real
-from .in_place import InPlace, in_place
 from .job import Job
-from .solid import solid
-from .still import palette
-from .twisted import solid_cut
+from .mesh import solid, solid_cut
+from .still import InPlace, in_place, palette
 
 # From mm, z up, to what the format has: metres, y up.
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_glb(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
     return {f"{job.name}-assembly.glb": glb(job)}
 

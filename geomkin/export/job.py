@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
-from ..brief import one_line
-from ..cached import cached_property
-from ..check import Check
-from ..errors import DesignError
-from ..part import Bought, Part
-from ..scene import Scene
-from ..table import Table
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from ..model.check import Check
+from ..model.part import Bought, Part
+from ..model.scene import Scene
+from ..model.table import Table
 from .cut import Cut, cut
 from .layout import Sheet, lay_out, lay_out_on
-from .title import Title
-from .twisted import solid_cut
+from .mesh import solid_cut
+from .text import Title
 
 
 class Source(Protocol):

@@ -1,4 +1,4 @@
-"""Parts laid out flat, apart and at full size: where each copy lies on the sheet, or on which."""
+"""Parts nested by their true outlines: each where the sheet grows least, in hollows and holes of others, too."""
 
 from __future__ import annotations
 
@@ -7,10 +7,225 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from ..plane.primitives import Circle
+from ..plane.vec import Complex, Mask, Real, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
-from .nest import MOST, Place, box, nest
+
+# Cells in which a sheet is looked at. More find room that is narrower, and take longer by as much.
+CELLS = 20_000
+# Copies that are nested at most: each takes about a millisecond. More lie in rows, which waste little of so many.
+MOST = 100
+# Steps along an outline, in cells: longer ones keep parts farther apart than the gap, shorter ones take longer.
+STEP = 0.5
+# Turns, deg, that are tried for a part's least box, and the share of its own box that one must save. For less a part
+# lies as it is drawn or by quarter turns: who compares drawings wants to know it again.
+TURNS, WORTH = np.arange(90), 0.1
+# Vertices of an outline that are looked at for its turn: enough to choose by.
+LOOKED_AT = 200
+# Decimals of mm and of cells that decide: no last digit may.
+DECIMALS = 6
+# Of a place that is taken: above all keys of free ones, which stay below a sheet's width and height in mm, squared.
+NEVER = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a copy lies: turned about the origin of its frame, unit complex, then shifted, complex mm.
+
+    corner: upper right one of its box, mm.
+    """
+
+    turn: complex
+    shift: complex
+    corner: complex
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Lie:
+    """A way in which a part can lie.
+
+    low, size: of its box, turned, in whole mm. cells: those that it and half the gap round it take, rows upwards;
+    inset: whole mm from their corner to the box's. spectrum: of the cells, to find what they meet at all places.
+    """
+
+    turn: complex
+    low: complex
+    size: complex
+    cells: Mask
+    inset: complex
+    spectrum: Complex
+
+    __repr__ = one_line
+
+
+def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[list[tuple[int, Place]]]:
+    """Sheets, each as the index of a part and where it lies, so often as the part is needed; the largest come first.
+
+    width, height: of a sheet, mm, inside its margins; each part finds room there by itself, see `box`. Between two
+    parts is the gap at least, mm.
+    """
+    cell = max(1, int(np.ceil(np.sqrt(width * height / CELLS))))
+    # To a sample, from all that is near any place of the outline that it stands for.
+    near = gap / 2 / cell + STEP / 2
+    margin = int(np.ceil(near))
+    shape = _smooth(int(height // cell) + 2 * margin + 2), _smooth(int(width // cell) + 2 * margin + 2)
+    lies = [_lies(cut, cell, near, shape) for cut in cuts]
+    sheets: list[_Sheet] = []
+    copies = [k for k, cut in enumerate(cuts) for _ in range(cut.part.count)]
+    for k in sorted(copies, key=lambda k: (-int(lies[k][0].cells.sum()), k)):
+        if not any(sheet.take(k, lies[k]) for sheet in sheets):
+            sheets.append(_Sheet(width, height, cell, margin * cell, shape))
+            sheets[-1].take(k, lies[k])
+    return [sheet.taken for sheet in sheets]
+
+
+def least_turn(cut: Cut) -> complex:
+    """The turn by whole degrees that gives a part its least box; 1 where that saves little."""
+    if cut.leans:
+        return 1 + 0j
+    z = cut.loops[0].points
+    # Turned, the shortest edges would be lost in rounding.
+    if min(np.abs(np.diff(loop.points)).min() for loop in cut.loops) < 10 * 10.0**-cut.digits:
+        return 1 + 0j
+    turned = z[:: len(z) // LOOKED_AT + 1] * direction_deg(TURNS)[:, None]
+    areas: Real = np.ptp(turned.real, axis=1) * np.ptp(turned.imag, axis=1) / np.ptp(z.real) / np.ptp(z.imag)
+    best = int(np.argmin(np.round(areas, DECIMALS)))
+    return complex(direction_deg(TURNS[best])) if areas[best] < 1 - WORTH else 1 + 0j
+
+
+def box(cut: Cut, turn: complex) -> tuple[complex, complex]:
+    """Lower left corner and size of a part's box, turned: whole mm, so that copies keep the part's own decimals."""
+    if cut.leans:
+        corners = _corners(cut) * turn
+        ends = complex(corners.real.min(), corners.imag.min()), complex(corners.real.max(), corners.imag.max())
+    else:
+        ends = cut.loops[0].moved(0j, cut.digits, turn).box
+    low, high = (rounded(corner, DECIMALS).item() for corner in ends)
+    low = complex(np.floor(low.real), np.floor(low.imag))
+    return low, complex(np.ceil(high.real), np.ceil(high.imag)) - low
+
+
+def _corners(cut: Cut) -> Complex:
+    """Of a part's box, mm, counterclockwise: what one takes that leans."""
+    low, high = cut.box
+    return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])
+
+
+def _lies(cut: Cut, cell: int, near: float, shape: tuple[int, int]) -> list[Lie]:
+    """All that differ, those before half a turn first; a round part has one."""
+    found: list[Lie] = []
+    # What lies in a hole has the gap all round; none lies in one whose sides lean.
+    holes = [] if cut.part.twist else [hole.points for hole in cut.loops[1:] if _side(hole) > 2 * near * cell]
+    loops = [_corners(cut) if cut.leans else cut.loops[0].points, *holes]
+    first = least_turn(cut)
+    turns = (1 + 0j,) if isinstance(cut.loops[0].shape, Circle) else (first, 1j * first)
+    for turn in turns:
+        low, size = box(cut, turn)
+        cells, inset = _cells([(loop * turn - low) / cell for loop in loops], size / cell, near)
+        # Half a turn on, the same cells run the other way.
+        rest = cell * complex(*cells.shape[::-1]) - size - cell * inset
+        ways = ((turn, low, cells, cell * inset), (-turn, -low - size, cells[::-1, ::-1], rest))
+        for way, corner, taken, room in ways[: len(turns)]:
+            if not any(np.array_equal(taken, one.cells) for one in found):
+                found.append(
+                    Lie(way, corner, size, taken, room, np.conj(np.fft.rfft2(taken.astype(np.float32), shape)))
+                )
+    return sorted(found, key=lambda one: one.turn not in turns)
+
+
+def _side(loop: Loop) -> float:
+    """Least side of a loop's box, mm."""
+    return float(min(np.ptp(loop.points.real), np.ptp(loop.points.imag)))
+
+
+def _cells(loops: Sequence[Complex], size: complex, near: float) -> tuple[Mask, complex]:
+    """Cells that lie within `near` of a part's outline or have their middle in it; and where its box begins in them.
+
+    loops: the outline and the holes, all in a box from 0 to `size`; everything in cells.
+    """
+    margin = int(np.ceil(near))
+    taken = np.zeros([int(side) + 1 + 2 * margin for side in (size.imag, size.real)], dtype=bool)
+    crossed = np.zeros(taken.shape, dtype=np.intp)
+    steps = np.arange(-margin, margin + 1)
+    for loop in loops:
+        places = rounded(_samples(loop), DECIMALS) + margin * (1 + 1j)
+        x, y = (np.floor(part).astype(np.intp) for part in (places.real, places.imag))
+        # Squares of how far cells lie beside and above a sample.
+        beside, above = (
+            np.maximum(np.abs((at - place)[:, None] + steps + 0.5) - 0.5, 0) ** 2
+            for at, place in ((x, places.real), (y, places.imag))
+        )
+        sample, up, along = np.nonzero(above[:, :, None] + beside[:, None, :] <= near**2)
+        taken[y[sample] + steps[up], x[sample] + steps[along]] = True
+        # The rows whose middle lies between one sample and the next: from there to the right is inside, or out again.
+        below = np.floor(places.imag + 0.5).astype(np.intp)
+        after = np.append(below[1:], below[:1])
+        np.add.at(crossed, (np.minimum(below, after)[below != after], x[below != after]), 1)
+    return taken | (np.cumsum(crossed, axis=1) % 2 == 1), margin * (1 + 1j)
+
+
+def _samples(loop: Complex) -> Complex:
+    """Places along a closed polygon, its corners among them, at most a step apart."""
+    edges = np.append(loop[1:], loop[:1]) - loop
+    counts = np.maximum(np.ceil(np.round(np.abs(edges) / STEP, DECIMALS)), 1).astype(np.intp)
+    share = (np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)) / np.repeat(counts, counts)
+    return np.repeat(loop, counts) + share * np.repeat(edges, counts)
+
+
+def _smooth(number: int) -> int:
+    """The next number whose prime factors are 2, 3 and 5: spectra of others take several times as long."""
+    left = number
+    for factor in (2, 3, 5):
+        while left % factor == 0:
+            left //= factor
+    return number if left == 1 else _smooth(number + 1)
+
+
+class _Sheet:
+    """A sheet that fills: which of its cells are taken, and how far to the right and up its parts reach, mm.
+
+    Cells and spectra are of single precision: what they count is off by a hundredth at most.
+    """
+
+    def __init__(self, width: float, height: float, cell: int, margin: float, shape: tuple[int, int]) -> None:
+        self.room, self.cell, self.margin = complex(width, height), cell, margin * (1 + 1j)
+        self.cells = np.zeros(shape, dtype=np.float32)
+        self.reach = 0j
+        self.taken: list[tuple[int, Place]] = []
+
+    def take(self, part: int, lies: Sequence[Lie]) -> bool:
+        """Lay a part where width and height grow least together, nearest to the corner; False where no room is left."""
+        spectrum = np.fft.rfft2(self.cells)
+        least, best = NEVER, None
+        for lie in lies:
+            # Where its box can end, of all cells where its own can begin.
+            first = lie.inset - self.margin + lie.size
+            x, y = (
+                np.arange(start, most + 1e-9, self.cell)
+                for start, most in ((first.real, self.room.real), (first.imag, self.room.imag))
+            )
+            if not (len(x) and len(y)):
+                continue
+            met = np.fft.irfft2(spectrum * lie.spectrum, self.cells.shape)[: len(y), : len(x)]
+            grown = np.maximum(x, self.reach.real) + np.maximum(y, self.reach.imag)[:, None]
+            keys = grown * (self.room.real + self.room.imag + 1) + (x + y[:, None])
+            keys = np.where(met < 0.5, keys.astype(np.int64), NEVER)
+            at = int(np.argmin(keys))
+            if keys.flat[at] < least:
+                row, column = divmod(at, len(x))
+                least, best = keys.flat[at], (lie, row, column, complex(x[column], y[row]))
+        if best is None:
+            return False
+        lie, row, column, end = best
+        self.cells[row : row + len(lie.cells), column : column + len(lie.cells[0])] += lie.cells
+        self.reach = complex(max(self.reach.real, end.real), max(self.reach.imag, end.imag))
+        self.taken.append((part, Place(lie.turn, end - lie.size - lie.low, end)))
+        return True
+
 
 # Operations that a cutting program tells apart, each with its colour index, for programs that know only those, and its
 # RGB; colour-blind readers tell them apart too.

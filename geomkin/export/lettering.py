@@ -1,4 +1,10 @@
-"""Names engraved on parts in single strokes, where they find room."""
+"""Letters of single strokes: the signs from space to tilde of the plain sans-serif font of A. V. Hershey.
+
+The Hershey Fonts were originally created by Dr. A. V. Hershey while working at the U. S. National Bureau of Standards.
+The format of the font data was originally created by James Hurt, Cognition, Inc., 900 Technology Park Drive, Billerica,
+MA 01821. The data may be used by anyone for any purpose, and be converted into any other format except the one that is
+distributed by the U. S. National Technical Information Service.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +13,135 @@ from functools import cache
 
 import numpy as np
 
-from ..part import Part
-from ..plane import measure, region
+from ..model.part import Part
+from ..plane import measure as measure
+from ..plane import region as region
 from ..plane.flatten import flatten
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, rounded
-from .letters import lines_of
+
+# A line for each sign: its left and right side, then x and y, y down, of the points of its strokes, each number as a
+# letter, R for 0; a space instead of an x, with R, ends a stroke.
+SIGNS = r"""
+JZ
+MWRFRT RRYQZR[SZRY
+JZNFNM RVFVM
+H]SBLb RYBRb RLOZO RKUYU
+H\PBP_ RTBT_ RYIWGTFPFMGKIKKLMMNOOUQWRXSYUYXWZT[P[MZKX
+F^[FI[ RNFPHPJOLMMKMIKIIJGLFNFPGSHVHYG[F RWTUUTWTYV[X[ZZ[X[VYTWT
+E_\O\N[MZMYNXPVUTXRZP[L[JZIYHWHUISJRQNRMSKSIRGPFNGMIMKNNPQUXWZY[[[\Z\Y
+MWRHQGRFSGSIRKQL
+KYVBTDRGPKOPOTPYR]T`Vb
+KYNBPDRGTKUPUTTYR]P`Nb
+JZRLRX RMOWU RWOMU
+E_RIR[ RIR[R
+NVSWRXQWRVSWSYQ[
+E_IR[R
+NVRVQWRXSWRV
+G][BIb
+H\QFNGLJKOKRLWNZQ[S[VZXWYRYOXJVGSFQF
+H\NJPISFS[
+H\LKLJMHNGPFTFVGWHXJXLWNUQK[Y[
+H\MFXFRNUNWOXPYSYUXXVZS[P[MZLYKW
+H\UFKTZT RUFU[
+H\WFMFLOMNPMSMVNXPYSYUXXVZS[P[MZLYKW
+H\XIWGTFRFOGMJLOLTMXOZR[S[VZXXYUYTXQVOSNRNOOMQLT
+H\YFO[ RKFYF
+H\PFMGLILKMMONSOVPXRYTYWXYWZT[P[MZLYKWKTLRNPQOUNWMXKXIWGTFPF
+H\XMWPURRSQSNRLPKMKLLINGQFRFUGWIXMXRWWUZR[P[MZLX
+NVROQPRQSPRO RRVQWRXSWRV
+NVROQPRQSPRO RSWRXQWRVSWSYQ[
+F^ZIJRZ[
+E_IO[O RIU[U
+F^JIZRJ[
+I[LKLJMHNGPFTFVGWHXJXLWNVORQRT RRYQZR[SZRY
+E`WNVLTKQKOLNMMPMSNUPVSVUUVS RQKOMNPNSOUPV RWKVSVUXVZV\T]Q]O\L[JYHWGTFQFNGLHJJILHOHRIUJWLYNZQ[T[WZYYZX RXKWSWUXV
+I[RFJ[ RRFZ[ RMTWT
+G\KFK[ RKFTFWGXHYJYLXNWOTP RKPTPWQXRYTYWXYWZT[K[
+H]ZKYIWGUFQFOGMILKKNKSLVMXOZQ[U[WZYXZV
+G\KFK[ RKFRFUGWIXKYNYSXVWXUZR[K[
+H[LFL[ RLFYF RLPTP RL[Y[
+HZLFL[ RLFYF RLPTP
+H]ZKYIWGUFQFOGMILKKNKSLVMXOZQ[U[WZYXZVZS RUSZS
+G]KFK[ RYFY[ RKPYP
+NVRFR[
+JZVFVVUYTZR[P[NZMYLVLT
+G\KFK[ RYFKT RPOY[
+HYLFL[ RL[X[
+F^JFJ[ RJFR[ RZFR[ RZFZ[
+G]KFK[ RKFY[ RYFY[
+G]PFNGLIKKJNJSKVLXNZP[T[VZXXYVZSZNYKXIVGTFPF
+G\KFK[ RKFTFWGXHYJYMXOWPTQKQ
+G]PFNGLIKKJNJSKVLXNZP[T[VZXXYVZSZNYKXIVGTFPF RSWY]
+G\KFK[ RKFTFWGXHYJYLXNWOTPKP RRPY[
+H\YIWGTFPFMGKIKKLMMNOOUQWRXSYUYXWZT[P[MZKX
+JZRFR[ RKFYF
+G]KFKULXNZQ[S[VZXXYUYF
+I[JFR[ RZFR[
+F^HFM[ RRFM[ RRFW[ R\FW[
+H\KFY[ RYFK[
+I[JFRPR[ RZFRP
+H\YFK[ RKFYF RK[Y[
+KYOBOb RPBPb ROBVB RObVb
+KYKFY^
+KYTBTb RUBUb RNBUB RNbUb
+JZRDJR RRDZR
+I[Ib[b
+NVSKQMQORPSORNQO
+I\XMX[ RXPVNTMQMONMPLSLUMXOZQ[T[VZXX
+H[LFL[ RLPNNPMSMUNWPXSXUWXUZS[P[NZLX
+I[XPVNTMQMONMPLSLUMXOZQ[T[VZXX
+I\XFX[ RXPVNTMQMONMPLSLUMXOZQ[T[VZXX
+I[LSXSXQWOVNTMQMONMPLSLUMXOZQ[T[VZXX
+MYWFUFSGRJR[ ROMVM
+I\XMX]W`VaTbQbOa RXPVNTMQMONMPLSLUMXOZQ[T[VZXX
+I\MFM[ RMQPNRMUMWNXQX[
+NVQFRGSFREQF RRMR[
+MWRFSGTFSERF RSMS^RaPbNb
+IZMFM[ RWMMW RQSX[
+NVRFR[
+CaGMG[ RGQJNLMOMQNRQR[ RRQUNWMZM\N]Q][
+I\MMM[ RMQPNRMUMWNXQX[
+I\QMONMPLSLUMXOZQ[T[VZXXYUYSXPVNTMQM
+H[LMLb RLPNNPMSMUNWPXSXUWXUZS[P[NZLX
+I\XMXb RXPVNTMQMONMPLSLUMXOZQ[T[VZXX
+KXOMO[ ROSPPRNTMWM
+J[XPWNTMQMNNMPNRPSUTWUXWXXWZT[Q[NZMX
+MYRFRWSZU[W[ ROMVM
+I\MMMWNZP[S[UZXW RXMX[
+JZLMR[ RXMR[
+G]JMN[ RRMN[ RRMV[ RZMV[
+J[MMX[ RXMM[
+JZLMR[ RXMR[P_NaLbKb
+J[XMM[ RMMXM RM[X[
+KYTBRCQDPFPHQJRKSMSOQQ RRCQEQGRISJTLTNSPORSTTVTXSZR[Q]Q_Ra RQSSUSWRYQZP\P^Q`RaTb
+NVRBRb
+KYPBRCSDTFTHSJRKQMQOSQ RRCSESGRIQJPLPNQPURQTPVPXQZR[S]S_Ra RSSQUQWRYSZT\T^S`RaPb
+F^IUISJPLONOPPTSVTXTZS[Q RISJQLPNPPQTTVUXUZT[Q[O
+"""
+FIRST, NOUGHT, LIFT = ord(" "), ord("R"), " R"
+_LINES = SIGNS[1:-1].split("\n")
+
+
+def lines_of(words: str) -> list[list[tuple[int, int]]]:
+    """Strokes of a text, in the font's own units: points x, y, y down, x from the left side of the first sign.
+
+    Words are of the signs from space to tilde.
+    """
+    found, start = [], 0
+    for sign in words:
+        line = _LINES[ord(sign) - FIRST]
+        left, right = _numbers(line[:2])
+        for stroke in filter(None, line[2:].split(LIFT)):
+            places = _numbers(stroke)
+            found.append([(start + x - left, y) for x, y in zip(places[::2], places[1::2])])
+        start += right - left
+    return found
+
+
+def _numbers(letters: str) -> list[int]:
+    return [ord(letter) - NOUGHT for letter in letters]
+
 
 # Heights of capitals, mm, tried from the largest: above the first a name shouts, below the last a laser burns it shut.
 HEIGHTS = (5.0, 4.0, 3.0, 2.5)

@@ -8,15 +8,15 @@ from html import escape
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import harmless
+from ..core.errors import harmless
+from ..core.reprs import one_line
+from ..model.scene import SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, Real, rounded
-from ..scene import SceneBody, SceneMark
-from .names_beside import LETTER, Name
-from .path import decimal, path
+from .labels import LETTER, Name
 from .still import Still, palette
+from .svg_path import decimal, path
 
 # Turn of the driver, deg, between two dashes of a trail, as on the page; a driver that slides makes so many steps.
 DASH_DEG, STROKE_DASHES = 5.0, 72

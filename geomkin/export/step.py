@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from .. import __version__
-from ..errors import DesignError, shown
+from ..core.errors import DesignError, shown
+from ..core.version import __version__
 from ..plane.primitives import Circle
 from .cut import Cut, Loop
 from .job import Job
@@ -25,7 +25,7 @@ SAME = 1e-6
 Edge = tuple[complex, float]
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_step(job: Job) -> dict[str, bytes]:
     """A file for each part, named after it."""
     contents: dict[str, bytes] = {}
     for cut in job.exact:

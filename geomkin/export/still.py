@@ -5,20 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
-from ..brief import one_line
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from ..model.part import Part
+from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Whole
-from ..scene import Scene, SceneBody, SceneMark
-from .island import SCREEN, kept_frames
-from .page import colours
+from .job import Job
 
 # What the page shows only when it is asked to: in a picture that stands still it hides the mechanism.
 ASIDE = ("bobillier", "centre", "velocity", "acceleration")
@@ -35,6 +34,13 @@ SHARE, HALF_WAY = 0.13, 0.5
 PIXELS = 420
 # Points of an outline at most that bounds and names are looked up by.
 MOST_POINTS = 400
+
+
+def colours() -> str:
+    """The colours and fonts of the page, as its style sheet begins."""
+    from importlib.resources import files
+
+    return files("geomkin.page.player").joinpath("style.css").read_text("utf-8").strip().partition("\n* {")[0]
 
 
 @cache
@@ -206,3 +212,65 @@ def _box(rows: Sequence[Complex]) -> tuple[complex, complex]:
     if not len(points):
         points = np.array([-1 - 1j, 1 + 1j])
     return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+
+
+@dataclass(frozen=True, eq=False)
+class InPlace:
+    """A part where it stands.
+
+    name: of the part, with a number where another has it; body: that it belongs to. origin, mm, and direction, a unit
+    complex number: of the part's frame in the assembly's; height: of its lower face, mm.
+    """
+
+    name: str
+    part: Part
+    body: SceneBody
+    origin: complex
+    direction: complex
+    height: float
+
+    __repr__ = one_line
+
+
+def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
+    """The assembly as it stands where the job wants its driver, and its parts, body by body."""
+    scene = job.scene
+    still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
+    heights, names, found = _heights(scene), list[str](), list[InPlace]()
+    for body in scene.bodies:
+        origin, direction = (
+            complex(np.broadcast_to(row, scene.closed.shape)[still.frame]) for row in (body.origin, body.direction)
+        )
+        for part in body.parts:
+            name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name
+            names.append(part.name)
+            found.append(InPlace(name, part, body, origin, direction, heights[body.layer]))
+    return still, tuple(found)
+
+
+def _heights(scene: Scene) -> dict[int, float]:
+    """Height of the lower face of each layer, mm: the lowest that has a part stands on 0, each is as thick as its
+    thickest part, and one that stays empty as the thickest of all.
+    """
+    thick: dict[int, float] = {}
+    for body in scene.bodies:
+        for part in body.parts:
+            thick[body.layer] = max(part.thickness, thick.get(body.layer, 0.0))
+    heights, height = dict[int, float](), 0.0
+    for layer in range(min(thick, default=0), max(thick, default=-1) + 1):
+        heights[layer] = height
+        height += thick.get(layer, max(thick.values()))
+    return heights
+
+
+# Distance between an outline and its chords, as a share of the scene's size. More, and corners show on a wide screen;
+# a tenth of it, and a gear's page is three times as long.
+SCREEN = 2e-4
+# Frames of a page at most, evenly chosen. More make no smoother picture and a page of megabytes; fewer would leave
+# out frames of a full turn in half degrees.
+MOST_FRAMES = 1001
+
+
+def kept_frames(frames: int) -> Whole:
+    """Which of so many frames a page shows, both ends included."""
+    return np.rint(np.linspace(0, frames - 1, min(frames, MOST_FRAMES))).astype(np.intp)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import DesignError, shown
-from ..progress import tell
+from ..core.errors import DesignError, shown
+from ..core.progress import tell
 from .cut import Cut
 from .job import Job
-from .solid import solid, triangles
+from .mesh import solid, triangles
 
 # A triangle as the format has it: numbers of 24 bits, then two bytes without a meaning.
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -17,7 +17,7 @@ HEADER = bytes(80)
 LARGE = 10_000_000
 
 
-def write(job: Job) -> dict[str, bytes]:
+def write_stl(job: Job) -> dict[str, bytes]:
     """A file for each part, named after it."""
     contents: dict[str, bytes] = {}
     for cut in job.solids:

@@ -9,14 +9,14 @@ from functools import cache
 from math import inf, isfinite
 from pathlib import Path
 
-from .. import __version__
-from ..check import Check
-from ..names import file_name_flaw
-from ..part import Part
+from ..core.names import file_name_flaw
+from ..core.version import __version__
+from ..model.check import Check
+from ..model.part import Part
 from ..plane.measure import area
+from .formats import WRITERS, format_of
 from .job import Job
-from .solid import volume
-from .writers import WRITERS, format_of
+from .mesh import volume
 
 NAME = "summary.json"
 # What follows a goal's name in that of the file of the recipe it found.

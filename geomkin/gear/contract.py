@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import checked
-from ..display import still
-from ..errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import Length
+from ..core.reprs import still
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
-from ..sizes import Length
 
 __all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
 

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Count, between, checked, whole_between
-from ..errors import DesignError
+from ..core.arguments import Count, between, checked, whole_between
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, quantity, rounded_down
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function, roll_at
-from ..sizes import check_sizes, quantity, rounded_down
 
 # Shifts looked at, modules. Gears outside have neither teeth nor use.
 LEAST, MOST = -2.0, 3.0

@@ -7,10 +7,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..arguments import Positive, checked
-from ..brief import one_line
-from ..errors import DesignError
-from ..sizes import check_sizes, entry, quantity
+from ..core.arguments import Positive, checked
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, entry, quantity
+from ..core.reprs import one_line
 from .contract import AbstractInvoluteGear
 from .cutters import STEEPEST
 

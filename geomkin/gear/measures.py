@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Positive, checked
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.arguments import Positive, checked
+from ..core.errors import DesignError
+from ..core.fields import Length, rounded_down, rounded_up
+from ..core.reprs import one_line
+from ..model.table import Column, Table, xy_columns
 from ..plane.flatten import flatten
 from ..plane.roulettes import inverse_involute, roll_at
-from ..sizes import Length, rounded_down, rounded_up
-from ..table import Column, Table, xy_columns
 from .contract import AbstractInvoluteGear
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from ..arguments import NUMBER, Sort
-from ..errors import DesignError
-from ..sizes import SMALLEST, quantity
+from ..core.arguments import NUMBER, Sort
+from ..core.errors import DesignError
+from ..core.fields import SMALLEST, quantity
 
 # An inch, mm, by definition.
 INCH = 25.4

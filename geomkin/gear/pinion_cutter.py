@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..arguments import checked
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, quantity, rounded_down, rounded_up
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, inverse_involute, involute_function
 from ..plane.vec import Pose
-from ..sizes import check_sizes, quantity, rounded_down, rounded_up
 from .cutters import HelixAngle, transverse_factors
 from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from ..arguments import NUMBER, RealsOrNan, checked, refused
-from ..brief import one_line
-from ..cached import cached_property
-from ..display import moving
-from ..errors import DesignError
+from ..core.arguments import NUMBER, RealsOrNan, checked, refused
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, entry, quantity
+from ..core.reprs import moving, one_line
 from ..plane.vec import Pose, Real
-from ..sizes import check_sizes, entry, quantity
 from .cutters import HelixAngle
 from .pair import GearPair
 from .ring import RingGear

@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import RealsOrNan, checked
-from ..brief import one_line
-from ..display import moving
-from ..errors import DesignError
+from ..core.arguments import RealsOrNan, checked
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, entry, quantity, rounded_down, rounded_up
+from ..core.reprs import moving, one_line
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
-from ..sizes import check_sizes, entry, quantity, rounded_down, rounded_up
 from .contract import AbstractGear, check_alike
 from .cutters import HelixAngle, RackCutter
 from .module import Settled, diametral_pitch, module, settle_module

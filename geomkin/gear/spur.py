@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, NoReturn
 
 import numpy as np
 
-from ..arguments import checked
-from ..brief import one_line
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import check_sizes, entry, last_fit, quantity, rounded_down
+from ..core.reprs import one_line
 from ..plane.joined import Ring
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
-from ..sizes import check_sizes, entry, last_fit, quantity, rounded_down
 from .contract import AbstractInvoluteGear
 from .cutters import HelixAngle, RackCutter
 from .module import Settled, diametral_pitch, module, settle_module

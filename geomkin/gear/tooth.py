@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from ..brief import one_line
-from ..cached import cached_property
+from ..core.fields import last_fit
+from ..core.reprs import one_line
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid, involute_function, roll_at
 from ..plane.vec import Pose
-from ..sizes import last_fit
 from .contract import NARROW, AbstractTooth
 
 

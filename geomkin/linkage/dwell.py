@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Positive, checked
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.arguments import Positive, checked
+from ..core.errors import DesignError
+from ..core.reprs import one_line
 from ..plane.vec import Real, dot
 from .motion import Motion, goes_without_turning
 

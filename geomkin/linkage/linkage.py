@@ -5,18 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..arguments import LARGEST, PLAIN, Place, Sort, check_fields, is_place
-from ..brief import LONGEST, one_line
-from ..cached import cached_property
-from ..display import moving
-from ..errors import DesignError, shown
-from ..names import check_names
+from ..core.arguments import LARGEST, PLAIN, Place, Sort, check_fields, is_place
+from ..core.errors import DesignError, shown
+from ..core.fields import KindTable
+from ..core.names import check_names
+from ..core.reprs import LONGEST, moving, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
-from ..sizes import KindTable
 from .solve.placement import Placement
 
 if TYPE_CHECKING:

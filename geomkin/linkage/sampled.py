@@ -12,9 +12,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ..arguments import Places, Positive, Sort, checked, is_real
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.arguments import Places, Positive, Sort, checked, is_real
+from ..core.errors import DesignError
+from ..core.reprs import one_line
 from ..plane.vec import Array, Real
 
 # Rounding of a number as a share of it: what samples are off at least.

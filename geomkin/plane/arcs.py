@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arguments import checked
-from ..errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
-from .spread import Intervals, Judge, direction, probes, spread, tops, turns
+from .subdivision import Intervals, Judge, direction, probes, spread, tops, turns
 from .vec import Complex, Real, dot, unit
 
 # Where a biarc is compared with its curve. Fewer let the largest deviation slip between two; more cost time.

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import check_fields
-from ..brief import one_line
-from ..display import still
+from ..core.arguments import check_fields
+from ..core.reprs import one_line, still
 from .vec import Complex, Pose, Real, cross, unit
 
 

@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import checked
-from ..errors import DesignError
-from ..sizes import rounded_up
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import rounded_up
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, Ring
 from .primitives import Arc, Circle, Polyline, Segment
-from .spread import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, towards, turns
+from .subdivision import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, towards, turns
 from .vec import Complex, Mask, Real, Whole
 
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a

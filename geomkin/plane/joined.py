@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arguments import Count, check_fields
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.arguments import Count, check_fields
+from ..core.errors import DesignError
 from .curve import AbstractCurve, Mirrored, Reversed
 from .vec import Complex, Real, Whole
 

@@ -8,7 +8,7 @@ from .curve import AbstractCurve, Mirrored, Offset, Reversed, Stretch
 from .flatten import smooth_runs
 from .joined import Path, Ring
 from .primitives import Arc, Polyline, Segment
-from .spread import CORNER, direction
+from .subdivision import CORNER, direction
 from .vec import Real, cross
 
 # Newton steps to where two curves meet. From the ends of neighbours that overlap by far less than they are long

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Points, Positive, RealRow, Row, check_fields, checked
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.arguments import Points, Positive, RealRow, Row, check_fields, checked
+from ..core.errors import DesignError
 from .curve import AbstractCurve, Moved
 from .joined import Path
 from .vec import Complex, Pose, Real, Whole, cross

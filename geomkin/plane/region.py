@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import shapely
 
-from ..errors import DesignError
+from ..core.errors import DesignError
 from .vec import Complex, Mask, Whole, cross, dot, unit, xy
 
 Loops = list[Complex]

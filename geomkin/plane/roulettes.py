@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Positive, check_fields
-from ..errors import DesignError
+from ..core.arguments import Positive, check_fields
+from ..core.errors import DesignError
 from .curve import AbstractCurve
 from .vec import Complex, Real
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Row, check_fields
-from ..cached import cached_property
-from ..errors import DesignError
+from ..core.arguments import Row, check_fields
+from ..core.errors import DesignError
 from .curve import AbstractCurve, bend
 from .vec import Complex, Real
 

@@ -11,8 +11,8 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arguments import Numbers, check_fields, checked
-from ..brief import one_line
+from ..core.arguments import Numbers, check_fields, checked
+from ..core.reprs import one_line
 
 # Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no. They hold float64,
 # complex128, intp and bool; the wider names are what NumPy's own annotations give for `1j * x` or `abs(z)`.

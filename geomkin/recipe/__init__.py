@@ -1,16 +1,5 @@
-"""Recipes: text to frozen data, one class for each kind of mechanism."""
+"""Recipes: text to frozen data, and the table of kinds."""
 
-from typing import TYPE_CHECKING
+import lazy_loader
 
-if TYPE_CHECKING:
-    from .dump import to_toml as to_toml
-    from .recipe import AbstractGoal as AbstractGoal
-    from .recipe import AbstractRecipe as AbstractRecipe
-    from .settings import Drive as Drive
-    from .settings import Files as Files
-    from .settings import Stroke as Stroke
-    from .settings import Turn as Turn
-else:
-    from ..lazy import attach
-
-    __getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

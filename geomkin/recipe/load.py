@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..errors import DesignError, FileError, Problem, RecipeError, printable, shown
-from ..scaling import scaled
-from ..sizes import KindTable
+from ..core.arguments import checked
+from ..core.errors import DesignError, FileError, Problem, RecipeError, printable, shown
+from ..core.fields import KindTable
+from ..core.scaling import scaled
 from .recipe import AbstractRecipe
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
@@ -55,7 +58,7 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
         # Only what is wrong needs the words for it, here and below.
-        from .explain import slip
+        from .messages import slip
 
         slipped = slip(text, str(error))
         if slipped:
@@ -67,7 +70,7 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
     if not isinstance(name, str) or name not in kinds:
-        from .explain import nearest
+        from .messages import nearest
 
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
@@ -80,7 +83,7 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     try:
         recipe = adapter(kind).validate_python(fields, extra="forbid", context={"folder": folder})
     except ValidationError as error:
-        from .explain import explain
+        from .messages import explain
 
         raise RecipeError(file, explain(error, kind)) from None
     try:
@@ -117,3 +120,61 @@ def _text(path: Path) -> str:
 
 def _whole(file: str, problem: str, remedy: str) -> RecipeError:
     return RecipeError(file, [Problem("", problem, remedy)])
+
+
+# Tables so deep stand in lines of their own, as `[linkage.bodies]`; deeper ones in one line each. More lines would
+# tear apart what belongs together, fewer make lines that nobody reads.
+DEEPEST = 2
+
+
+@checked
+def to_toml(recipe: AbstractRecipe) -> str:
+    """The TOML text of a recipe, of which `gk.load` makes an equal one. Files that it reads are named in it.
+
+    What is as it is where a recipe leaves it out, such as all of `files`, is left out.
+    """
+    told = adapter(type(recipe)).dump_python(recipe, mode="json")
+    usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
+    told = {key: value for key, value in told.items() if key not in usual}
+    return "\n".join(_table("", told)).lstrip("\n") + "\n"
+
+
+def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
+    """Lines of a table: what is plain first, then its own tables."""
+    plain: list[str] = []
+    tables: list[str] = []
+    # What is empty so far up was left out; deeper it may be a body without points.
+    for key, value in _kept(table, empty=depth >= DEEPEST).items():
+        name = f"{path}.{_key(key)}" if path else _key(key)
+        if isinstance(value, dict) and depth < DEEPEST:
+            tables += ["", f"[{name}]", *_table(name, value, depth + 1)]
+        elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value) and depth < DEEPEST:
+            for row in value:
+                tables += ["", f"[[{name}]]", *_table(name, row, DEEPEST)]
+        else:
+            plain.append(f"{_key(key)} = {_toml(value)}")
+    return [*plain, *tables]
+
+
+def _kept(table: dict[str, Any], empty: bool = True) -> dict[str, Any]:
+    """Without what is left out, which TOML has no word for. empty: whether empty tables and rows are kept."""
+    return {key: value for key, value in table.items() if value is not None and (empty or value not in ({}, []))}
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        inside = ", ".join(f"{_key(key)} = {_toml(held)}" for key, held in _kept(value).items())
+        return f"{{ {inside} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return json.dumps(value)
+    # A size of 100 is written so by people, too; beyond 2**53 a whole number would not be the one that it was.
+    return str(int(value)) if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else repr(value)
+
+
+def _key(name: str) -> str:
+    return name if name.isascii() and name.replace("_", "").replace("-", "").isalnum() else _toml(name)

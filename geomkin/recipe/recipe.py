@@ -7,18 +7,17 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from functools import cached_property
+from typing import Any, ClassVar, Protocol, Self
 
-from ..arguments import checked
-from ..brief import one_line
-from ..cached import cached_property
-from ..check import Check
-from ..display import moving
-from ..part import Bought, Part
-from ..scaling import with_lengths
-from ..scene import Scene
-from ..table import Table
-from ..walls import thinnest_walls, wall_checks
+from ..core.arguments import checked
+from ..core.reprs import moving, one_line
+from ..core.scaling import with_lengths
+from ..model.check import Check
+from ..model.part import Bought, Part
+from ..model.scene import Scene
+from ..model.table import Table
+from ..model.walls import thinnest_walls, wall_checks
 from .settings import Files
 
 # Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
@@ -233,3 +232,32 @@ class AbstractGoal(AbstractRecipe):
         notes = self.design.notes
         stack = notes.get("stack")
         return {**notes, "stack": {**stack, "steps": list(self.steps)}} if isinstance(stack, Mapping) else notes
+
+
+class Assembly(Protocol):
+    """Bought parts and assembly steps of a mechanism, as `making` and `linkage` have them."""
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Shafts, screws and keys."""
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """A line for each step, from the bottom up."""
+
+
+class AbstractAssembledRecipe(AbstractRecipe):
+    """A recipe of gears or of a cam. Bill and steps come from one thing, so that names and letters agree."""
+
+    @property
+    @abstractmethod
+    def assembly(self) -> Assembly:
+        """Shafts and keys, what holds them and the base, and how all of it goes together."""
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return self.assembly.bought
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return self.assembly.steps

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from ..arguments import Sort, between
-from ..brief import one_line
-from ..check import Check
-from ..errors import DesignError
-from ..export.title import Title
-from ..export.writers import USUAL, WRITERS
+from ..core.arguments import Sort, between
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, WIDEST, AsWritten, check_sizes, entry, quantity, rounded_up
+from ..core.reprs import one_line
+from ..export.formats import USUAL, WRITERS
+from ..export.text import Title
+from ..model.check import Check
 from ..plane.vec import Real
-from ..sizes import FARTHEST, WIDEST, AsWritten, check_sizes, entry, quantity, rounded_up
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler

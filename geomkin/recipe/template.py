@@ -11,10 +11,10 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter
 
-from ..errors import DesignError, printable
-from ..sizes import allowed
-from .explain import kind_of, nearest, tables_in
+from ..core.errors import DesignError, printable
+from ..core.fields import allowed
 from .load import Kinds, adapter
+from .messages import kind_of, nearest, tables_in
 from .recipe import AbstractRecipe
 
 # Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.

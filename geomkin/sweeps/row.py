@@ -1,25 +1,159 @@
-"""One combination of a sweep worked out, from plain data to plain data, so that any process can do it."""
+"""Values that keys of a recipe run through: written as ranges and lists, counted, and put in their places."""
 
 from __future__ import annotations
 
+import copy
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+import itertools
+import math
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context, Decimal
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..build import naming
-from ..check import Check
-from ..errors import DesignError, GeomkinError, printable, shown
-from ..kinds import KINDS
+from ..core.errors import DesignError, GeomkinError, printable, shown
+from ..core.progress import shown as told_to
+from ..model.check import Check
 from ..plane.vec import Real
-from ..progress import shown as told_to
-from ..recipe.explain import nearest
+from ..recipe.kinds import KINDS
 from ..recipe.load import told
+from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
-from .values import with_values
+
+# Combinations of values at most: hours of slow kinds, and more rows than anybody compares.
+MOST = 10_000
+# From start to stop in steps.
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+RANGE = re.compile(rf"\s*({NUMBER})\s*:\s*({NUMBER})\s*:\s*({NUMBER})\s*")
+# Tables by name, rows of a list by number, as messages about recipes write them.
+KEY = re.compile(r"[^\W_][\w -]*(?:\[\d{1,6}\])*(?:\.[^\W_][\w -]*(?:\[\d{1,6}\])*)*")
+# Of a key: the number of a row, or a name.
+PART = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+PLAIN = (str, int, float)
+# Of numbers as a person writes them: no step of a range is lost, and nothing overflows or takes long.
+EXACT = Context(prec=60, traps=[])
+
+
+def listed(key: str, given: object) -> tuple[Any, ...]:
+    """The values of a key as TOML gives them, each once: of a text such as `8:120:4` or `-0.5,0,0.5`, or of a row."""
+    if not isinstance(key, str) or not KEY.fullmatch(key):
+        raise DesignError("values", f"found the key {shown(key)}", "give one such as gear.teeth or program[0].rise")
+    if isinstance(given, str):
+        values = [value for piece in _pieces(key, given) for value in _read(key, piece)]
+    else:
+        values = [_plain(key, value) for value in _row(key, given)]
+    if not values:
+        raise DesignError(key, "found no value", "give one or more, such as 8,12 or 8:120:4")
+    # 1 and 1.0 are one number, true is none.
+    return tuple({(isinstance(v, bool), repr(v) if isinstance(v, list) else v): v for v in values}.values())
+
+
+def combinations(values: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]]:
+    """Every combination, the last key's values running fastest; refused where there are too many."""
+    counts = [len(row) for row in values.values()]
+    if math.prod(counts) > MOST:
+        told = " x ".join(f"{count:,}" for count in counts)
+        longest = max(values, key=lambda key: len(values[key]))
+        most = MOST * len(values[longest]) // math.prod(counts)
+        remedy = f"at most {most:,} values of {longest}" if most else f"values that make at most {MOST:,}"
+        raise DesignError("values", f"found {told} = {math.prod(counts):,} combinations", f"give {remedy}")
+    return (dict(zip(values, row)) for row in itertools.product(*values.values()))
+
+
+def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A recipe's table with other values under dotted keys; what is missing on the way is made.
+
+    DesignError where a key leads through what is no table, or to a row that a list has not.
+    """
+    changed: dict[str, Any] = copy.deepcopy(dict(recipe))
+    for key, value in changes.items():
+        *way, last = [int(row) if row else name for row, name in PART.findall(key)]
+        place: Any = changed
+        for part in way:
+            _check_step(key, place, part)
+            place = place[part] if isinstance(part, int) else place.setdefault(part, {})
+        _check_step(key, place, last)
+        place[last] = copy.deepcopy(value)
+    return changed
+
+
+def _check_step(key: str, place: Any, part: str | int) -> None:
+    """Refuse one part of a key that leads through what is no table, or to a row that a list has not."""
+    kind, what = (list, "list") if isinstance(part, int) else (dict, "table")
+    if not isinstance(place, kind):
+        raise DesignError(key, f"there is no {what} that [{part}] could be of", "give a key of the recipe")
+    if isinstance(part, int) and part >= len(place):
+        raise DesignError(key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number")
+
+
+def _pieces(key: str, text: str) -> list[str]:
+    """A list's parts between the commas that stand in no brackets and no quotes."""
+    parts, depth, quote = [""], 0, ""
+    for sign in text:
+        quote = (sign if not quote else "" if sign == quote else quote) if sign in "\"'" else quote
+        depth += 0 if quote else (sign == "[") - (sign == "]")
+        if sign == "," and not quote and not depth:
+            parts.append("")
+        else:
+            parts[-1] += sign
+    if any(not part.strip() for part in parts):
+        raise DesignError(key, f"found {shown(text)}, in which a value is missing", "give one between any two")
+    return parts
+
+
+def _read(key: str, piece: str) -> list[Any]:
+    """The values of one part: a range, or a value of TOML, or else a text without its quotes."""
+    if (found := RANGE.fullmatch(piece)) is not None:
+        return _range(key, piece, *(Decimal(part) for part in found.groups()))
+    try:
+        read = tomllib.loads(f"value = {piece.strip()}\n")
+    except (ValueError, RecursionError):
+        read = {}
+    return [_plain(key, read["value"] if set(read) == {"value"} else piece.strip())]
+
+
+def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) -> list[float | int]:
+    """From start in steps as far as stop, worked out in decimals: 0.1 three times is 0.3."""
+    ways = EXACT.divide(EXACT.subtract(stop, start), step)
+    if not ways.is_finite() or ways < 0:
+        raise DesignError(key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop")
+    if ways >= MOST:
+        least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
+        problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"
+        raise DesignError(key, problem, f"give a step of at least {float(least):g}")
+    whole = all(part == part.to_integral_value() for part in (start, step)) and max(abs(start), abs(stop)) < 2**53
+    values = [EXACT.add(start, EXACT.multiply(step, Decimal(k))) for k in range(int(ways) + 1)]
+    return [int(value) if whole else float(value) for value in values]
+
+
+def _row(key: str, given: object) -> list[Any]:
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if not isinstance(given, (list, tuple, range)):
+        raise DesignError("values", f"found {shown(given)} for {printable(key)}", "give a row of values, or a text")
+    if len(given) > MOST:
+        raise DesignError(key, f"found {len(given):,} values", f"give at most {MOST:,}")
+    return list(given)
+
+
+def _plain(key: str, value: Any) -> Any:
+    """A value as a recipe has it: a number, a text, true or false, or a point or row of these."""
+    value = value.item() if isinstance(value, np.generic) else value
+    value = [value.real, value.imag] if isinstance(value, complex) else value
+    if isinstance(value, (list, tuple)) and len(value) <= MOST:
+        return [_plain(key, one) for one in value]
+    if not isinstance(value, PLAIN) or (isinstance(value, float) and not math.isfinite(value)):
+        raise DesignError(key, f"found {shown(value)}", "give finite numbers, texts, true or false, or points [x, y]")
+    if isinstance(value, int) and abs(value) > 2**63:
+        raise DesignError(key, f"found {shown(value)}", "give a smaller number")
+    return value
+
 
 # What is told of a table's column, and how it is found among its values that are not nan.
 WAYS: dict[str, Callable[[Real], float]] = {"least": np.min, "largest": np.max, "last": lambda values: values[-1]}

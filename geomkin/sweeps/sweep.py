@@ -1,9 +1,10 @@
-"""A sweep: a recipe over all combinations of values, resumed where it was stopped, told in a CSV and on a page."""
+"""What a sweep has worked out so far, kept line by line, so that one that was stopped goes on where it was."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -13,25 +14,96 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any
 
-from .. import __version__
-from ..arguments import Sort, checked
-from ..brief import one_line
 from ..build import Readable, name_of
-from ..check import Check
-from ..errors import DesignError, GeomkinError, RecipeError, printable
+from ..core.arguments import Sort, checked
+from ..core.errors import DesignError, GeomkinError, RecipeError, printable
+from ..core.processes import each
+from ..core.progress import tell as tell_progress
+from ..core.reprs import one_line
+from ..core.version import __version__
 from ..export.csv import csv
-from ..export.files import write_whole
-from ..processes import each
-from ..progress import tell as tell_progress
-from ..recipe.dump import to_toml
-from ..recipe.load import parsed, table_of
+from ..export.files import naming, write_whole
+from ..model.check import Check
+from ..model.table import Table
+from ..recipe.load import parsed, table_of, to_toml
 from ..recipe.recipe import AbstractRecipe
-from ..table import Table
-from .columns import columns
-from .ledger import Ledger
-from .report import report
-from .row import Task, check_tell, file_marks, is_row, worked_out
-from .values import combinations, listed
+from .report import columns, report
+from .row import Task, check_tell, combinations, file_marks, is_row, listed, worked_out
+
+# Bytes that are read back; those of the most combinations there may be stay below it.
+LARGEST = 500_000_000
+
+
+class Ledger:
+    """Rows by key in a file of JSON lines, whose first says what they are of.
+
+    It begins anew if that is something else, or if any line is damaged: then no other can be relied on.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    title : Mapping
+        What the rows are of: recipe, wishes, version.
+    is_row : callable
+        Whether a row is one that may be used.
+
+    Attributes
+    ----------
+    known : dict
+        Rows by key.
+    anew : bool
+        Whether there were rows, of something else or damaged.
+    """
+
+    def __init__(self, path: Path, title: Mapping[str, Any], is_row: Callable[[Any], bool]):
+        self.path = path
+        self.known: dict[str, Any] = {}
+        with naming(path, "used"):
+            content = self._content()
+            # What follows the last end of a line was being written when the run was stopped.
+            whole = content[: content.rfind(b"\n") + 1]
+            lines = whole.split(b"\n")
+            entries = list(map(_read, lines[1:-1]))
+            sound = _read(lines[0]) == title and all(
+                isinstance(entry, dict) and isinstance(entry.get("key"), str) and is_row(entry.get("row"))
+                for entry in entries
+            )
+            self.anew: bool = bool(whole) and not sound
+            if self.anew or not whole:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(_line(title))
+                return
+            self.known |= {entry["key"]: entry["row"] for entry in entries}
+            if len(whole) < len(content):
+                os.truncate(path, len(whole))
+
+    def _content(self) -> bytes:
+        if not os.path.lexists(self.path):
+            return b""
+        # A link may lead to what is no sweep's, and would be written over.
+        if self.path.is_symlink() or not self.path.is_file():
+            raise FileExistsError(0, "something that is no plain file stands under this name")
+        if self.path.stat().st_size > LARGEST:
+            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
+        return self.path.read_bytes()
+
+    def add(self, rows: Mapping[str, Any]) -> None:
+        """Set down further rows, by key, whole lines at once."""
+        with naming(self.path, "used"), self.path.open("ab") as file:
+            file.write(b"".join(_line({"key": key, "row": row}) for key, row in rows.items()))
+
+
+def _line(held: Mapping[str, Any]) -> bytes:
+    return (json.dumps(held) + "\n").encode()
+
+
+def _read(line: bytes) -> Any:
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+
 
 # What follows the recipe's name in those of a sweep's files.
 ENDING = ".sweep"

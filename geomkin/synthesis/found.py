@@ -8,11 +8,10 @@ from typing import Self
 
 import numpy as np
 
-from ..brief import one_line
-from ..display import moving
+from ..core.reprs import moving, one_line
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import least_transmission_angle
-from ..linkage.solve.move import move
+from ..linkage.moving import move
 from ..plane.vec import Real
 from .rounding import Rounding, lengths_of
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from math import degrees, floor, log10
 from typing import TypeVar
 
-from ..brief import one_line
-from ..linkage.bars import FourBar
+from ..core.reprs import one_line
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.sliders import EllipticTrammel, SliderCrank
+from ..linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 
 L = TypeVar("L", bound=AbstractLinkage)
 # Share by which a number is moved away from 0 before it is rounded, so that one half way between two decimals, as

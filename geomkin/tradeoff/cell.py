@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..brief import one_line
-from ..errors import DesignError
+from ..core.errors import DesignError
+from ..core.reprs import one_line
 
 # Arithmetic of the reference. The second derivative near a change point loses four digits for one of distance, and more
 # than 50 have to be left at 1e-15 of it.

@@ -5,10 +5,15 @@ It shares no formula with the solver: the square of a distance is kept, once, an
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+
+import numpy as np
+
+from ..linkage.linkage import AnyLinkage
+from ..plane.vec import Array, Complex, Real
 
 # Digits told; the work is done in more, since linkages near a toggle lose half of them.
 DIGITS = 50
@@ -139,3 +144,75 @@ def _solved(rows: list[Vector], right: list[Decimal]) -> Vector:
     one, two = rows
     share = one.cross(two)
     return Vector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)
+
+
+# How many entries tables are tried with.
+ENTRIES = (100.0, 1000.0, 10000.0)
+
+
+def linear(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
+    """Straight lines between values (..., n) at so many even steps of a turn, at drives (frames,) within one turn."""
+    count = int(entries)
+    here = values(np.arange(count) * (2 * np.pi / count))
+    rise = np.roll(here, -1, axis=-1) - here
+
+    def call() -> Array:
+        k, s = _places(drive, count)
+        found: Array = here[..., k] + s * rise[..., k]
+        return found
+
+    return call
+
+
+def cubic(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
+    """The same with a cubic through the four nearest entries (Lagrange's)."""
+    count = int(entries)
+    here = values(np.arange(count) * (2 * np.pi / count))
+    before, ahead, after = (np.roll(here, k, axis=-1) for k in (1, -1, -2))
+    one = ahead - here / 2 - before / 3 - after / 6
+    two, three = (before + ahead) / 2 - here, (here - ahead) / 2 + (after - before) / 6
+
+    def call() -> Array:
+        k, s = _places(drive, count)
+        found: Array = here[..., k] + s * (one[..., k] + s * (two[..., k] + s * three[..., k]))
+        return found
+
+    return call
+
+
+def _places(drive: Real, count: int) -> tuple[Array, Real]:
+    """The entry before each drive, and how far past it that is, in entries."""
+    place = drive * (count / (2 * np.pi))
+    k = place.astype(np.intp)
+    return k % count, place - k
+
+
+FRAMES = 360
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """A linkage, its crank's angles, rad, and the right values there, (frames,)."""
+
+    linkage: AnyLinkage
+    drive: Real
+    right: Complex
+
+    @classmethod
+    def of(cls, linkage: AnyLinkage, exact: Callable[[float], Vector]) -> Track:
+        """The values as `exact` finds them at an angle of the crank, in decimals."""
+        drive = np.arange(FRAMES) * (2 * np.pi / FRAMES)
+        with many_digits():
+            found = [exact(angle) for angle in drive.tolist()]
+        return cls(linkage, drive, np.array([complex(z.x, z.y) for z in found]))
+
+
+def misses(track: Track, found: Array) -> Real:
+    """How far each value is from the right one."""
+    off: Real = np.abs(found - track.right)
+    return off
+
+
+def count(_: Track, found: Array) -> int:
+    """How many values there are."""
+    return len(found)

@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..export.page import head
-from ..export.sections import text
+from ..export.text import text
+from ..page.page import head
 from .family import Method
-from .measurement import Measurement
 from .picture import drawing, picture
-from .results import Chart, FamilyChart, to_six_digits
+from .results import Chart, FamilyChart, Measurement, to_six_digits
 from .study import Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..export.sections import text
+from ..export.text import text
 from .family import Method
-from .measurement import Measurement
-from .results import FamilyChart
+from .results import FamilyChart, Measurement
 
 # Sizes in the picture's units, which are points of a screen. Narrower, and the legend's names run over the edge.
 WIDTH, LEFT, PLOT, TOP, LEAST_HEIGHT, ROW = 820, 74, 440, 46, 400, 19

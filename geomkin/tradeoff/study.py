@@ -5,15 +5,19 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 
 import numpy as np
 
-from ..arguments import Reals, checked
-from ..brief import one_line
-from ..cached import cached_property
-from ..errors import DesignError
-from .breaking import cams, gears, instants, linkages, poses
+from ..core.arguments import Reals, checked
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from .breaking import cams as cams
+from .breaking import gears as gears
+from .breaking import linkages as instants
+from .breaking import linkages as linkages
+from .breaking import poses as poses
 from .cell import ANSWERS, Cell, Digits, answered, measured
 
 CELLS: tuple[Cell, ...] = (*linkages.CELLS, *instants.CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)

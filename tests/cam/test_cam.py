@@ -1,7 +1,5 @@
 """Roller cams by second roads: the roller's brute-force envelope, differences, a roller on the finished polygon."""
 
-import re
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -188,46 +186,3 @@ def test_impossible_cams_are_refused():
         gk.Cam(gk.TranslatingRoller(10), CLASSIC, 40, "left")
     with pytest.raises(gk.DesignError, match="base_radius"):
         gk.Cam(gk.TranslatingRoller(10), CLASSIC, -40)
-
-
-# Tables and records that hold no formula.
-PLAIN = {"FOLLOWERS", "Hole", "Plate"}
-
-
-def offered():
-    """Every public name of cams, with what it names."""
-    rooms = ((gk.cam, ""), (gk, "geomkin.cam."), (gk.shop, "geomkin.shop.cam"), (gk.judge, "geomkin.judge.cam"))
-    for room, home in rooms:
-        for name in dir(room):
-            thing = getattr(room, name)
-            if not name.startswith("_") and callable(thing) and thing.__module__.startswith(home or "geomkin.cam."):
-                yield name, thing
-
-
-def test_every_public_name_tells_its_source():
-    names = dict(offered())
-    assert len(names) > 30 and {"Cam", "undercut", "cam_parts", "cam_checks", "cam_table"} <= set(names)
-    assert [
-        name
-        for name, thing in names.items()
-        if not re.search("Source|[Dd]erived here", thing.__doc__) and name not in PLAIN
-    ] == []
-
-
-def test_what_a_shell_shows_is_one_short_line():
-    cam, optimised = (
-        CAMS[0],
-        gk.Program([gk.cam.OptimisedSpline(rise=20, end_deg=180), gk.Return("3-4-5", end_deg=360)]),
-    )
-    rows = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 361, 10))
-    table = gk.Program([gk.cam.LiftTable(3, rows=rows)])
-    told = [
-        cam, cam.profile, cam.follower, CLASSIC, *CLASSIC.segments, CLASSIC.jumps, CLASSIC.motion(0.2), table,
-        *table.segments, table.tables[0], optimised.optima[0], cam.contact(0.1), gk.undercut(cam),
-        gk.cam.segment_limits(cam), gk.cam.least_base_circle(cam.follower, CLASSIC), gk.shop.CamStock(), gk.cam.FOLLOWERS,
-        gk.OscillatingRoller(10 / 3, 1000 / 7, 800 / 9, "below"),
-        gk.cam.LiftPolynomial(rise=20, start_velocity_per_rad=0, through=((20, 1.0),) * 9, start_deg=0, end_deg=180),
-    ]  # fmt: skip
-    assert [repr(thing) for thing in told if len(repr(thing)) > 120 or "\n" in repr(thing)] == []
-    assert repr(CLASSIC.segments[1]) == "Rise(law='cycloidal', rise=20, end_deg=180)"
-    assert repr(gk.TranslatingRoller(10, 5)) == "TranslatingRoller(roller_radius=10, offset=5)"

@@ -73,7 +73,7 @@ def test_a_segment_that_ends_where_it_starts_has_peaks_but_no_factors():
 
 def steps_of(program, swings=False):
     follower = gk.OscillatingFlat(110) if swings else gk.TranslatingRoller(6)
-    return {c.name: c for c in gk.judge.cam_checks(gk.Cam(follower, program, 60)) if c.name.startswith("jump in")}
+    return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, program, 60)) if c.name.startswith("jump in")}
 
 
 @pytest.mark.parametrize("swings", [False, True])

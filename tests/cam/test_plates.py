@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.cam.followers.plates import Bars, faced_arm, rounded, stemmed_face
+from geomkin.cam.followers.follower import Bars, faced_arm, rounded, stemmed_face
 
 from .cams import LIFTS
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.cam.kinds.disk_cam import DiskCamRecipe
 from geomkin.cam.program.given_lifts import TableFit, spline_through
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
 from geomkin.cam.program.smoothing_spline import BandMatrix, smoothest_within
-from geomkin.kinds.disk_cam import DiskCamRecipe
 
 NOISE = 0.005
 # Smooth all the way round.
@@ -274,7 +274,7 @@ def test_rows_that_scatter_about_a_rest_or_a_steady_motion_are_nothing_but_noise
     fit = program(within=1e-5).tables[1]
     assert fit.noise == np.inf
     check = next(
-        c for c in gk.judge.cam_checks(gk.Cam(gk.TranslatingRoller(5), program(within=1e-5), 60)) if "scatter" in c.name
+        c for c in gk.cam.cam_checks(gk.Cam(gk.TranslatingRoller(5), program(within=1e-5), 60)) if "scatter" in c.name
     )
     assert not check.passed and check.value == np.inf
     # As wide as advised, none of the noise is left.

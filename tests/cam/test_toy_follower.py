@@ -11,10 +11,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import geomkin as gk
-from geomkin.cam.maxima import highest
-from geomkin.kinds import KINDS
+from geomkin.cam.extrema import highest
+from geomkin.core.fields import check_sizes, quantity
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.template import schema, template
-from geomkin.sizes import check_sizes, quantity
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.names_beside import within
+from geomkin.export.labels import within
 from geomkin.export.still import palette
 from tests.export.stills import SPACE, loops, placed, root_of, titled
 

@@ -18,8 +18,8 @@ from ezdxf.lldxf.encoding import decode_dxf_unicode
 import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dimensioned import drawing, scale_of, scale_told
+from geomkin.export.dxf import sheet as sheet_dxf
 from geomkin.export.job import Job, Loose
-from geomkin.export.sheet_dxf import sheet as sheet_dxf
 from geomkin.plane.primitives import Circle
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

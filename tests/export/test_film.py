@@ -11,8 +11,8 @@ from geomkin.export.animation import _run, animation
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
 from geomkin.export.still import Still
-from geomkin.scene import Scene, SceneBody, SceneMark
-from geomkin.table import Column, Table
+from geomkin.model.scene import Scene, SceneBody, SceneMark
+from geomkin.model.table import Column, Table
 from tests.export.stills import SPACE, loops, motions, pose_at, root_of
 from tests.export.test_animation import moving
 

@@ -10,9 +10,10 @@ from urllib.parse import unquote
 import pytest
 
 import geomkin as gk
-from geomkin.export import files, index
+from geomkin.export import files
 from geomkin.export.summary import LARGEST, files_told
 from geomkin.export.summary import told as told_by_summary
+from geomkin.page import index
 from tests.export.test_index import read
 
 

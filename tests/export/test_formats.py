@@ -18,8 +18,8 @@ from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
 from geomkin.export.stl import stl
 from geomkin.export.svg import svg
-from geomkin.shop.bore import keyed_bore
-from geomkin.table import xy_columns
+from geomkin.making.bores import keyed_bore
+from geomkin.model.table import xy_columns
 
 TOLERANCE = 0.005
 PLATE = gk.Part(

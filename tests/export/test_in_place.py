@@ -10,12 +10,11 @@ import pytest
 import trimesh
 
 import geomkin as gk
-from geomkin.export.assembly_3mf import assembly
 from geomkin.export.glb import glb
-from geomkin.export.in_place import in_place
 from geomkin.export.job import Job, Loose
-from geomkin.export.still import palette
-from geomkin.scene import SceneBody
+from geomkin.export.still import in_place, palette
+from geomkin.export.threemf import assembly
+from geomkin.model.scene import SceneBody
 from tests.export.test_assembly_3mf import CORE, matrix, read
 from tests.export.test_film import FRAMES, scene_of
 

@@ -11,8 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.export.index import OURS
+from geomkin.cli import cli
+from geomkin.page.index import OURS
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 

@@ -8,8 +8,7 @@ from HersheyFonts import HersheyFonts
 
 import geomkin as gk
 from geomkin.export.cut import cut
-from geomkin.export.lettering import MARGIN, lettered, strokes_of
-from geomkin.export.letters import lines_of
+from geomkin.export.lettering import MARGIN, lettered, lines_of, strokes_of
 
 BAR = gk.plane.rounded_hull([0, 60j], 7)
 HOLES = (gk.plane.Circle(0, 2.1), gk.plane.Circle(60j, 2.1))

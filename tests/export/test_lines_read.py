@@ -10,12 +10,12 @@ import pytest
 from geomkin.export import assembly_svg
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.job import Job, Loose
-from geomkin.export.path import decimal, path
 from geomkin.export.still import Still
+from geomkin.export.svg_path import decimal, path
+from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from geomkin.plane import measure
 from geomkin.plane.joined import Path
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
-from geomkin.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.test_film import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)

@@ -13,10 +13,10 @@ from geomkin.export.animation import animation
 from geomkin.export.assembly_dxf import assembly as assembly_dxf
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, Loose
-from geomkin.export.names_beside import stand
+from geomkin.export.labels import stand
 from geomkin.export.picture import items
 from geomkin.export.still import Still
-from geomkin.scene import SceneBody, SceneCurve, SceneMark
+from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE, loops, placed, root_of, titled
 from tests.export.test_film import ALONG, FRAMES, scene_of
 
@@ -274,7 +274,7 @@ def test_a_trail_of_what_slides_is_in_36_dashes():
     place = np.linspace(0, 300, frames) + 0j
     table = gk.Table((gk.Column("way", "mm", "of the driver", np.linspace(5, 30, frames)),))
     closed = np.ones(frames, dtype=bool)
-    scene = gk.scene.Scene(
+    scene = gk.model.Scene(
         table, np.arange(float(frames)), closed, (), marks=(SceneMark("point", place, "traced", trail=True),)
     )
     root = root_of(assembly(Job("still", Loose((), table, scene), 0.01)))

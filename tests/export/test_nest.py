@@ -14,9 +14,8 @@ import geomkin as gk
 from geomkin.export import layout
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
-from geomkin.export.layout import GAP, lay_out, lay_out_on
-from geomkin.export.nest import MOST, least_turn
-from geomkin.part import Part, Twist
+from geomkin.export.layout import GAP, MOST, lay_out, lay_out_on, least_turn
+from geomkin.model.part import Part, Twist
 from geomkin.plane.vec import xy
 
 # Chords of what is read back, mm.

@@ -10,9 +10,9 @@ import geomkin as gk
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.cut import cut, decimals
 from geomkin.export.job import Job, Loose
-from geomkin.export.thumbnail import picture
-from geomkin.scene import SceneBody, SceneMark
-from geomkin.walls import thinnest_walls
+from geomkin.export.svg_path import picture
+from geomkin.model.scene import SceneBody, SceneMark
+from geomkin.model.walls import thinnest_walls
 from tests.export.test_film import ALONG, FRAMES, scene_of
 
 STILL = np.ones(FRAMES, dtype=complex)
@@ -83,7 +83,7 @@ def test_files_carry_as_few_decimals_as_tell_a_ten_thousandth_of_the_tolerance(t
 
 def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):
     job = Job("twins", Loose((plate(0j), plate(3j))), 0.01)
-    from geomkin.export.step import write
+    from geomkin.export.step import write_step as write
 
     with pytest.raises(gk.DesignError, match="two parts are named 'plate'; give each a name of its own"):
         write(job)

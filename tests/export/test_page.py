@@ -14,13 +14,16 @@ import pytest
 
 import geomkin as gk
 from geomkin.export import WRITERS, Job
-from geomkin.export.island import MOST_FRAMES, floats, island, kept_frames, steps
 from geomkin.export.job import Loose
-from geomkin.export.page import page, write
-from geomkin.export.path import path
-from geomkin.export.sections import notes, with_unit, worst_frame
+from geomkin.export.still import MOST_FRAMES, kept_frames
+from geomkin.export.svg_path import path
+from geomkin.export.text import with_unit
+from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
+from geomkin.page.page import page
+from geomkin.page.page import write_page as write
+from geomkin.page.scene_json import floats, island, steps
+from geomkin.page.sections import notes, worst_frame
 from geomkin.recipe import Files
-from geomkin.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'

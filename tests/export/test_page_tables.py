@@ -9,10 +9,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.job import Job, Loose
-from geomkin.export.sections import choice, joined, notes, worst_frame
-from geomkin.part import Bought
-from geomkin.scene import Choice, Scene
-from geomkin.table import Column, Table
+from geomkin.model.part import Bought
+from geomkin.model.scene import Choice, Scene
+from geomkin.model.table import Column, Table
+from geomkin.page.sections import choice, joined, notes, worst_frame
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 

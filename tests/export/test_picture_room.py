@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.names_beside import Name, stand
+from geomkin.export.labels import Name, stand
 from geomkin.export.picture import page_box
 from geomkin.export.still import Still
-from geomkin.scene import SceneBody, SceneCurve, SceneMark
+from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE
 from tests.export.test_film import ALONG, FRAMES, scene_of
 from tests.export.test_looks import ONE, body, numbers, plate, still_of

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.check import Check
 from geomkin.export.cut import cut
-from geomkin.export.sections import verdict
 from geomkin.export.still import frame_at
-from geomkin.export.title import LONGEST, Title
+from geomkin.export.text import LONGEST, Title
+from geomkin.model.check import Check
+from geomkin.page.sections import verdict
 from tests.export.test_film import scene_of
 
 

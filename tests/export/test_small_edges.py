@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.cut import _rounded_arcs, cut, decimals
-from geomkin.export.solid import solid
+from geomkin.export.mesh import solid
 from geomkin.export.stl import TRIANGLE, stl
 
 

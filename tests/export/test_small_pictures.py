@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.path import path
-from geomkin.export.sections import stack, tints_of
-from geomkin.export.thumbnail import picture, thumbnail
+from geomkin.export.svg_path import path, picture, thumbnail
+from geomkin.model.scene import SceneBody
+from geomkin.page.sections import stack, tints_of
 from geomkin.plane.curve import Moved
 from geomkin.plane.vec import Pose
-from geomkin.scene import SceneBody
 from tests.export.test_film import FRAMES, scene_of
 from tests.plane.curves import Flower
 

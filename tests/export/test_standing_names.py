@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.names_beside import half_size, stand, within
+from geomkin.export.labels import half_size, stand, within
 from geomkin.export.still import Still
-from geomkin.scene import SceneBody, SceneMark
+from geomkin.model.scene import SceneBody, SceneMark
 from tests.export.test_film import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.export.cut import cut
 from geomkin.export.step import step
 

@@ -7,12 +7,11 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.island import SCREEN
-from geomkin.export.still import MOST_POINTS, Still, frame_at, some_points
+from geomkin.export.still import MOST_POINTS, SCREEN, Still, frame_at, some_points
+from geomkin.model.scene import Scene, SceneBody, SceneCurve, SceneMark
+from geomkin.model.table import Column, Table
 from geomkin.plane.curve import Moved, Reversed
 from geomkin.plane.vec import Pose, xy
-from geomkin.scene import Scene, SceneBody, SceneCurve, SceneMark
-from geomkin.table import Column, Table
 from tests.export.test_film import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)

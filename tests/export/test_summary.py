@@ -9,9 +9,9 @@ import shapely
 import trimesh
 
 import geomkin as gk
-from geomkin.check import Check
 from geomkin.export.job import Job, Loose
 from geomkin.export.summary import summary
+from geomkin.model.check import Check
 
 RECIPE = """
 kind = "four-bar"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from geomkin.export import page
-from geomkin.export.page import _script, _tight, tight_style
+from geomkin.page import page
+from geomkin.page.page import _script, _tight, tight_style
 
 LIBRARY = "var uPlot = 1;"
 ONE = """

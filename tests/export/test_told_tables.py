@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.check import Check
-from geomkin.export import sections
 from geomkin.export.job import Job, Loose
-from geomkin.part import Part
+from geomkin.model.check import Check
+from geomkin.model.part import Part
+from geomkin.model.scene import Scene, SceneBody
+from geomkin.model.table import Column, Table
+from geomkin.page import sections
 from geomkin.plane.curve import Moved
 from geomkin.plane.vec import Pose
-from geomkin.scene import Scene, SceneBody
-from geomkin.table import Column, Table
 from tests.export.test_film import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
@@ -135,7 +135,7 @@ def test_sheets_are_told_with_how_full_they_are():
 
 
 def test_letters_are_told_where_any_part_has_some():
-    bought, hole = (gk.part.Bought("pin", 1, ("A",)),), (gk.plane.Circle(505 - 60j, 2.0),)
+    bought, hole = (gk.model.Bought("pin", 1, ("A",)),), (gk.plane.Circle(505 - 60j, 2.0),)
     hole = (*hole, gk.plane.Circle(530 - 60j, 2.0))
     parts = [Part("bare", PLATE, (), 3.0), Part("holed", PLATE, hole, 3.0, hole_names=("A", ""))]
     told = sections.joined(job_of(parts, bought=bought, steps=("Lay it down.",)))

@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
+from geomkin.cli import cli
 from geomkin.export import WRITERS, Job, Writer
-from geomkin.export.writers import USUAL
+from geomkin.export.formats import USUAL
 from tests.texts import parse, schema_of_all
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = [%s] }\n'

@@ -7,21 +7,20 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.nest import box
-from geomkin.export.solid import _is_closed
+from geomkin.export.layout import box
+from geomkin.export.mesh import _is_closed, slices, solid_cut
 from geomkin.export.stl import TRIANGLE, stl
-from geomkin.export.twisted import slices, solid_cut
-from geomkin.part import Twist
+from geomkin.model.part import Twist
 from tests.export.crossed import section
 from tests.made import Made
 
 WIDTH = 12.0
-KEYED = gk.shop.GearStock(thickness=WIDTH, bore=8, keyway_width=3, keyway_depth=1.4)
+KEYED = gk.gear.GearStock(thickness=WIDTH, bore=8, keyway_width=3, keyway_depth=1.4)
 PARTS = Made(
     {
         "wheel": lambda: part(gk.SpurGear(17, 2), KEYED, gk.gear.Helix(25, "left")),
         "herringbone": lambda: part(gk.SpurGear(8, 4), KEYED, gk.gear.Helix(45, "right", True)),
-        "ring": lambda: part(gk.RingGear(40, 2), gk.shop.RingStock(thickness=WIDTH), gk.gear.Helix(30)),
+        "ring": lambda: part(gk.RingGear(40, 2), gk.gear.RingStock(thickness=WIDTH), gk.gear.Helix(30)),
         "rack": lambda: part(gk.gear.GearRack(5, 2), KEYED, gk.gear.Helix(30)),
         "chevrons": lambda: part(gk.gear.GearRack(5, 2), KEYED, gk.gear.Helix(30, "left", True)),
     }
@@ -29,7 +28,7 @@ PARTS = Made(
 
 
 def part(gear, stock, helix):
-    return gk.shop.gear_parts(gear, stock, helix=helix)[0]
+    return gk.gear.gear_parts(gear, stock, helix=helix)[0]
 
 
 def triangles(content):

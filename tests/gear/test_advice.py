@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.ring_tooth import RingTooth
+from geomkin.gear.ring import RingTooth
 
 GEAR = gk.SpurGear(24, 2)
 

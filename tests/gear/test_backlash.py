@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.flank_gears import FlankGear
+from geomkin.gear.conjugate.shaping_gears import FlankGear
 from geomkin.plane import region
 
 from .sweeping import inner_points, least_clearance

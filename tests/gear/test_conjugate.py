@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import BEYOND, MISSES, conjugate
-from geomkin.gear.conjugate.flank_gears import FlankGear, PointToothGear, StraightSidedGear
+from geomkin.gear.conjugate.shaping_gears import FlankGear, PointToothGear, StraightSidedGear
 from geomkin.plane import region
 from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.spline import Spline

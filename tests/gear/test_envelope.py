@@ -9,8 +9,7 @@ import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve, ToothRun
 from geomkin.gear.conjugate.envelope import GRID, Swept, _boxes
-from geomkin.gear.conjugate.flank_gears import StraightSidedGear
-from geomkin.gear.conjugate.lantern import LanternPinion
+from geomkin.gear.conjugate.shaping_gears import LanternPinion, StraightSidedGear
 from geomkin.plane.curve import Stretch
 from geomkin.plane.roulettes import Cycloid
 

@@ -210,7 +210,7 @@ def shows():
     yield from (GEAR, GEAR.tooth, RACK, gk.RingGear(60, 2), gk.RingGear(60, 2).tooth, pointed(), meshing, planets())
     yield from (gk.gear.RackPair(GEAR, RACK), toothed, toothed.contact([0.2, 0.4]), *toothed.untouched, *toothed.steps)
     yield from (gk.gear.span(GEAR), gk.gear.over_pins(GEAR), gk.gear.chord(GEAR))
-    yield gk.shop.GearStock(bore=8, web=gk.shop.Web(hub=20, rim=3))
+    yield gk.gear.GearStock(bore=8, web=gk.gear.Web(hub=20, rim=3))
 
 
 def test_gears_show_on_one_line():

@@ -39,7 +39,7 @@ def test_total_contact_ratio_counts_all_sections_of_a_pair_of_teeth(herringbone)
     """A pair of teeth is in contact while any of its sections is: the lower ones of a right hand come later."""
     pair, width = gk.GearPair(PINION, WHEEL), 40.0
     helix = gk.gear.Helix(30, "right", herringbone)
-    (part,) = gk.shop.gear_parts(PINION, gk.shop.GearStock(thickness=width), helix=helix)
+    (part,) = gk.gear.gear_parts(PINION, gk.gear.GearStock(thickness=width), helix=helix)
     turned = np.angle(part.twist.at(np.linspace(0, 1, 1001)).direction)
     start, end = np.array(pair.contact_lengths) / PINION.base_radius
     total = (end - turned.min() - (start - turned.max())) / (2 * np.pi / PINION.teeth)

@@ -11,32 +11,32 @@ from geomkin.gear.conjugate.conjugate import BEYOND, CUTS, MISSES, TRIMMED, Unto
 
 def gear(module):
     small = gk.SpurGear(8, module)
-    return gk.judge.gear_checks(small, name="pinion"), gk.judge.gear_checks(small, rim=0.7 * module)
+    return gk.gear.gear_checks(small, name="pinion"), gk.gear.gear_checks(small, rim=0.7 * module)
 
 
 def ring(module):
     held = gk.RingGear(60, module, 0.1)
-    return gk.judge.gear_checks(held), gk.judge.gear_checks(held, rim=1.5 * module, name="ring")
+    return gk.gear.gear_checks(held), gk.gear.gear_checks(held, rim=1.5 * module, name="ring")
 
 
 def pair(module):
     first, second = gk.SpurGear(11, module, 0.1), gk.SpurGear(30, module)
-    return (gk.judge.mesh_checks(gk.GearPair(first, second, 20.7 * module), "a"),)
+    return (gk.gear.mesh_checks(gk.GearPair(first, second, 20.7 * module), "a"),)
 
 
 def rack(module):
-    return (gk.judge.mesh_checks(gk.gear.RackPair(gk.SpurGear(9, module), gk.gear.GearRack(10, module))),)
+    return (gk.gear.mesh_checks(gk.gear.RackPair(gk.SpurGear(9, module), gk.gear.GearRack(10, module))),)
 
 
 def planets(module):
     sun, planet, outer = gk.SpurGear(12, module), gk.SpurGear(24, module), gk.RingGear(60, module)
-    return tuple(gk.judge.planetary_checks(gk.gear.PlanetarySet(sun, planet, outer, count)) for count in (2, 3, 1))
+    return tuple(gk.gear.planetary_checks(gk.gear.PlanetarySet(sun, planet, outer, count)) for count in (2, 3, 1))
 
 
 def mate(module):
     tooth = gk.SpurGear(24, module).outline.piece
     held = gk.conjugate(tooth, 24, 12 * module, 7, 1.0 * module)
-    return gk.judge.conjugate_checks(held, module), (gk.judge.touch_check(held, module),)
+    return gk.gear.conjugate_checks(held, module), (gk.gear.touch_check(held, module),)
 
 
 @pytest.mark.parametrize("made", [gear, ring, pair, rack, planets, mate])
@@ -80,5 +80,5 @@ def test_the_flank_that_cannot_touch_is_that_of_the_driving_side_which_the_mate_
         (((0.2, 0.5, 10.0, 10.25, MISSES), (1.0, 1.5, 9.0, 10.0, MISSES), (1.2, 2.0, 9.0, 10.0, BEYOND)), 0.25),
     ):
         spoilt = dataclasses.replace(held, untouched=tuple(Untouched(*one) for one in stretches))
-        check = gk.judge.touch_check(spoilt, 2.0)
+        check = gk.gear.touch_check(spoilt, 2.0)
         assert check.value == pytest.approx(lost / 2) and check.passed == (not lost)

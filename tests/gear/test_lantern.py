@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.lantern import LanternPinion
+from geomkin.gear.conjugate.shaping_gears import LanternPinion
 from geomkin.plane import region
 from geomkin.plane.roulettes import Cycloid
 

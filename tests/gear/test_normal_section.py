@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.dump import to_toml
+from geomkin.recipe.load import to_toml
 
 BETA = 30.0
 

@@ -5,9 +5,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from geomkin.core.progress import shown
 from geomkin.export import stl
 from geomkin.plane.primitives import Circle, Polyline
-from geomkin.progress import shown
 
 WHEEL = {"teeth": 40, "module": 2}
 PAIR = {"kind": "gear-pair", "first": WHEEL, "second": WHEEL}
@@ -49,8 +49,8 @@ def test_what_no_key_has_is_named_after_the_mechanism():
     [((8, 60), 30, "second_stock.bore"), ((60, 8), 30, "first_stock.bore"), ((8, 8), 90, "base.clearance")],
 )
 def test_of_two_bores_the_wrong_one_is_named(bores, clearance, key):
-    from geomkin.shop.base import BaseStock
-    from geomkin.shop.gear.bases import pair_base
+    from geomkin.gear.parts.bases import pair_base
+    from geomkin.making.bases import BaseStock
 
     apart = 30.0 if key != "base.clearance" else 80.0
     with pytest.raises(gk.DesignError) as error:
@@ -81,7 +81,7 @@ def test_collars_under_a_carrier_keep_off_the_motor_s_plate():
     # 21 mm from the sun's axis to the planets', collars of 10 mm, and a plate of 28.3 mm round the axis.
     assert name in failed(planetary(press))
     (check,) = [c for c in gk.load(planetary(press)).judged if c.name == name]
-    plate = gk.shop.motor_plate("nema17", 6.0)
+    plate = gk.making.motor_plate("nema17", 6.0)
     reach = abs(plate.outline.point(plate.outline.breaks)).max()
     assert check.value <= 21 - 5 - reach and check.value == pytest.approx(21 - 5 - 28.26, abs=0.01)
     assert name not in failed(planetary(press, sun=60))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.gear_recipes import MOST, check_tooth_points
+from geomkin.gear.kinds.helical import MOST, check_tooth_points
 from geomkin.recipe.settings import Files
 
 
@@ -47,6 +47,6 @@ def test_a_gear_of_ten_thousand_teeth_can_be_drawn_and_without_drawing_any_numbe
 def test_every_kind_of_gear_counts_its_teeth_before_it_makes_parts(name, monkeypatch):
     """With hardly a point allowed each recipe of the gallery is refused; none that is not drawn."""
     recipe = gk.load(f"recipes/{name}.toml")
-    monkeypatch.setattr("geomkin.kinds.gear_recipes.MOST", 100)
+    monkeypatch.setattr("geomkin.gear.kinds.helical.MOST", 100)
     with pytest.raises(gk.DesignError, match="points; 100 can be drawn"):
         recipe.parts

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.fields import check_sizes, entry, quantity
 from geomkin.gear import AbstractFlankGear, AbstractGear
-from geomkin.kinds import KINDS
-from geomkin.kinds.conjugate_gears import ToothedRecipe
+from geomkin.gear.kinds.conjugate_gears import ToothedRecipe
 from geomkin.recipe import AbstractRecipe, Files
-from geomkin.sizes import check_sizes, entry, quantity
+from geomkin.recipe.kinds import KINDS
 
 TEXT = """
 kind = "ratchet-wheel"
@@ -73,7 +73,7 @@ class RatchetWheelRecipe(AbstractRecipe):
 
     kind: Literal["ratchet-wheel"] = "ratchet-wheel"
     gear: RatchetWheel
-    stock: gk.shop.GearStock = entry("what the wheel is cut from", default=gk.shop.GearStock())
+    stock: gk.gear.GearStock = entry("what the wheel is cut from", default=gk.gear.GearStock())
     files: Files = entry("what is written", default=Files())
 
     @property
@@ -87,11 +87,11 @@ class RatchetWheelRecipe(AbstractRecipe):
 
     @property
     def judged(self):
-        return gk.judge.gear_checks(self.design, self.stock.rim_under(self.design))
+        return gk.gear.gear_checks(self.design, self.stock.rim_under(self.design))
 
     @cached_property
     def parts(self):
-        return gk.shop.gear_parts(self.design, self.stock, "wheel")
+        return gk.gear.gear_parts(self.design, self.stock, "wheel")
 
 
 @pytest.fixture
@@ -111,11 +111,11 @@ def test_a_gear_kind_from_outside_goes_from_a_text_to_a_drawing_and_checks(kind,
 
 
 @pytest.mark.parametrize(
-    ("stock", "field"), [(gk.shop.GearStock(bore=100), "stock.bore"), (gk.shop.RingStock(), "stock")]
+    ("stock", "field"), [(gk.gear.GearStock(bore=100), "stock.bore"), (gk.gear.RingStock(), "stock")]
 )
 def test_what_leaves_no_wheel_is_refused(stock, field):
     with pytest.raises(gk.DesignError) as caught:
-        gk.shop.gear_parts(RatchetWheel(12, 4), stock)
+        gk.gear.gear_parts(RatchetWheel(12, 4), stock)
     assert caught.value.field == field
 
 
@@ -146,7 +146,7 @@ def test_plain_fields_and_heirs_of_whole_gears_are_whole():
     assert Bare(12, 4).is_ring and Bare(12, 4).solid_rim is None
     wheel = RatchetWheel(12, 4)
     told = Told(12, False, 4, *(getattr(wheel, f.name) for f in dataclasses.fields(Told)[3:]))
-    assert gk.judge.gear_checks(told) == gk.judge.gear_checks(wheel)
+    assert gk.gear.gear_checks(told) == gk.gear.gear_checks(wheel)
     with pytest.raises(TypeError, match="missing"):
         Told(12)
 
@@ -154,29 +154,29 @@ def test_plain_fields_and_heirs_of_whole_gears_are_whole():
 @pytest.mark.parametrize(
     ("gear", "stock", "name"),
     [
-        (gk.SpurGear(24, 2), gk.shop.GearStock(bore=8), "gear"),
-        (gk.RingGear(60, 2), gk.shop.RingStock(), "ring"),
-        (gk.gear.GearRack(12, 2), gk.shop.GearStock(bore=8), "rack"),
-        (gk.gear.StraightSidedGear(40, 3), gk.shop.GearStock(bore=8), "gear"),
-        (gk.gear.FlankGear(gk.plane.Segment(3 + 33j, 1 + 38j), 24, 36.0), gk.shop.GearStock(bore=8), "gear"),
-        (RatchetWheel(12, 4), gk.shop.GearStock(bore=8), "wheel"),
+        (gk.SpurGear(24, 2), gk.gear.GearStock(bore=8), "gear"),
+        (gk.RingGear(60, 2), gk.gear.RingStock(), "ring"),
+        (gk.gear.GearRack(12, 2), gk.gear.GearStock(bore=8), "rack"),
+        (gk.gear.StraightSidedGear(40, 3), gk.gear.GearStock(bore=8), "gear"),
+        (gk.gear.FlankGear(gk.plane.Segment(3 + 33j, 1 + 38j), 24, 36.0), gk.gear.GearStock(bore=8), "gear"),
+        (RatchetWheel(12, 4), gk.gear.GearStock(bore=8), "wheel"),
     ],
 )
 def test_every_gear_has_a_plate_and_checks(gear, stock, name):
-    (part,) = gk.shop.gear_parts(gear, stock, name)
+    (part,) = gk.gear.gear_parts(gear, stock, name)
     assert part.name == name and gk.area(part.outline) > sum(gk.area(hole) for hole in part.holes)
-    checks = gk.judge.gear_checks(gear)
+    checks = gk.gear.gear_checks(gear)
     assert checks and all(np.isfinite(check.value) for check in checks)
-    assert gk.judge.gear_checks(gear, stock.rim_under(gear), "a")[-1].name.startswith("a rim")
+    assert gk.gear.gear_checks(gear, stock.rim_under(gear), "a")[-1].name.startswith("a rim")
 
 
 def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
     """Teeth 1.25 modules deep in a bar 2 modules high leave 0.75 modules under them."""
-    rack, stock = gk.gear.GearRack(12, 2, height=2.0), gk.shop.GearStock(bore=8, web=gk.shop.Web(hub=20, rim=4))
-    (bar,) = gk.shop.gear_parts(rack, stock)
-    rim = gk.judge.gear_checks(rack, stock.rim_under(rack))[-1]
+    rack, stock = gk.gear.GearRack(12, 2, height=2.0), gk.gear.GearStock(bore=8, web=gk.gear.Web(hub=20, rim=4))
+    (bar,) = gk.gear.gear_parts(rack, stock)
+    rim = gk.gear.gear_checks(rack, stock.rim_under(rack))[-1]
     assert bar.holes == () and rim.value == pytest.approx(0.75) and rim.advice == "give a higher bar"
-    assert rim == gk.judge.gear_checks(rack)[-1]
+    assert rim == gk.gear.gear_checks(rack)[-1]
 
 
 @dataclass(frozen=True)

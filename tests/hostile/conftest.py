@@ -15,8 +15,8 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.kinds import KINDS
+from geomkin.cli import cli
+from geomkin.recipe.kinds import KINDS
 from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 90}'

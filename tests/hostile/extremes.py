@@ -113,7 +113,7 @@ def every_case(kinds):
 
 def numbers_at_their_ends(count, seed):
     """(name, text) of so many recipes drawn from all kinds' alike, half of them with a second number at its end."""
-    from geomkin.kinds import KINDS
+    from geomkin.recipe.kinds import KINDS
 
     rng, found = random.Random(seed), []
     by_kind = {kind: list(every_case([kind])) for kind in KINDS}
@@ -128,7 +128,7 @@ def numbers_at_their_ends(count, seed):
 
 
 def main(arguments):
-    from geomkin.kinds import KINDS
+    from geomkin.recipe.kinds import KINDS
 
     failures = tried = 0
     with tempfile.TemporaryDirectory() as folder:

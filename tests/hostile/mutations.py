@@ -6,7 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from tests.texts import choices_of, schema_of_all, template_of
 
 GALLERY = Path(__file__).parent.parent.parent / "recipes"

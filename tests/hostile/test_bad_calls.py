@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.arguments import _bounded
+from geomkin.core.arguments import _bounded
 
 MOTION = gk.move(gk.FourBar(100, 30, 90, 70), [0.1, 0.2])
 
@@ -24,7 +24,7 @@ MOTION = gk.move(gk.FourBar(100, 30, 90, 70), [0.1, 0.2])
         (lambda: gk.linkage.circuits(gk.SliderCrank(30, 90), MOTION), "motion", "another linkage"),
         (lambda: gk.linkage.velocity_polygon(MOTION, 2), "frame", "found 2"),
         (lambda: gk.linkage.acceleration_polygon(MOTION, -3), "frame", "found -3"),
-        (lambda: gk.shop.base_plate("base", [0j], [5.0, 6.0], 5.0, 3.0), "axes", "found 1"),
+        (lambda: gk.gear.base_plate("base", [0j], [5.0, 6.0], 5.0, 3.0), "axes", "found 1"),
         (lambda: gk.flatten(gk.plane.Circle(0, 10), 1e-14), "tolerance", "70,248,147 chords"),
     ],
 )

@@ -114,8 +114,6 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
 
-    from geomkin import build  # noqa: F401
-
     made, tried, faults = 0, 0, []
     for number, (name, kind, text) in enumerate(campaign(COUNT, SEED)):
         if number // 4 % 8 != share:
@@ -147,8 +145,6 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
 def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
-
-    from geomkin import build  # noqa: F401
 
     faults = []
     for name, text in numbers_at_their_ends(EXTREMES, SEED)[share::4]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.path_files import FileName
+from geomkin.synthesis.kinds.path_generator import FileName
 
 PATH = '<path d="M 0 0 H 10 V 20"/>'
 CORNERS = (0, 10, 10 + 20j)

@@ -7,8 +7,8 @@ import ezdxf
 import pytest
 from shapely.geometry import Polygon
 
+from geomkin.core.fields import last_fit
 from geomkin.gear import pair
-from geomkin.sizes import last_fit
 from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'

@@ -145,7 +145,7 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
 LOADED = ["click", "geomkin.build", "numpy", "pydantic", "geomkin.export.stl"]
 # Their loaders go on after whatever goes wrong inside them, an interrupt included.
 SWALLOWED = ["ezdxf.acc.vector", "pydantic_core", "shapely.lib"]
-MORE = ["geomkin.commands", "shapely", "ezdxf", "fontTools.ttLib", "ezdxf.acc.mapbox_earcut"]
+MORE = ["geomkin.cli", "shapely", "ezdxf", "fontTools.ttLib", "ezdxf.acc.mapbox_earcut"]
 
 
 @pytest.mark.parametrize(

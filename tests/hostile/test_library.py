@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from tests.texts import template_of
 
 LINKAGE = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)

@@ -11,7 +11,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.csv import csv as written
-from geomkin.table import Column, Table
+from geomkin.model.table import Column, Table
 
 EVIL = [
     "../../evil",

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.moving import plan
 from geomkin.linkage.solve.placement import Poses
-from geomkin.linkage.solve.plan import plan
 from tests.linkage.exact import actuator
 from tests.linkage.examples import ALL, between, boom, lift_table, pushed
 

@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.linkage import coupler_curve
 from geomkin.linkage.coupler_curve import coupler_curves, coupler_grid, dashes
-from geomkin.linkage.sliders import SliderCrank
+from geomkin.linkage.named_linkages import SliderCrank
 
 CRANK_ROCKER = gk.FourBar(100, 30, 90, 70)
 STEPS = np.radians(np.arange(0, 361, 5))

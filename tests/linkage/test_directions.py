@@ -15,8 +15,8 @@ from geomkin.linkage import (
     instant_centre,
     path_curvature,
 )
+from geomkin.model.scene import SceneBody, SceneMark
 from geomkin.plane import Pose
-from geomkin.scene import SceneBody, SceneMark
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70)
 # It opens over part of the turn.

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.instant.equivalent import DirectContact
-from geomkin.linkage.sliders import SliderCrank
+from geomkin.linkage.instant.curvature import DirectContact
+from geomkin.linkage.named_linkages import SliderCrank
 
 PROGRAM = gk.Program(
     (gk.Dwell(end_deg=60), gk.Rise("cycloidal", rise=20, end_deg=180), gk.Return("3-4-5", end_deg=360))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import program, solution, worked
+from geomkin.linkage.solve import formulas as worked
+from geomkin.linkage.solve import program, solution
 from tests.linkage.exact import four_bar
 from tests.linkage.examples import ALL, FOUR_BAR, locked, walking_leg
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.moving import Planner
 from geomkin.linkage.solve.continuation import _between, approached, polished
 from geomkin.linkage.solve.loop_equations import LoopEquations
-from geomkin.linkage.solve.plan import Planner
 from tests.linkage.examples import ALL, FOUR_BAR, locked
 
 

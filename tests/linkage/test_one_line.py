@@ -21,7 +21,7 @@ from geomkin.linkage import (
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, 40 + 25j)
 MOTION = gk.move(FOUR_BAR, np.linspace(0.1, 6, 361))
-STACK = gk.shop.stack_links(MOTION)
+STACK = gk.linkage.stack_links(MOTION)
 SHOWN = [
     instant_centre(MOTION, "coupler", "ground"),
     inflection_circle(MOTION, "coupler"),
@@ -39,8 +39,8 @@ SHOWN = [
     STACK,
     *STACK.pins,
     *STACK.plates.values(),
-    gk.shop.LinkStock(),
-    gk.shop.PlateStock(),
+    gk.linkage.LinkStock(),
+    gk.linkage.PlateStock(),
 ]
 
 

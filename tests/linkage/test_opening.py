@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.openings import never_closed
+from geomkin.linkage.measures import never_closed
 from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.moving import plan
 from geomkin.linkage.solve.loops import Loops
-from geomkin.linkage.solve.plan import plan
 
 # A four-bar whose coupler point moves a rod in a pivoted cylinder: no pin of these two stands before the four-bar does.
 CYLINDER = gk.Linkage(

@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.linkage.instant.polygons import POLE, acceleration_polygon, velocity_polygon
 from geomkin.linkage.linkage import Linkage, Slider
-from geomkin.linkage.sliders import SliderCrank
+from geomkin.linkage.named_linkages import SliderCrank
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, 40 + 25j)
 # Crank-shaper: the crank's pin carries a block that slides on a lever pivoted 80 mm below.

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.shaking import SliderCrankMasses, best_counterbalance, judged_counterbalance, shaking_force
-from geomkin.linkage.sliders import SliderCrank
+from geomkin.linkage.dynamics.shaking import (
+    SliderCrankMasses,
+    best_counterbalance,
+    judged_counterbalance,
+    shaking_force,
+)
+from geomkin.linkage.named_linkages import SliderCrank
 
 ENGINE = SliderCrank(crank=30, coupler=90)
 OFFSET = SliderCrank(crank=30, coupler=90, offset=12, origin=5 + 3j, ground_angle_deg=40)

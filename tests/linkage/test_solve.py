@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import worked
+from geomkin.linkage.solve import formulas as worked
 from tests.linkage.examples import ALL, FOUR_BAR, TURN, crossed_slots, locked
 
 

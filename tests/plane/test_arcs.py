@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.arcs import _merge, to_arcs

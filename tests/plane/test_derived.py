@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, Ring

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import Moved, Offset, Reversed, Stretch

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Reversed

@@ -6,7 +6,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.flatten import flatten
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, moved, rounded_hull, slot

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import length
 from geomkin.plane.roulettes import Cycloid

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.spread import MOST_TURN, Intervals, spread
+from geomkin.plane.subdivision import MOST_TURN, Intervals, spread
 
 DENSITIES = {
     "even": lambda t: t,

@@ -9,7 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.load import adapter
 from tests.texts import recipe_of, template_of
 
@@ -38,7 +38,7 @@ def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, na
     assert recipe == gk.load(tomllib.loads(text)) == gk.load("new.toml") == gk.load(Path("new.toml"))
     assert gk.load("new.toml").name == "new" and recipe.name == ""
     fields = {f.name: getattr(recipe, f.name) for f in dataclasses.fields(recipe)}
-    built = getattr(gk.kinds, type(recipe).__name__)(**fields)
+    built = KINDS[name](**fields)
     assert built == recipe and type(built) is KINDS[name]
     # What the summary tells of it is a recipe again.
     assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
@@ -49,7 +49,7 @@ def test_one_built_in_python_makes_the_files_that_its_text_makes(tmp_path):
         'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }\nfiles = { kerf = 0.2 }\n'
     )
     linkage = gk.FourBar(ground=100, crank=30, coupler=90, rocker=70)
-    recipe = gk.kinds.FourBarRecipe(linkage=linkage, files=gk.recipe.Files(kerf=0.2))
+    recipe = gk.linkage.FourBarRecipe(linkage=linkage, files=gk.recipe.Files(kerf=0.2))
     assert recipe == gk.load(text) and recipe.motion.closed.all()
     (tmp_path / "bars.toml").write_text(text)
     gk.make(recipe.called("bars"), tmp_path / "built")
@@ -64,14 +64,14 @@ def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
         gk.make(gk.load(tmp_path / "from-file.toml").called("called"), tmp_path),
         gk.make(GEAR, tmp_path),
         gk.make(TABLE, tmp_path),
-        gk.make(gk.kinds.SpurGearRecipe(gear=gk.SpurGear(17, 2)), tmp_path, only=["csv"]),
+        gk.make(gk.gear.SpurGearRecipe(gear=gk.SpurGear(17, 2)), tmp_path, only=["csv"]),
     ]
     assert [m.name for m in made] == ["from-file", "called", "spur-gear", "spur-gear", "spur-gear"]
     assert all((tmp_path / m.name / f"{m.name}.csv") in m.files and m.checks for m in made)
 
 
 def test_another_recipe_of_the_same_name_replaces_the_first_ones_files(tmp_path):
-    bars = gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).called("same")
+    bars = gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).called("same")
     gk.make(bars, tmp_path)
     (tmp_path / "same" / "mine.txt").write_text("kept")
     gk.make(gk.load(GEAR).called("same"), tmp_path)
@@ -139,7 +139,7 @@ NEITHER = [
     object(),
     gk.FourBar,
     gk.SpurGear(24, 2),
-    gk.kinds.SpurGearRecipe,
+    gk.gear.SpurGearRecipe,
 ]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.burmester_curves import _dashes, _even
+from geomkin.synthesis.kinds.burmester_curves import _dashes, _even
 
 POSES = [[0, 0, 0], [15, 21, 25], [36, 30, 60], [55, 20, 105]]
 

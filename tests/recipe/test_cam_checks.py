@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.judge.cam import _above
+from geomkin.cam.checks import _above
 
 FOLLOWERS = {
     "offset roller": ('{kind = "translating-roller", roller_radius = 8, offset = -9}', "", 40),
@@ -52,7 +52,7 @@ def test_pressure_angles_are_the_peaks_of_rise_and_return(tmp_path, follower, la
 
 
 def judged(follower, *segments, base=40):
-    return {c.name: c for c in gk.judge.cam_checks(gk.Cam(follower, gk.Program(segments), base))}
+    return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, gk.Program(segments), base))}
 
 
 def test_a_level_face_leans_by_nothing_and_of_a_cam_at_rest_nothing_is_said():
@@ -96,5 +96,5 @@ def test_what_is_advised_is_a_little_more_in_two_digits(value):
 def test_undercut_that_is_known_already_is_not_looked_for_again():
     way = gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=30, end_deg=130), gk.Return("cycloidal", end_deg=360)
     large, small = (gk.Cam(gk.TranslatingFlat(), gk.Program(way), base) for base in (400, 20))
-    names = [{c.name for c in gk.judge.cam_checks(large, cut)} for cut in (None, gk.undercut(small))]
+    names = [{c.name for c in gk.cam.cam_checks(large, cut)} for cut in (None, gk.undercut(small))]
     assert ["lift lost to undercut" in found for found in names] == [False, True]

@@ -3,7 +3,7 @@
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.disk_cam import DiskCamRecipe
+from geomkin.cam.kinds.disk_cam import DiskCamRecipe
 
 
 @pytest.mark.parametrize(("direction", "other"), [("clockwise", "counterclockwise"), ("counterclockwise", "clockwise")])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.settings import Drive, Stroke, Turn
 from tests.tables import four_bars, slider_cranks
 from tests.texts import parse, template_of

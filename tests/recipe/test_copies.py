@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.copies_joined import _beyond
-from geomkin.shop.linkage.stack import PinSpan
+from geomkin.linkage.kinds.copies import _beyond
+from geomkin.linkage.parts.stack import PinSpan
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 LEG = (RECIPES / "walking-leg.toml").read_text("utf-8").replace('"csv"', '"csv", "bom"')
@@ -199,7 +199,7 @@ def test_pins_of_the_ground_have_their_nuts_below_and_all_others_above(layer, bu
     """M4 in sheets of 3 mm, with 0.2 mm of play: heads 2.4 mm high, nuts and screws 10 mm over 15 mm, 11 over 9."""
     spans = {"A": (0, 4), "B": (2, 4), "C": (0, 2), "D": (1, 3)}
     pins = tuple(PinSpan(name, low, high, 3.0 * (high - low + 1), (), ()) for name, (low, high) in spans.items())
-    stack = gk.shop.Stack({}, pins, (), {}, gk.shop.LinkStock().fastener_used)
+    stack = gk.linkage.Stack({}, pins, (), {}, gk.linkage.LinkStock().fastener_used)
     assert _beyond(stack, 3.0, layer, but) == room
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.linkage_tables import BodyList, TriangleCorner
+from geomkin.linkage.kinds.moved import BodyList, TriangleCorner
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

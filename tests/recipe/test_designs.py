@@ -3,7 +3,7 @@
 import pytest
 
 import geomkin as gk
-from geomkin import kinds
+from geomkin.recipe import kinds
 from tests.texts import recipe_of
 
 LINKAGES = [
@@ -20,7 +20,7 @@ def test_the_linkage_or_gear_that_a_recipe_gives_is_its_design(kind, key):
 def test_classes_of_kinds_are_found_by_their_names_and_no_other_is():
     assert {kind: getattr(kinds, name).kind for name, kind in kinds._classes().items()} == {k: k for k in kinds.KINDS}
     assert set(kinds._classes()) < set(dir(kinds)) and "SpurGearRecipe" in dir(kinds)
-    with pytest.raises(AttributeError, match="geomkin.kinds has no 'SpurGear'"):
+    with pytest.raises(AttributeError, match="geomkin.recipe.kinds has no 'SpurGear'"):
         kinds.SpurGear
 
 

@@ -19,7 +19,7 @@ def test_a_recipe_written_is_the_recipe_read(file, monkeypatch):
 def test_every_digit_and_every_letter_is_kept():
     crank = 30 + 2**-40
     linkage = gk.FourBar(100, crank, 90, 70, coupler_point=1e-7 / 3 + 1e5j / 3)
-    text = gk.recipe.to_toml(gk.kinds.FourBarRecipe(linkage=linkage))
+    text = gk.recipe.to_toml(gk.linkage.FourBarRecipe(linkage=linkage))
     assert gk.load(text).design == linkage
     bodies = {"ground": {"crank pivot": [0, 0], "C": [60, 0]}, "a-b_c": {"crank pivot": [0, 0], "A": [20, 0]},
               "rod": {"A": [0, 0], "B": [50, 0]}, "arm": {"C": [0, 0], "B": [40, 0]}}  # fmt: skip

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds.linkage_goals import AbstractLinkageGoal
 from geomkin.recipe import to_toml
 from geomkin.synthesis import Found
+from geomkin.synthesis.kinds.linkage_goals import AbstractLinkageGoal
 
 from .test_rocker_goals import STROKE, SWING, SWINGS, changed
 

@@ -9,9 +9,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import geomkin as gk
-from geomkin.kinds.any_linkage import PLAIN
-from geomkin.kinds.instants import CentrodesRecipe, InflectionCircleRecipe
 from geomkin.linkage import inflection_circle
+from geomkin.linkage.kinds.any_linkage import PLAIN
+from geomkin.linkage.kinds.instants import CentrodesRecipe, InflectionCircleRecipe
 from geomkin.recipe import to_toml
 from tests.texts import parse, schema_of_all, template_of
 

@@ -78,13 +78,13 @@ program = [{kind = "dwell", end_deg = 60}, {kind = "rise", law = "3-4-5", rise_d
 def test_checks_of_a_linkage_are_those_of_a_plain_call_on_its_motion():
     recipe = parse(template_of("four-bar"))
     motion, stock = gk.move(recipe.design, recipe.drive.frames), recipe.stock
-    stack = gk.shop.stack_links(gk.move(recipe.design, recipe.drive.fine), stock)
+    stack = gk.linkage.stack_links(gk.move(recipe.design, recipe.drive.fine), stock)
     assert recipe.judged == (
-        *gk.judge.linkage_checks(motion),
-        gk.judge.hole_check(stock.hole_diameter, stock.thickness),
-        dataclasses.replace(gk.judge.collision_check(len(stack.collisions)), advice=recipe.judged[-1].advice),
+        *gk.linkage.linkage_checks(motion),
+        gk.linkage.hole_check(stock.hole_diameter, stock.thickness),
+        dataclasses.replace(gk.linkage.collision_check(len(stack.collisions)), advice=recipe.judged[-1].advice),
     )
     for wrong in (recipe.design, gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), [1.0])):
         with pytest.raises(gk.DesignError) as caught:
-            gk.judge.linkage_checks(wrong)
+            gk.linkage.linkage_checks(wrong)
         assert caught.value.field == "motion"

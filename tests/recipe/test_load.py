@@ -8,7 +8,7 @@ import re
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.load import LARGEST
 from tests.texts import parse, recipe_of, schema_of_all, template_of
 

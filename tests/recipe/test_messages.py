@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
 from geomkin.recipe import load
-from geomkin.recipe.explain import hints_of, kind_of, tables_in
+from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.messages import hints_of, kind_of, tables_in
 from tests.texts import parse, template_of
 
 BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
@@ -123,7 +123,7 @@ def test_a_kind_under_a_table_is_told_where_it_belongs():
 
 
 def test_of_very_many_problems_only_those_that_are_read_get_a_hint(monkeypatch):
-    from geomkin.recipe import explain
+    from geomkin.recipe import messages as explain
 
     asked = []
     monkeypatch.setattr(explain, "nearest", lambda *a: asked.append(a) or "")
@@ -133,7 +133,7 @@ def test_of_very_many_problems_only_those_that_are_read_get_a_hint(monkeypatch):
 
 
 def test_of_very_many_problems_only_some_are_looked_into(monkeypatch):
-    from geomkin.recipe import explain
+    from geomkin.recipe import messages as explain
 
     looked, real = [], explain._place
     monkeypatch.setattr(explain, "_place", lambda *a: looked.append(a) or real(*a))

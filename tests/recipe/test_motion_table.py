@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.linkage.motion import motion_table
-from geomkin.table import Column, Table, xy_columns
+from geomkin.model.table import Column, Table, xy_columns
 from tests.linkage.examples import ALL, two_parallelograms
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import naming
-from geomkin.export.twisted import solid_cut
+from geomkin.export.mesh import solid_cut
 
 GALLERY = Path(__file__).parent.parent.parent / "recipes"
 # Gallery recipe, dotted key, value: each is refused once the parts are worked out.

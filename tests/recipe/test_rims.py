@@ -3,8 +3,8 @@
 import pytest
 
 import geomkin as gk
-from geomkin.judge.gear import gear_checks
-from geomkin.shop.gear.gears import GearStock, Web
+from geomkin.gear.checks import gear_checks
+from geomkin.gear.parts.gears import GearStock, Web
 
 
 def value(checks, name):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.load import adapter
 from geomkin.recipe.recipe import UNSCALED
 from tests.texts import choices_of, parse, schema_of_all, template_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.settings import Stroke, Turn
 from tests.texts import parse, template_of
 

@@ -15,12 +15,12 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.commands import cli
+from geomkin.cli import cli
+from geomkin.core.fields import check_sizes, entry, quantity
 from geomkin.export import WRITERS, Job, Writer
-from geomkin.kinds import KINDS
+from geomkin.model.scene import Scene, SceneBody
 from geomkin.recipe import AbstractGoal, AbstractRecipe, Files
-from geomkin.scene import Scene, SceneBody
-from geomkin.sizes import check_sizes, entry, quantity
+from geomkin.recipe.kinds import KINDS
 from tests.texts import parse, schema_of_all, template_of
 
 # What has been worked out, in order.
@@ -99,7 +99,7 @@ class RockerSwingRecipe(AbstractGoal):
         for _ in range(60):
             crank = (low + high) / 2
             low, high = (low, crank) if swing_of(crank) > np.radians(self.swing_deg) else (crank, high)
-        return gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, crank, 90, 70), files=self.files)
+        return gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, crank, 90, 70), files=self.files)
 
     @property
     def judged(self) -> tuple[gk.Check, ...]:
@@ -156,7 +156,6 @@ def test_the_command_template_and_schema_know_it(tmp_path):
     checked = CliRunner().invoke(cli, ["check", str(tmp_path / "new.toml")])
     assert checked.exit_code == 0 and "pass  washer's radius 20 mm" in checked.output
     assert "washer" in schema_of_all()["properties"]["kind"]["enum"]
-    assert gk.kinds.WasherRecipe is WasherRecipe and "WasherRecipe" in dir(gk.kinds)
 
 
 @pytest.mark.parametrize(
@@ -221,7 +220,7 @@ def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
     goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n')
     found = goal.design
     assert found.table is goal.table and found.parts is goal.parts and found.scene is goal.scene
-    assert found == gk.kinds.FourBarRecipe(linkage=gk.FourBar(100, found.linkage.crank, 90, 70))
+    assert found == gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, found.linkage.crank, 90, 70))
     assert [c.name for c in goal.checks] == ["missed swing", *(c.name for c in found.checks)]
     # By another road: the rocker's angle over a turn of the crank.
     turns = np.linspace(0, 2 * np.pi, 7201)

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
+from geomkin.recipe.kinds import KINDS
 from tests.texts import choices_of, parse, template_of
 
 OFFERED = [
@@ -96,7 +96,7 @@ def test_the_first_line_is_the_schema_s():
 def test_what_there_is_not_is_wrong_usage(arguments, words):
     from click.testing import CliRunner
 
-    from geomkin.commands import cli
+    from geomkin.cli import cli
 
     result = CliRunner().invoke(cli, ["new", *arguments])
     assert result.exit_code == 2 and words in " ".join(result.stderr.split()) and result.stdout == ""

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.kinds import KINDS
-from geomkin.kinds.linkages import SlidRecipe, TurnedRecipe
+from geomkin.core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up
 from geomkin.linkage import coupler_curve as curves
+from geomkin.linkage.kinds.linkages import SlidRecipe, TurnedRecipe
 from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
-from geomkin.sizes import FARTHEST, SMALLEST, rounded_down, rounded_up
+from geomkin.recipe.kinds import KINDS
 from tests.texts import parse, template_of
 
 
@@ -132,7 +132,7 @@ def test_chords_of_an_atlas_are_counted_and_the_tolerance_named_works(monkeypatc
 
 
 def test_a_csv_of_millions_of_rows_is_refused_before_it_is_taken_apart(tmp_path, monkeypatch):
-    from geomkin import beside
+    from geomkin.core import names as beside
 
     (tmp_path / "lift.csv").write_text("cam_angle_deg,lift_mm\n" + "1,2\n" * 20_000)
     monkeypatch.setattr(beside.csv, "reader", lambda *a: pytest.fail("taken apart"))

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scenes.instant import inflection_scene
+from geomkin.linkage.scene_instants import inflection_scene
 from tests.cam.cams import CAMS
 
 from .gallery import marks, named, recipe
 
 
 def scene_of(cam, **more):
-    return gk.scenes.cam_scene(cam, gk.cam.cam_table(cam, 10.0, np.radians(np.arange(0, 361, 3.0))), **more)
+    return gk.cam.cam_scene(cam, gk.cam.cam_table(cam, 10.0, np.radians(np.arange(0, 361, 3.0))), **more)
 
 
 @pytest.mark.parametrize("name", CAMS)
@@ -110,7 +110,7 @@ def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
     assert not never.closed.any()
     told = {
         header
-        for plot in gk.scenes.linkage_scene(never, gk.linkage.motion_table(never)).plots
+        for plot in gk.linkage.linkage_scene(never, gk.linkage.motion_table(never)).plots
         for header in plot.columns
     }
     assert not told & plotted
@@ -144,8 +144,8 @@ def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longe
         (gk.SliderCrank(30, 90, 0), 1.5 + turn[:3] / 5),
     ):
         motion = gk.move(linkage, drive, 1, 2 * np.pi)
-        scene = gk.scenes.polygons_scene(motion, gk.linkage.motion_table(motion))
-        plain = gk.scenes.linkage_scene(motion, gk.linkage.motion_table(motion))
+        scene = gk.linkage.polygons_scene(motion, gk.linkage.motion_table(motion))
+        plain = gk.linkage.linkage_scene(motion, gk.linkage.motion_table(motion))
         low, high = plain.box
         size = max(abs(high - low), float(np.max(motion.linkage.size)))
         for rate in ("v", "a"):
@@ -157,15 +157,15 @@ def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longe
 
 def test_no_force_has_no_arrow_and_any_other_is_drawn_at_one_scale():
     motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 13))
-    plain = gk.scenes.linkage_scene(motion, gk.linkage.motion_table(motion))
-    plots = (gk.scene.Plot("angle", (plain.drive.header,)),)
+    plain = gk.linkage.linkage_scene(motion, gk.linkage.motion_table(motion))
+    plots = (Plot("angle", (plain.drive.header,)),)
     what = {"velocity": "one", "wanted": "other"}
-    none = gk.scenes.force_scene(plain, 5 + 5j, {"velocity": np.zeros(13, complex)}, what, plots)
+    none = gk.linkage.force_scene(plain, 5 + 5j, {"velocity": np.zeros(13, complex)}, what, plots)
     assert none.marks == plain.marks and none.plots == plots
-    assert gk.scenes.force_scene(plain, 0j, {}, what, plots).marks == plain.marks
+    assert gk.linkage.force_scene(plain, 0j, {}, what, plots).marks == plain.marks
     force = {"velocity": np.linspace(1, 4, 13) * 1j, "wanted": np.full(13, -2 + 0j)}
     force["velocity"][3] = np.nan
-    some = gk.scenes.force_scene(plain, 5 + 5j, force, what, plots)
+    some = gk.linkage.force_scene(plain, 5 + 5j, force, what, plots)
     one, other = some.marks[-2:]
     assert (one.place == 5 + 5j).all() and one.label.startswith("one, ") and other.label.startswith("other, ")
     assert one.vector[-1] / other.vector[-1] == pytest.approx(-2j) and np.isnan(one.vector[3])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.making.motors import apart, on_motor
 from geomkin.plane import Circle
-from geomkin.scenes.motor import apart, on_motor
 
 from .gallery import RECIPES, marks, named, recipe
 
@@ -37,7 +37,7 @@ def test_every_axis_that_stands_still_stands_in_a_hole_of_the_base(name):
 def test_a_base_lies_under_planets_as_it_is_drawn_and_the_carrier_over_them():
     own = recipe("planetary")
     for parts, layer in (((), 0), ((plate(70 + 20j),), 2)):
-        scene = gk.scenes.planetary_scene(own.gears, own.table, parts)
+        scene = gk.gear.planetary_scene(own.gears, own.table, parts)
         assert named(scene, "carrier").layer == layer
         assert {body.layer for body in scene.bodies if body.name not in ("carrier", "ground")} == {1}
         for body in scene.bodies:
@@ -48,12 +48,12 @@ def test_a_base_lies_under_planets_as_it_is_drawn_and_the_carrier_over_them():
 
 def scenes_with(parts):
     pair, planets, cam, lantern = (recipe(n) for n in ("gear-pair", "planetary", "roller-cam", "lantern"))
-    yield gk.scenes.pair_scene(pair.design, parts)
-    yield gk.scenes.pair_scene(recipe("rack-and-pinion").design, parts)
-    yield gk.scenes.gear_scene(pair.design.first, parts)
-    yield gk.scenes.planetary_scene(planets.gears, planets.table, parts)
-    yield gk.scenes.cam_scene(cam.cam, cam.table, parts)
-    yield gk.scenes.conjugate_scene(lantern.design, lantern.table, parts)
+    yield gk.gear.pair_scene(pair.design, parts)
+    yield gk.gear.pair_scene(recipe("rack-and-pinion").design, parts)
+    yield gk.gear.gear_scene(pair.design.first, parts)
+    yield gk.gear.planetary_scene(planets.gears, planets.table, parts)
+    yield gk.cam.cam_scene(cam.cam, cam.table, parts)
+    yield gk.gear.conjugate_scene(lantern.design, lantern.table, parts)
 
 
 def test_the_plate_of_a_motor_lies_still_under_everything():
@@ -83,7 +83,7 @@ def test_what_carries_a_roller_is_beside_it_and_over_a_base_if_there_is_one(name
     own = recipe(name)
     bodies = [*LAYERS[name], *["ground"] * based]
     parts = [plate(body=body) for body in bodies]
-    scene = gk.scenes.cam_scene(own.cam, own.table, parts)
+    scene = gk.cam.cam_scene(own.cam, own.table, parts)
     over = based and "roller" in LAYERS[name]
     wanted = {body: layer + over for body, layer in LAYERS[name].items()} | ({"ground": 0} if based else {})
     assert {body.name: body.layer for body in scene.bodies} == wanted

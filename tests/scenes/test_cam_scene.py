@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geomkin.kinds import DiskCamRecipe
+from geomkin.cam.kinds.disk_cam import DiskCamRecipe
 from geomkin.recipe.template import example
 
 from .gallery import frames, marks, named, point, recipe, seen

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scene import Choice, Plot
+from geomkin.model.scene import Choice, Plot
 
 from .gallery import recipe
 

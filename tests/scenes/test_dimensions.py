@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scenes.dimensions import link_dimensions
+from geomkin.linkage.scene import link_dimensions
 
 from .gallery import named, recipe
 

@@ -9,12 +9,11 @@ from shapely import affinity
 
 import geomkin as gk
 from geomkin import GearPair, RingGear, SpurGear
-from geomkin.gear import GearRack, RackPair
-from geomkin.part import Part
+from geomkin.gear import GearRack, RackPair, gear_scene, pair_scene
+from geomkin.gear.parts.gears import GearStock, RingStock, gear_parts
+from geomkin.gear.scene import tooth_regions
+from geomkin.model.part import Part
 from geomkin.plane import Circle
-from geomkin.scenes import gear_scene, pair_scene
-from geomkin.scenes.gear import tooth_regions
-from geomkin.shop.gear.gears import GearStock, RingStock, gear_parts
 
 from .gallery import FINE, frames, marks, named, point, recipe, seen
 
@@ -208,7 +207,7 @@ def test_planets_are_one_part_and_a_ring_stands_still():
     carrier, first = named(scene, "carrier"), planets[0]
     np.testing.assert_allclose(carrier.direction * first.origin[0], first.origin, atol=1e-9)
     alone = replace(recipe("planetary").gears, planets=1)
-    assert "planet" in [b.name for b in gk.scenes.planetary_scene(alone, recipe("planetary").table).bodies]
+    assert "planet" in [b.name for b in gk.gear.planetary_scene(alone, recipe("planetary").table).bodies]
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scene import Choice, Plot, Scene, SceneBody, SceneMark
-from geomkin.table import Column, Table
+from geomkin.model.scene import Choice, Plot, Scene, SceneBody, SceneMark
+from geomkin.model.table import Column, Table
 
 FRAMES = 4
 

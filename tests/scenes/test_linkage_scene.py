@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scene import Limit
-from geomkin.scenes import linkage_scene
+from geomkin.linkage import linkage_scene
+from geomkin.model.scene import Limit
 
 from .gallery import marks
 
@@ -136,7 +136,7 @@ def test_bodies_that_nothing_is_cut_of_are_lines_from_each_point_to_the_next_and
     told = [("crank_pivot", "crank_pin"), ("crank_pin", "rocker_pin"), ("rocker_pin", "rocker_pivot")]
     told += [("crank_pin", "coupler_point"), ("coupler_point", "rocker_pin")]
     assert seen == {frozenset(pair) for pair in told}
-    plates = gk.shop.link_parts(motion)
+    plates = gk.linkage.link_parts(motion)
     shown = linkage_scene(motion, gk.linkage.motion_table(motion), plates)
     assert not [mark for mark in shown.marks if mark.sort == "line"]
     only = [part for part in plates if part.body != "coupler"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scenes.meshing import pitches_in_contact
+from geomkin.gear.scene import pitches_in_contact
 
 from .gallery import NAMES, named, recipe
 
@@ -78,7 +78,7 @@ def test_what_moves_with_a_body_is_not_fixed():
 def test_plates_without_a_stack_lie_in_one_layer_and_those_of_one_in_its_layers():
     recipe = gk.load("""kind = "four-bar"
 linkage = { ground = 30, crank = 100, coupler = 90, rocker = 70 }""")
-    plain = gk.scenes.linkage_scene(recipe.motion, recipe.table, recipe.parts)
+    plain = gk.linkage.linkage_scene(recipe.motion, recipe.table, recipe.parts)
     assert {body.layer for body in plain.bodies} == {0} and len(plain.bodies) == 5
     assert {body.name: body.layer for body in recipe.scene.bodies} == recipe.stack.layers
     assert recipe.stack.layers["bridge"] == max(recipe.stack.layers.values()) > 1
@@ -87,7 +87,7 @@ linkage = { ground = 30, crank = 100, coupler = 90, rocker = 70 }""")
 def test_many_linkages_or_no_frames_are_refused():
     def scene(crank, drive):
         motion = gk.move(gk.FourBar(100, crank, 90, 70), drive)
-        return gk.scenes.linkage_scene(motion, gk.Table((gk.Column("a", "", "a", np.zeros(len(drive))),)))
+        return gk.linkage.linkage_scene(motion, gk.Table((gk.Column("a", "", "a", np.zeros(len(drive))),)))
 
     with pytest.raises(gk.DesignError, match=r"motion: found \(2,\) linkages; give one at a time"):
         scene(np.array([30.0, 31.0]), np.linspace(0, 6, 5))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.scenes.conjugate import _Touching
+from geomkin.gear.scene_pairs import _Touching
 
 NAN = np.nan
 # Of 6 teeth a pitch is 60 deg; each of the mate's degrees is half a one of the gear, the other way.

@@ -51,6 +51,6 @@ def test_a_table_without_angles_of_planets_and_carrier_has_no_plot_of_them():
     columns = {column.name: column for column in own.table.columns}
     for left, plotted in (((), ()), (("planet_angle",), ("planet_angle_deg",))):
         table = gk.Table(tuple(columns[name] for name in ("sun_angle", "time", *left)))
-        scene = gk.scenes.planetary_scene(own.gears, table, own.parts)
+        scene = gk.gear.planetary_scene(own.gears, table, own.parts)
         assert [plot.columns for plot in scene.plots] == ([plotted] if plotted else [])
         assert np.array_equal(named(scene, "carrier").direction, named(own.scene, "carrier").direction)

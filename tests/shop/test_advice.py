@@ -7,14 +7,14 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.errors import DesignError
+from geomkin.cam.parts import _check_shaft
+from geomkin.core.errors import DesignError
 from geomkin.gear.conjugate.conjugate import conjugate
+from geomkin.gear.parts.bases import pair_base, rack_base
+from geomkin.gear.parts.gears import GearStock, Web, gear_parts
+from geomkin.making.bases import BaseStock
+from geomkin.making.fasteners import fastener_of
 from geomkin.plane import region
-from geomkin.shop.base import BaseStock
-from geomkin.shop.cam_base import _check_shaft
-from geomkin.shop.fasteners import fastener_of
-from geomkin.shop.gear.bases import pair_base, rack_base
-from geomkin.shop.gear.gears import GearStock, Web, gear_parts
 
 WHEEL = gk.SpurGear(40, 2)
 
@@ -170,7 +170,7 @@ def test_a_lantern_s_bore_as_wide_as_the_refusal_says_leaves_its_pins_their_hole
     mate = conjugate(pinion.cutter(0.5, 0.0), pins, pinion.pitch_radius, 48, 6.0)
 
     def disc(bore):
-        return gk.shop.lantern_parts(pinion, mate, gk.shop.LanternStock(bore=bore, clearance=clearance))[0]
+        return gk.gear.lantern_parts(pinion, mate, gk.gear.LanternStock(bore=bore, clearance=clearance))[0]
 
     # Round the middle of all pins, whose holes are as wide as they and the clearance together.
     room = 2 * (min(abs(circle.centre) for circle in pinion.circles) - (5 + clearance) / 2)
@@ -185,9 +185,9 @@ def test_a_lantern_s_bore_as_wide_as_the_refusal_says_leaves_its_pins_their_hole
 
 @pytest.mark.parametrize("bar_width", [6.0, 8.0, 14.0, 20.0])
 def test_the_ground_is_as_large_as_the_face_of_its_motor_or_as_far_about_its_corners_as_bars_are_wide(bar_width):
-    stock = gk.shop.LinkStock(bar_width=bar_width, pin_diameter=3, motor="nema17")
+    stock = gk.linkage.LinkStock(bar_width=bar_width, pin_diameter=3, motor="nema17")
     motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 61))
-    ground = gk.shop.link_parts(motion, stock)[0]
+    ground = gk.linkage.link_parts(motion, stock)[0]
     z = gk.flatten(ground.outline, 1e-5)
     # Corners are as round as half a bar, from places 4 mm within the face at most.
     beyond = 42.3 / 2 + max(0.0, bar_width / 2 - 4)

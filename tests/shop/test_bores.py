@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.shop.bore import bore, keyed_bore
-from geomkin.shop.cam import CamStock
-from geomkin.shop.gear.gears import GearStock, gear_parts
+from geomkin.cam.parts import CamStock
+from geomkin.gear.parts.gears import GearStock, gear_parts
+from geomkin.making.bores import bore, keyed_bore
 from tests.texts import parse, template_of
 
 PLAY = 0.4
@@ -84,8 +84,8 @@ def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
 
 
 def test_all_stock_tables_mean_the_same_by_clearance():
-    from geomkin.shop.gear.conjugate import LanternStock, PairStock
-    from geomkin.shop.linkage.stock import LinkStock
+    from geomkin.gear.parts.conjugate import LanternStock, PairStock
+    from geomkin.linkage.parts.stock import LinkStock
 
     words = {
         field.metadata["description"]

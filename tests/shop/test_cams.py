@@ -10,9 +10,9 @@ import geomkin as gk
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
 from geomkin.cam.measures import contact_travel
+from geomkin.cam.parts import CamStock, cam_parts
 from geomkin.cam.undercut import undercut
 from geomkin.export.cut import cut
-from geomkin.shop.cam import CamStock, cam_parts
 from tests.cam.cams import CAMS, LIFTS, SWINGS, UNDERCUT
 
 EVERYTHING = CamStock(bore=12, keyway_width=4, keyway_depth=1.8, timing_mark=True, bar_width=10, pivot_bore=5)

@@ -110,10 +110,10 @@ def test_nothing_passes_through_the_shaft_and_it_is_cut_where_something_passes_o
 def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_told():
     """A washer of 9 mm round the crank's pin, and the shaft of 5 mm: they meet below the crank of 6 mm."""
     motion = gk.move(gk.FourBar(100, 6, 90, 70), np.linspace(0, 2 * np.pi, 73))
-    stack = gk.shop.stack_links(motion, gk.shop.LinkStock(motor="nema17"))
+    stack = gk.linkage.stack_links(motion, gk.linkage.LinkStock(motor="nema17"))
     assert any("shaft" in collision.plate or collision.pin == "crank_pivot" for collision in stack.collisions)
     longer = gk.move(gk.FourBar(100, 12, 90, 70), np.linspace(0, 2 * np.pi, 73))
-    assert not gk.shop.stack_links(longer, gk.shop.LinkStock(motor="nema17")).collisions
+    assert not gk.linkage.stack_links(longer, gk.linkage.LinkStock(motor="nema17")).collisions
 
 
 def test_a_shaft_that_nothing_passes_over_may_be_longer():
@@ -177,25 +177,25 @@ BODIES = {
 )
 def test_what_no_motor_can_turn_is_refused(linkage, sizes, words):
     drive = np.linspace(60, 70, 5) if words.startswith("slider") else np.linspace(0.5, 0.6, 5)
-    stock = gk.shop.LinkStock(motor="nema17", **sizes)
+    stock = gk.linkage.LinkStock(motor="nema17", **sizes)
     motion = gk.move(linkage, drive)
     with pytest.raises(gk.DesignError) as caught:
-        _ = gk.shop.link_parts(motion, stock)
+        _ = gk.linkage.link_parts(motion, stock)
     assert caught.value.field == "stock.motor" and words in caught.value.problem
 
 
 @pytest.mark.parametrize(("fastener", "needed"), [("screw", 9.0 / 2), ("rod", 4.2 / 2)])
 def test_a_hole_may_be_as_near_to_the_motor_as_what_goes_through_it_is_wide(fastener, needed):
     """The face reaches 21.15 mm from the shaft; a washer of 9 mm, or the hole of 4.2 mm alone, must be clear of it."""
-    stock = gk.shop.LinkStock(motor="nema17", bar_width=10, fastener=fastener)
+    stock = gk.linkage.LinkStock(motor="nema17", bar_width=10, fastener=fastener)
     for beyond in (-0.03, 0.03):
         ground = 21.15 + needed + beyond
         motion = gk.move(gk.FourBar(ground, 12, ground - 2, 18), np.linspace(0.5, 0.6, 5))
         if beyond > 0:
-            assert len(gk.shop.link_parts(motion, stock)) == 4
+            assert len(gk.linkage.link_parts(motion, stock)) == 4
             continue
         with pytest.raises(gk.DesignError) as caught:
-            gk.shop.link_parts(motion, stock)
+            gk.linkage.link_parts(motion, stock)
         assert caught.value.problem == (
             f"the hole of rocker_pivot in the ground is {needed + beyond:.4g} mm from the face of the motor, "
             f"and what goes through it needs {needed:g} mm"
@@ -213,7 +213,7 @@ def test_a_hole_may_be_as_near_to_the_motor_as_what_goes_through_it_is_wide(fast
 )
 def test_stock_that_holds_no_motor_is_refused(sizes, field, words):
     with pytest.raises(gk.DesignError) as caught:
-        gk.shop.LinkStock(**sizes)
+        gk.linkage.LinkStock(**sizes)
     assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.shop.drawing import HEAD, PlateStock, arrow, engraved, pose_axes, skeleton, strokes
+from geomkin.linkage.parts.engraved import HEAD, PlateStock, arrow, engraved, pose_axes, skeleton, strokes
 from tests.texts import parse, template_of
 
 

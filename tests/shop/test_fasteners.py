@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.errors import DesignError
-from geomkin.shop.fasteners import LENGTHS, SIZES, Fastener, fastener_of
-from geomkin.shop.linkage import stack
-from geomkin.shop.linkage.heads import placed
-from geomkin.shop.linkage.plates import assemble
-from geomkin.shop.linkage.stack import link_parts, stack_links
-from geomkin.shop.linkage.stock import LinkStock
-from geomkin.shop.motors import MOTORS
+from geomkin.core.errors import DesignError
+from geomkin.linkage.parts import stack
+from geomkin.linkage.parts.layers import placed
+from geomkin.linkage.parts.plates import assemble
+from geomkin.linkage.parts.stack import link_parts, stack_links
+from geomkin.linkage.parts.stock import LinkStock
+from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
+from geomkin.making.motors import MOTORS
 
 from .mechanisms import BUILDABLE, TURN
 

@@ -8,8 +8,8 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
-from geomkin.shop.fits import MOTOR_FLATS
-from geomkin.shop.parallel_keys import PARALLEL_KEYS, key_of
+from geomkin.making.bores import PARALLEL_KEYS, key_of
+from geomkin.making.fits import MOTOR_FLATS
 from tests.cam.cams import CAMS
 
 # As catalogues print it (Flender MD 30.1, and for thin shafts makers of keys, after DIN 6885-1): thickest shaft of a
@@ -22,7 +22,7 @@ PRINTED = {
 
 
 def gear(stock, **sizes):
-    return gk.kinds.SpurGearRecipe(gear=gk.SpurGear(**{"teeth": 24, "module": 2} | sizes), stock=stock)
+    return gk.gear.SpurGearRecipe(gear=gk.SpurGear(**{"teeth": 24, "module": 2} | sizes), stock=stock)
 
 
 def written_hole(folder, recipe, curves="arcs", kerf=0.0):
@@ -43,7 +43,7 @@ def across(polygon):
 @pytest.mark.parametrize("fit", [{"clearance": 0.2}, {"fit": "press", "interference": 0.08}])
 def test_a_d_bore_is_the_shaft_and_its_fit_all_round(tmp_path, bore, fit):
     play = fit.get("clearance", -fit.get("interference", 0.0))
-    _, hole = written_hole(tmp_path, gear(gk.shop.GearStock(bore=bore, bore_form="D", **fit)))
+    _, hole = written_hole(tmp_path, gear(gk.gear.GearStock(bore=bore, bore_form="D", **fit)))
     # Makers draw the flat half a millimetre deep.
     assert across(hole) == pytest.approx((bore + play, bore - 0.5 + play), abs=1e-3)
     shaft = shapely.Point(0, 0).buffer(bore / 2, 2000).intersection(shapely.box(-9, -9, 9, bore / 2 - 0.5))
@@ -51,14 +51,14 @@ def test_a_d_bore_is_the_shaft_and_its_fit_all_round(tmp_path, bore, fit):
 
 
 def test_a_flat_that_is_given_is_the_shaft_s_own(tmp_path):
-    _, hole = written_hole(tmp_path, gear(gk.shop.GearStock(bore=7, bore_form="D", flat=4.2)))
+    _, hole = written_hole(tmp_path, gear(gk.gear.GearStock(bore=7, bore_form="D", flat=4.2)))
     assert across(hole)[1] == pytest.approx(4.2, abs=1e-4)
 
 
 @pytest.mark.parametrize("kerf", [0.0, 0.2])
 @pytest.mark.parametrize("sizes", [{"bore": 5, "bore_form": "D"}, {"bore": 12, "bore_form": "keyed"}])
 def test_arcs_stay_arcs_whatever_the_kerf_and_the_beam_leaves_the_bore_that_was_asked_for(tmp_path, kerf, sizes):
-    recipe = gear(gk.shop.GearStock(**sizes, clearance=0.1))
+    recipe = gear(gk.gear.GearStock(**sizes, clearance=0.1))
     contour, hole = written_hole(tmp_path, recipe, kerf=kerf)
     bulges = np.array([b for *_, b in contour.get_points("xyb")])
     radii = [abs(ezdxf.math.bulge_radius(p.vec2, q.vec2, b)) for p, q, b in _edges(contour) if b > 0]
@@ -75,7 +75,7 @@ def _edges(contour):
 
 @pytest.mark.parametrize("thickest", PRINTED)
 def test_a_keyed_bore_has_the_standard_s_keyway(tmp_path, thickest):
-    stock = gk.shop.GearStock(bore=thickest, bore_form="keyed")
+    stock = gk.gear.GearStock(bore=thickest, bore_form="keyed")
     contour, hole = written_hole(tmp_path, gear(stock, teeth=60, module=6))
     width, measured = PRINTED[thickest]
     assert np.ptp([x for x, *_ in contour.get_points("xyb")]) == pytest.approx(width, abs=1e-4)
@@ -92,14 +92,14 @@ def test_a_shaft_a_little_thicker_takes_the_next_key_and_all_keys_fit_their_two_
 
 
 def test_sizes_that_are_given_stand_for_the_standard_s_and_need_no_name():
-    named, given = (gk.shop.GearStock(bore=10, bore_form=f, keyway_width=4, keyway_depth=2) for f in ("keyed", "round"))
+    named, given = (gk.gear.GearStock(bore=10, bore_form=f, keyway_width=4, keyway_depth=2) for f in ("keyed", "round"))
     one, two = (gear(stock).parts[0].holes[0].vertices for stock in (named, given))
     assert (one == two).all() and np.ptp(one[2:].real) == 4
 
 
 def test_a_pressed_bore_is_narrower_and_what_else_turns_on_the_shaft_is_not():
-    stock = gk.shop.GearStock(bore=8, fit="press", clearance=0.3)
-    pair = gk.kinds.GearPairRecipe(
+    stock = gk.gear.GearStock(bore=8, fit="press", clearance=0.3)
+    pair = gk.gear.GearPairRecipe(
         first=gk.SpurGear(20, 2), second=gk.SpurGear(30, 2), first_stock=stock, second_stock=stock
     )
     diameters = {part.name: {2 * hole.radius for hole in part.holes} for part in pair.parts}
@@ -107,9 +107,9 @@ def test_a_pressed_bore_is_narrower_and_what_else_turns_on_the_shaft_is_not():
 
 
 def test_a_cam_s_fit_is_that_of_its_bore_and_the_mark_clears_a_flat():
-    stock = gk.shop.CamStock(bore=6, bore_form="D", fit="press", interference=0.2, clearance=0.3, timing_mark=True)
+    stock = gk.cam.CamStock(bore=6, bore_form="D", fit="press", interference=0.2, clearance=0.3, timing_mark=True)
     cam = CAMS["roller on arm, clockwise"]
-    plates = {part.name: part for part in gk.shop.cam_parts(cam, stock)}
+    plates = {part.name: part for part in gk.cam.cam_parts(cam, stock)}
     (hole,) = plates["cam"].holes
     turned = hole.vertices / (cam.profile.point(0.0) / abs(cam.profile.point(0.0)))
     # The flat faces where the follower touches at cam angle 0.
@@ -124,7 +124,7 @@ def test_walls_are_measured_to_the_bore_that_is_there():
     told = {}
     for form in ("round", "D", "keyed"):
         flat = {"flat": 9.0} if form == "D" else {}
-        checks = gear(gk.shop.GearStock(bore=10, bore_form=form, **flat), teeth=12, module=1.5).checks
+        checks = gear(gk.gear.GearStock(bore=10, bore_form=form, **flat), teeth=12, module=1.5).checks
         wall, rim = (next(c for c in checks if name in c.name) for name in ("thinnest wall", "rim"))
         told[form] = wall.value, rim.value * wheel.module
     assert told["round"] == told["D"] == pytest.approx((wheel.root_radius - 5, wheel.root_radius - 5), abs=1e-3)
@@ -148,7 +148,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("sizes", "field", "remedy"), REFUSED)
-@pytest.mark.parametrize("stock", [gk.shop.GearStock, gk.shop.CamStock])
+@pytest.mark.parametrize("stock", [gk.gear.GearStock, gk.cam.CamStock])
 def test_bores_that_cannot_be_are_refused_with_what_works(stock, sizes, field, remedy):
     with pytest.raises(gk.DesignError) as caught:
         stock(**sizes)
@@ -156,7 +156,7 @@ def test_bores_that_cannot_be_are_refused_with_what_works(stock, sizes, field, r
 
 
 def test_the_largest_interference_that_is_named_leaves_a_hole():
-    stock = gk.shop.GearStock(bore=5, bore_form="D", fit="press", interference=4.49)
+    stock = gk.gear.GearStock(bore=5, bore_form="D", fit="press", interference=4.49)
     (hole,) = gear(stock).parts[0].holes
     assert 0 < gk.area(hole) < 0.01
 
@@ -167,13 +167,13 @@ def test_a_bore_as_wide_as_the_root_is_refused_and_the_one_that_is_named_works(f
     flat = {"flat": 40} if form == "D" else {}
     stock = {"bore_form": form, "fit": "press", "interference": 0.5, **flat}
     with pytest.raises(gk.DesignError, match="stock.bore") as caught:
-        gear(gk.shop.GearStock(bore=60, **stock)).parts
+        gear(gk.gear.GearStock(bore=60, **stock)).parts
     most = float(caught.value.remedy.split("less than ")[1].split()[0])
     assert most == pytest.approx(2 * gk.SpurGear(24, 2).root_radius + 0.5, abs=1e-3)
     if form != "keyed":
-        assert gear(gk.shop.GearStock(bore=most - 0.01, **stock)).parts
+        assert gear(gk.gear.GearStock(bore=most - 0.01, **stock)).parts
     with pytest.raises(gk.DesignError, match="stock.bore"):
-        gear(gk.shop.GearStock(bore=most, **stock)).parts
+        gear(gk.gear.GearStock(bore=most, **stock)).parts
 
 
 def test_a_recipe_tells_the_key(tmp_path):

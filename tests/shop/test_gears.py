@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.errors import DesignError
+from geomkin.core.errors import DesignError
+from geomkin.gear.parts.bases import carrier
+from geomkin.gear.parts.gears import GearStock, RingStock, Web, base_plate, gear_parts, openings
 from geomkin.plane import region
-from geomkin.shop.gear.bases import carrier
-from geomkin.shop.gear.gears import GearStock, RingStock, Web, base_plate, gear_parts, openings
 
 
 def polygon(curve):

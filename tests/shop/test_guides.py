@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from geomkin.shop.linkage.guides import guide_places
+from geomkin.linkage.parts.plates import guide_places
 
 WIDTH = 10.0
 # Places are a quarter of the width apart.

@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.shop.linkage.plates import assemble
-from geomkin.shop.linkage.stack import link_parts
-from geomkin.shop.linkage.stock import LinkStock
+from geomkin.linkage.parts.plates import assemble
+from geomkin.linkage.parts.stack import link_parts
+from geomkin.linkage.parts.stock import LinkStock
 
 from .mechanisms import (
     BUILDABLE,
@@ -191,16 +191,16 @@ def test_plates_grow_with_the_linkage(scale):
 
 def test_plates_and_stack_of_a_motion_are_plain_calls():
     motion = gk.move(gk.FourBar(100, 30, 90, 70), TURN)
-    assert [part.name for part in gk.shop.link_parts(motion)] == ["ground", "crank", "coupler", "rocker"]
+    assert [part.name for part in gk.linkage.link_parts(motion)] == ["ground", "crank", "coupler", "rocker"]
     linkage, branch, *_ = next(row for row in BUILDABLE.values() if row[-1])
-    bridged, stock = gk.move(linkage, TURN, branch), gk.shop.LinkStock(bar_width=12)
-    stack = gk.shop.stack_links(bridged, stock)
-    parts = {part.name: part for part in gk.shop.link_parts(bridged, stock, stack)}
+    bridged, stock = gk.move(linkage, TURN, branch), gk.linkage.LinkStock(bar_width=12)
+    stack = gk.linkage.stack_links(bridged, stock)
+    parts = {part.name: part for part in gk.linkage.link_parts(bridged, stock, stack)}
     assert parts["spacer"].count == stack.spacers > 0 and "bridge" in parts
     assert {*parts} - {"spacer"} == {*stack.layers}
 
 
-@pytest.mark.parametrize("call", [gk.shop.link_parts, gk.shop.stack_links])
+@pytest.mark.parametrize("call", [gk.linkage.link_parts, gk.linkage.stack_links])
 def test_what_is_no_motion_of_one_linkage_is_refused(call):
     many = gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), TURN)
     for motion in (many, gk.FourBar(100, 30, 90, 70)):

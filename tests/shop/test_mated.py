@@ -126,7 +126,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("sizes", "field", "remedy"), REFUSED)
-@pytest.mark.parametrize("stock", [gk.shop.PairStock, gk.shop.LanternStock])
+@pytest.mark.parametrize("stock", [gk.gear.PairStock, gk.gear.LanternStock])
 def test_bores_that_cannot_be_are_refused_by_the_name_of_their_own_key(stock, sizes, field, remedy):
     with pytest.raises(gk.DesignError) as caught:
         stock(**sizes)
@@ -137,14 +137,14 @@ def test_a_mate_s_bore_wider_than_the_mate_is_refused_by_its_key():
     recipe = gk.load(STRAIGHT)
     for sizes, field in (({"mate_bore": 90}, "mate_bore"), ({"mate_keyway_width": 3}, "mate_keyway_depth")):
         with pytest.raises(gk.DesignError) as caught:
-            _ = dataclasses.replace(recipe, stock=gk.shop.PairStock(**sizes)).parts
+            _ = dataclasses.replace(recipe, stock=gk.gear.PairStock(**sizes)).parts
         assert caught.value.field == f"stock.{field}"
 
 
 def test_words_of_fitted_bores_tell_both_fits_and_those_of_pins_do_not():
     told = {
         field.name: field.metadata["description"]
-        for field in dataclasses.fields(gk.shop.CamStock)
+        for field in dataclasses.fields(gk.cam.CamStock)
         if "bore" in field.name
     }
     assert "narrower" in told["bore"] and "narrower" not in told["roller_bore"] + told["pivot_bore"]

@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.shop.motors import MOTORS
+from geomkin.making.motors import MOTORS
 from tests.texts import parse, template_of
 
 from .test_bases import PAIR, PLANETARY, RACK, cam
@@ -18,7 +18,7 @@ from .test_bases import PAIR, PLANETARY, RACK, cam
 
 def test_the_plate_has_the_face_and_holes_that_makers_draw(tmp_path):
     """42.3 mm square, screws 31 mm apart round the boss of 22 mm, which the corners stand 43.84 mm across from."""
-    gk.write(gk.shop.motor_plate("nema17", thickness=3, clearance=0.2), tmp_path / "plate.dxf")
+    gk.write(gk.making.motor_plate("nema17", thickness=3, clearance=0.2), tmp_path / "plate.dxf")
     drawing = ezdxf.readfile(tmp_path / "plate.dxf").modelspace()
     boss, *screws = sorted(drawing.query("CIRCLE"), key=lambda hole: -hole.dxf.radius)
     places = np.array([complex(*hole.dxf.center.vec2) for hole in screws])
@@ -38,8 +38,8 @@ SCREWS = {3.0: "M3 x 6 ", 5.0: "M3 x 8 ", 6.0: "M3 x 10 ", 12.0: "M3 x 16 ", 26.
 
 @pytest.mark.parametrize("thickness", SCREWS)
 def test_screws_reach_into_the_motor_and_not_through_its_threads(thickness):
-    stock = gk.shop.GearStock(thickness=thickness, bore=5, bore_form="D", motor="nema17")
-    recipe = gk.kinds.SpurGearRecipe(gear=gk.SpurGear(24, 2), stock=stock)
+    stock = gk.gear.GearStock(thickness=thickness, bore=5, bore_form="D", motor="nema17")
+    recipe = gk.gear.SpurGearRecipe(gear=gk.SpurGear(24, 2), stock=stock)
     motor, screws = recipe.bought
     assert (motor.name, motor.count) == ("motor NEMA 17, D-shaft 5 mm, 4.5 mm across its flat", 1)
     assert screws.count == 4 and screws.name.startswith(SCREWS[thickness])
@@ -91,7 +91,7 @@ def test_a_motor_adds_its_plate_below_all_and_changes_nothing_else(name):
 def test_what_is_driven_by_another_gear_has_no_motor(tmp_path, kind, key):
     plain = parse(template_of(kind))
     with pytest.raises(gk.DesignError, match=rf"{key}\.motor") as caught:
-        dataclasses.replace(plain, **{key: gk.shop.GearStock(motor="nema17")})
+        dataclasses.replace(plain, **{key: gk.gear.GearStock(motor="nema17")})
     assert "give it to" in caught.value.remedy
 
 

@@ -9,14 +9,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import geomkin as gk
+from geomkin.linkage.parts import collisions as near
+from geomkin.linkage.parts.collisions import Pair, distance, meeting, path_in
+from geomkin.linkage.parts.layers import Meetings
+from geomkin.linkage.parts.plates import assemble
+from geomkin.linkage.parts.stack import stack_links
+from geomkin.linkage.parts.stock import LinkStock
 from geomkin.plane.primitives import convex_hull
-from geomkin.shop.linkage import near
-from geomkin.shop.linkage.layers import Meetings
-from geomkin.shop.linkage.near import Pair, distance, meeting
-from geomkin.shop.linkage.plates import assemble
-from geomkin.shop.linkage.stack import stack_links
-from geomkin.shop.linkage.stock import LinkStock
-from geomkin.shop.linkage.sweep import path_in
 
 from .mechanisms import BUILDABLE, TURN
 

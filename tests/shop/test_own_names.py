@@ -34,8 +34,8 @@ def made(sizes, called):
     sliders = tuple(gk.Slider(*(called.get(name, name) for name in names)) for names in sizes["sliders"])
     linkage = gk.Linkage(bodies, called.get("crank", "crank"), sliders)
     motion = gk.move(linkage, np.linspace(0, 2 * np.pi, 181))
-    stack = gk.shop.stack_links(motion, gk.shop.LinkStock())
-    return stack, gk.shop.link_parts(motion, gk.shop.LinkStock(), stack)
+    stack = gk.linkage.stack_links(motion, gk.linkage.LinkStock())
+    return stack, gk.linkage.link_parts(motion, gk.linkage.LinkStock(), stack)
 
 
 def cut(part):
@@ -73,10 +73,10 @@ def test_a_pin_that_turns_in_no_plate_runs_in_the_slots_of_two():
     bodies = {"ground": {"O": 0j}, "lever": {"O": 0j, "tip": 70 + 0j}, "one": {"P": 0j}, "two": {"P": 0j}}
     sliders = (gk.Slider("in_lever", "one", "lever"), gk.Slider("in_ground", "two", "ground", through=50j))
     motion = gk.move(gk.Linkage(bodies, "lever", sliders), np.radians(np.linspace(60, 120, 61)))
-    stack = gk.shop.stack_links(motion, gk.shop.LinkStock())
+    stack = gk.linkage.stack_links(motion, gk.linkage.LinkStock())
     (pin,) = (pin for pin in stack.pins if pin.slots)
     assert (pin.holes, set(pin.slots)) == ((), {"lever", "ground"}) and not stack.collisions
-    ground, lever = gk.shop.link_parts(motion, gk.shop.LinkStock(), stack)[:2]
+    ground, lever = gk.linkage.link_parts(motion, gk.linkage.LinkStock(), stack)[:2]
     wide = [np.ptp(gk.flatten(hole, 1e-4).real) for part in (ground, lever) for hole in part.holes]
     # Along the ground by twice 50 / tan(60 deg), along the lever from 50 mm to 50 / sin(60 deg).
     assert max(wide[: len(ground.holes)]) == pytest.approx(100 / np.sqrt(3) + 4.2, abs=0.05)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.shop.linkage import stack as stacks
-from geomkin.shop.linkage.plates import assemble
-from geomkin.shop.linkage.stack import stack_links
-from geomkin.shop.linkage.stock import LinkStock
-from geomkin.shop.motors import MOTORS
+from geomkin.linkage.parts import stack as stacks
+from geomkin.linkage.parts.plates import assemble
+from geomkin.linkage.parts.stack import stack_links
+from geomkin.linkage.parts.stock import LinkStock
+from geomkin.making.motors import MOTORS
 
 from .mechanisms import BUILDABLE
 from .test_fasteners import distances

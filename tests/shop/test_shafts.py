@@ -7,8 +7,8 @@ import re
 import pytest
 
 import geomkin as gk
-from geomkin.shop.fits import AbstractBored
-from geomkin.shop.shafts import pin_bill, shaft_bill
+from geomkin.making.assembly import pin_bill, shaft_bill
+from geomkin.making.fits import AbstractBored
 from tests.cam.cams import CAMS
 
 GALLERY = [
@@ -94,9 +94,9 @@ def test_what_goes_through_the_base_is_as_long_as_all_that_is_on_it():
 
 
 def test_each_planet_has_its_own_shaft_and_key():
-    stock = gk.shop.GearStock(bore=10, bore_form="keyed", thickness=12)
+    stock = gk.gear.GearStock(bore=10, bore_form="keyed", thickness=12)
     gears = gk.load("recipes/planetary.toml").gears
-    recipe = gk.kinds.PlanetaryRecipe(gears=gears, planet_stock=stock)
+    recipe = gk.gear.PlanetaryRecipe(gears=gears, planet_stock=stock)
     assert [(one.name, one.count) for one in recipe.bought] == [
         (f"shaft 10 mm, at least {12 + 12 + 10} mm long", 3),
         ("parallel key DIN 6885-1 A 3 x 3 x 12", 3),
@@ -116,19 +116,19 @@ KEYS = [
 
 @pytest.mark.parametrize(("sizes", "key"), KEYS)
 def test_the_key_is_the_longest_that_the_part_has_room_for(sizes, key):
-    stock = gk.shop.GearStock(**{"bore_form": "keyed"} | sizes)
+    stock = gk.gear.GearStock(**{"bore_form": "keyed"} | sizes)
     assert [name for name, _ in shaft_bill(stock, 40.0)] == ["shaft 20 mm, at least 40 mm long", key]
 
 
 def test_a_d_shaft_is_told_with_its_flat_and_no_bore_takes_nothing():
-    d_shaft = gk.shop.GearStock(bore=6, bore_form="D", flat=5.2)
+    d_shaft = gk.gear.GearStock(bore=6, bore_form="D", flat=5.2)
     assert shaft_bill(d_shaft, 6.0) == (("D-shaft 6 mm, 5.2 mm across its flat, at least 6 mm long", 1),)
     assert shaft_bill(AbstractBored(), 6.0) == pin_bill(0.0, 6.0) == ()
 
 
 def test_pins_of_a_follower_pass_all_its_plates():
     cam = CAMS["roller on arm, clockwise"]
-    bought = gk.shop.cam_bought(cam, gk.shop.CamStock(thickness=3, bore=6, roller_bore=5, pivot_bore=5))
+    bought = gk.cam.cam_bought(cam, gk.cam.CamStock(thickness=3, bore=6, roller_bore=5, pivot_bore=5))
     assert [(one.name, one.count, one.joints) for one in bought] == [
         ("shaft 6 mm, at least 19 mm long", 1, ("cam",)),
         ("shaft collar DIN 705 A, 6 mm", 2, ("cam",)),
@@ -136,4 +136,4 @@ def test_pins_of_a_follower_pass_all_its_plates():
         ("pin 5 mm, at least 14 mm long", 1, ("roller",)),
         ("shaft collar DIN 705 A, 5 mm", 1, ("roller",)),
     ]
-    assert not gk.shop.cam_bought(CAMS["knife, clockwise"], gk.shop.CamStock(bore=0))
+    assert not gk.cam.cam_bought(CAMS["knife, clockwise"], gk.cam.CamStock(bore=0))

@@ -11,14 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.plane.hulls import separation
-from geomkin.shop.linkage import stack as stack_module
-from geomkin.shop.linkage.bridge import pile_places
-from geomkin.shop.linkage.layers import Meetings, Passing, order, runs
-from geomkin.shop.linkage.plates import assemble
-from geomkin.shop.linkage.stack import link_parts, stack_links
-from geomkin.shop.linkage.stock import LinkStock
-from geomkin.shop.linkage.sweep import Sweep
+from geomkin.linkage.parts import stack as stack_module
+from geomkin.linkage.parts.collisions import Sweep
+from geomkin.linkage.parts.layers import Meetings, Passing, order, runs
+from geomkin.linkage.parts.plates import assemble
+from geomkin.linkage.parts.stack import link_parts, pile_places, stack_links
+from geomkin.linkage.parts.stock import LinkStock
+from geomkin.plane.measure import separation
 
 from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from geomkin.shop.fasteners import LENGTHS, SIZES
-from geomkin.shop.fits import MOTOR_FLATS
-from geomkin.shop.motors import MOTORS
-from geomkin.shop.parallel_keys import LENGTHS as KEY_LENGTHS
-from geomkin.shop.parallel_keys import PARALLEL_KEYS
+from geomkin.making.bores import LENGTHS as KEY_LENGTHS
+from geomkin.making.bores import PARALLEL_KEYS
+from geomkin.making.fasteners import LENGTHS, SIZES
+from geomkin.making.fits import MOTOR_FLATS
+from geomkin.making.motors import MOTORS
 
 # DIN 6885-1: shaft up to, width, height, depth in the shaft, in the hub, lengths from and to.
 KEYS = """

@@ -7,9 +7,9 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.part import Twist
+from geomkin.model.part import Twist
+from geomkin.model.walls import thinnest_walls, wall_checks
 from geomkin.plane.primitives import slot
-from geomkin.walls import thinnest_walls, wall_checks
 
 PITCH = 2 * np.pi / 14
 RAIL = np.array([0, 30, 30 + 8j, 26 + 11j, 22 + 8j, 8j])

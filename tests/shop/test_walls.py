@@ -11,11 +11,11 @@ import shapely
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from geomkin.gear.parts.gears import Web, openings
+from geomkin.making.bores import keyed_bore
+from geomkin.model.walls import least_wall, thinnest_wall, wall_checks
 from geomkin.plane import region
 from geomkin.plane.vec import Pose
-from geomkin.shop.bore import keyed_bore
-from geomkin.shop.gear.gears import Web, openings
-from geomkin.walls import least_wall, thinnest_wall, wall_checks
 
 LIMIT = 1.5
 PLATE = gk.plane.Polyline(np.array([0, 100, 100 + 60j, 60j]))
@@ -292,7 +292,7 @@ def test_every_part_tells_its_wall_in_the_summary_and_on_the_page(tmp_path):
 
 
 def test_walls_are_worked_out_once(monkeypatch, tmp_path):
-    from geomkin import walls
+    from geomkin.model import walls
 
     asked, known = [], walls.thinnest_wall
     monkeypatch.setattr(walls, "thinnest_wall", lambda one, limit: asked.append(one.name) or known(one, limit))

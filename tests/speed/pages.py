@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import geomkin as gk
-from geomkin.export.page import SCRIPTS, web_file
+from geomkin.page.page import SCRIPTS, web_file
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NAMES = ["crank-rocker", "walking-leg", "roller-cam", "gear-pair"]

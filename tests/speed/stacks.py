@@ -16,11 +16,10 @@ from timings import keep
 sys.path.insert(0, str(Path(__file__).parent.parent.parent))  # for the mechanisms of the tests
 
 import geomkin as gk
-from geomkin.shop.linkage import layers
-from geomkin.shop.linkage.near import meeting
-from geomkin.shop.linkage.plates import LinkStock, assemble
-from geomkin.shop.linkage.stack import stack_links
-from geomkin.shop.linkage.sweep import path_in
+from geomkin.linkage.parts import layers
+from geomkin.linkage.parts.collisions import meeting, path_in
+from geomkin.linkage.parts.plates import LinkStock, assemble
+from geomkin.linkage.parts.stack import stack_links
 from tests.shop.mechanisms import JANSEN_LEG
 
 

@@ -6,8 +6,8 @@ import re
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps import ledger
-from geomkin.sweeps.ledger import Ledger
+from geomkin.sweeps import sweep as ledger
+from geomkin.sweeps.sweep import Ledger
 
 TITLE = {"geomkin": "1", "tell": ["a"]}
 ROWS = {"x": {"b": 1}, "y": {"b": None}}

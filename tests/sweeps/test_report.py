@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.check import Check
-from geomkin.export.sections import MOST_ROWS
-from geomkin.processes import each
+from geomkin.core.processes import each
+from geomkin.model.check import Check
+from geomkin.page.sections import MOST_ROWS
 from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.columns import columns
-from geomkin.sweeps.report import MOST_LINES, MOST_PLOTS, MOST_POINTS, report
+from geomkin.sweeps.report import MOST_LINES, MOST_PLOTS, MOST_POINTS, columns, report
 from geomkin.sweeps.row import Task, check_tell, file_marks, worked_out
 from geomkin.sweeps.sweep import SweepRow
 from tests.sweeps.test_sweep import BAR, Texts

@@ -15,9 +15,9 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
+from geomkin.cli import cli
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.values import MOST, combinations, listed, with_values
+from geomkin.sweeps.row import MOST, combinations, listed, with_values
 
 BAR = """kind = "four-bar"
 [linkage]

@@ -8,11 +8,11 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.progress import shown
+from geomkin.cli import cli
+from geomkin.core.progress import shown
+from geomkin.model.table import Column, Table
 from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
-from geomkin.table import Column, Table
 from tests.sweeps.test_sweep import BAR
 
 SIZES = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
@@ -84,7 +84,7 @@ def test_a_sweep_says_how_many_of_its_combinations_are_done(here):
 
 @pytest.mark.parametrize("watched", [True, False])
 def test_the_command_tells_whoever_watches_and_why_all_are_refused(here, monkeypatch, watched):
-    monkeypatch.setattr("geomkin.commands._is_terminal", lambda stream: watched)
+    monkeypatch.setattr("geomkin.cli._is_terminal", lambda stream: watched)
 
     def run(*values):
         result = CliRunner().invoke(cli, ["sweep", "in/bar 7.toml", *values], color=True)

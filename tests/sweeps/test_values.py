@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps.values import MOST, combinations, listed, with_values
+from geomkin.sweeps.row import MOST, combinations, listed, with_values
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance.conics import common_points
+from geomkin.synthesis.guidance.constraint import common_points
 
 
 def pairs(rng, count, apart):

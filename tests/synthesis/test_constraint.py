@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance.conics import common_points
 from geomkin.synthesis.guidance.constraint import (
     SIDE,
     Pairs,
+    common_points,
     joined,
     missed,
     normalised,

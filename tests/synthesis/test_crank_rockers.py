@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.rockers import full_turn as judged
+from geomkin.synthesis.rockers import families as judged
 
 
 def full_turn(linkage, branch, frames=3600):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance import dyad_fits
+from geomkin.synthesis.guidance import dyads as dyad_fits
 from geomkin.synthesis.guidance.constraint import Pairs
-from geomkin.synthesis.guidance.dyad_fits import distances, fitted_circles, fitted_dyads, least_squares
+from geomkin.synthesis.guidance.dyads import distances, fitted_circles, fitted_dyads, least_squares
 
 
 def places(rng, *shape):

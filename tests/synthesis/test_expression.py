@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import Expression, named_function
-from geomkin.synthesis.function.expression import CONSTANTS, FUNCTIONS, NAMED
+from geomkin.synthesis.function.wanted import CONSTANTS, FUNCTIONS, NAMED
 
 X = np.linspace(0.2, 0.9, 5)
 TEXTS = [

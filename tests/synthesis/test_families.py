@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.sizes import FARTHEST, SMALLEST
+from geomkin.core.fields import FARTHEST, SMALLEST
 from geomkin.synthesis.found import Found, ten_digits
-from geomkin.synthesis.rockers.families import MEMBERS, highest, members, the_choice, within_sizes
-from geomkin.synthesis.rockers.full_turn import _once
+from geomkin.synthesis.rockers.families import MEMBERS, _once, highest, members, the_choice, within_sizes
 
 LOW, HIGH, TOP = 0.2, 3.4, 1.2345678912345
 

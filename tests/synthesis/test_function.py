@@ -8,8 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import chebyshev_points, slider_function_generator
-from geomkin.synthesis.function.minimax import descend
-from geomkin.synthesis.function.simplex import least
+from geomkin.synthesis.function.minimax import descend, least
 
 QUARTER = (0, np.pi / 2)
 

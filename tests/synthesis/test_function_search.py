@@ -11,10 +11,8 @@ import geomkin as gk
 from geomkin.synthesis import chebyshev_points, slider_function_generator
 from geomkin.synthesis.function import function as module
 from geomkin.synthesis.function import search
-from geomkin.synthesis.function.mean_square import fit
 from geomkin.synthesis.function.minimax import AbstractTask
-from geomkin.synthesis.function.peaks import peaks
-from geomkin.synthesis.function.search import Optimum
+from geomkin.synthesis.function.search import Optimum, fit, peaks
 
 WISH = {"function": "log10(x)", "span": (1, 2)}
 S = np.linspace(0, 1, 2001)[None]
@@ -84,8 +82,8 @@ def test_the_least_mean_square_is_that_of_a_grid(exact, most):
 
 
 def test_on_its_way_it_tells_how_far_it_last_stepped(monkeypatch):
-    monkeypatch.setattr("geomkin.synthesis.function.mean_square.ROUNDS", 1)
-    monkeypatch.setattr("geomkin.synthesis.function.mean_square.STEPS", 1)
+    monkeypatch.setattr("geomkin.synthesis.function.search.MEAN_SQUARE_ROUNDS", 1)
+    monkeypatch.setattr("geomkin.synthesis.function.search.MEAN_SQUARE_STEPS", 1)
     far = np.array([[0.5, 1.0, 0.3, 7.0], [0.5, 9.0, 8.0, 7.0]])
     p, _, step = fit(Decay(), far, False)
     # No unknown goes farther than half of one at a time.

@@ -10,10 +10,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.function.four_bar_generator import FourBarGenerator
-from geomkin.synthesis.function.generators import evenly
+from geomkin.synthesis.function.generators import FourBarGenerator, SliderGenerator, evenly
 from geomkin.synthesis.function.minimax import _least_return, _newton, certified
-from geomkin.synthesis.function.slider_generator import SliderGenerator
 
 S = np.linspace(0, 1, 41)
 

@@ -8,8 +8,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis import body_guides, circle_of_sliders, dyads_through, image_poles, poles
-from geomkin.synthesis.guidance.displacement_poles import SliderCircle
 from geomkin.synthesis.guidance.guide_search import rail_of
+from geomkin.synthesis.guidance.poses import SliderCircle
 from tests.synthesis.test_guidance import KNOWN, THREE, check, has, poses_of
 
 DRIVE = np.array([0.4, 0.8, 1.2, 1.7, 2.1, 2.6, 3.0])

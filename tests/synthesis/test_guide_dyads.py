@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.progress import Watch
+from geomkin.core.progress import Watch
 from geomkin.synthesis import body_guides, dyads_through, poles
-from geomkin.synthesis.guidance import guide_dyads, guide_groups
+from geomkin.synthesis.guidance import guide_groups
+from geomkin.synthesis.guidance import guide_groups as guide_dyads
 from geomkin.synthesis.guidance.dyads import Dyads
-from geomkin.synthesis.guidance.guide_dyads import best_pairs, held_pins, those_inside
-from geomkin.synthesis.guidance.guide_groups import Asked
+from geomkin.synthesis.guidance.guide_groups import Asked, best_pairs, held_pins, those_inside
 from tests.synthesis.test_guidance import KINDS, KNOWN, THREE, poses_of, random_poses
 from tests.synthesis.test_guide_search import body_of
 

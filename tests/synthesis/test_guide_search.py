@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.progress import Watch, shown
+from geomkin.core.progress import Watch, shown
 from geomkin.synthesis import body_guides, circle_of_sliders
 from geomkin.synthesis.guidance import guide_search
 from geomkin.synthesis.guidance.guide_search import Displacements, Search, climbed, distinct

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.guidance.guide_dyads import HeldPins, _at_first, _near
+from geomkin.synthesis.guidance.guide_groups import HeldPins, _at_first, _near
 from geomkin.synthesis.guidance.guides import guides_of, usable
 
 PLACE = {"origin": 10 - 20j, "ground_angle_deg": 25.0}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.cognate_linkages import cognates
-from geomkin.progress import Watch, shown
+from geomkin.core.progress import Watch, shown
+from geomkin.linkage.coupler_curve import cognates
 from geomkin.synthesis.path.nine_points import IDLE, STARTS, _Nine, _solved, reached, through_nine, with_cognates
 from tests.speed.synthesis_path import NINE
 

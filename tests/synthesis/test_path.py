@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.progress import Watch, shown
+from geomkin.core.progress import Watch, shown
 from geomkin.synthesis.path.coupler_paths import paths
 from geomkin.synthesis.path.nine_points import through_nine
 from tests.speed.synthesis_path import FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.sizes import FARTHEST
+from geomkin.core.fields import FARTHEST
 from geomkin.synthesis.path import search
 
 POINTS = np.array([0, 3 + 4j, 10, 8 - 6j])

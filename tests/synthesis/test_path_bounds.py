@@ -7,11 +7,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis.path import search
-from geomkin.synthesis.path.bounds import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
-from geomkin.synthesis.path.least_squares import _solved
+from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
+from geomkin.synthesis.path.fits import _solved
 from geomkin.synthesis.path.nine_points import reached, with_cognates
-from geomkin.synthesis.path.results import PathFound
-from geomkin.synthesis.path.way import way_through
+from geomkin.synthesis.path.search import PathFound, way_through
 from tests.synthesis.test_nine_points import POINTS, THREE
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.cognate_linkages import cognates
-from geomkin.progress import Watch
+from geomkin.core.progress import Watch
+from geomkin.linkage.coupler_curve import cognates
 from geomkin.synthesis.path import search
-from geomkin.synthesis.path.fits import Fit, PathTask
-from geomkin.synthesis.path.least_squares import Linearised, least_squares
+from geomkin.synthesis.path.fits import Fit, Linearised, PathTask, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
 from geomkin.synthesis.path.path import _turns
+from geomkin.synthesis.path.search import way_through
 from geomkin.synthesis.path.starts import loop, short_tour
-from geomkin.synthesis.path.way import way_through
 from tests.synthesis.test_nine_points import DRIVE, KNOWN, NO_KEYS, POINTS, SEEN, SIZE, THREE
 
 SLIDER = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j, ground_angle_deg=-20)

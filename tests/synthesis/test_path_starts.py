@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.progress import Watch
+from geomkin.core.progress import Watch
 from geomkin.synthesis.path import starts
 from geomkin.synthesis.path.coupler_paths import closing, points_of
 from geomkin.synthesis.path.fits import squares

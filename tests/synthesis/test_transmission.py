@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance import transmission
+from geomkin.synthesis.guidance import defects as transmission
 
 STEPS = 1501
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.function.peaks import AtPeaks, peaks
+from geomkin.synthesis.function.search import AtPeaks, peaks
 from geomkin.synthesis.function.wanted import wanted_function
 
 

@@ -17,9 +17,10 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.progress import shown
-from geomkin.tradeoff import measurement, results
+from geomkin.cli import cli
+from geomkin.core.progress import shown
+from geomkin.tradeoff import results
+from geomkin.tradeoff import results as measurement
 from geomkin.tradeoff.families import FAMILIES
 from geomkin.tradeoff.picture import picture
 from tests.tradeoff.toy import CHART, FAMILY, POINTS, point
@@ -280,7 +281,7 @@ def test_what_differs_beyond_six_digits_beats_all_the_same():
 
 def test_what_is_measured_is_what_the_method_does(monkeypatch):
     monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
-    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
     told = []
     with shown(lambda share, what: told.append((share, what))):
         (one,) = gk.tradeoff.chart(["toy-sum"], quick=True).families
@@ -368,7 +369,7 @@ def test_a_family_that_is_not_there_is_refused_with_those_that_are(tmp_path):
 
 def test_the_command_writes_the_files(tmp_path, monkeypatch):
     monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
-    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
     result = CliRunner().invoke(cli, ["chart", "toy-sum", "--quick", "--out", str(tmp_path / "made")])
     assert result.exit_code == 0 and result.stdout.endswith("made/chart: 1 family, 4 points\n")
     names = {path.name for path in (tmp_path / "made" / "chart").iterdir()}

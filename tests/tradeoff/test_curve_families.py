@@ -16,8 +16,8 @@ from geomkin.tradeoff.families import file_writing as files
 from geomkin.tradeoff.families import function_synthesis as functions
 from geomkin.tradeoff.families import path_synthesis as paths
 from geomkin.tradeoff.families.curve_flattening import by_doubling, by_halving, greedy
+from geomkin.tradeoff.family import Tool
 from geomkin.tradeoff.files import chart_files
-from geomkin.tradeoff.tool import Tool
 
 from .toy import CHART
 

@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
-from geomkin.commands import cli
-from geomkin.progress import shown
-from geomkin.tradeoff import measurement
+from geomkin.cli import cli
+from geomkin.core.progress import shown
+from geomkin.tradeoff import results as measurement
 from tests.tradeoff.toy import FAMILY, METHODS, point
 
 # Two methods, of which the second is the default at four settings.
@@ -93,7 +93,7 @@ def test_families_are_measured_in_the_order_in_which_they_are_named_all_where_no
 
 @pytest.mark.parametrize("watched", [True, False])
 def test_the_command_says_how_far_it_is_to_whoever_watches(three, monkeypatch, tmp_path, watched):
-    monkeypatch.setattr("geomkin.commands._is_terminal", lambda stream: watched)
+    monkeypatch.setattr("geomkin.cli._is_terminal", lambda stream: watched)
     result = CliRunner().invoke(cli, ["chart", "b", "c", "--out", str(tmp_path)], color=True)
     assert result.stdout == f"{tmp_path}/chart: 2 families, 2 points\n" and result.exit_code == 0
     line = "\r\x1b[K"

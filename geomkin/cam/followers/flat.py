@@ -8,15 +8,28 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...brief import one_line
-from ...errors import DesignError
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.reprs import one_line
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Pose, Real, dot
-from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..maxima import highest, largest
+from ..extrema import highest, largest
 from ..program.program import FollowerMotion, Program
-from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
-from .plates import CORNER, Bars, Hole, Plate, faced_arm, guide_holes, rounded, stemmed_face
+from .follower import (
+    CORNER,
+    AbstractFollower,
+    Bars,
+    Contact,
+    Hole,
+    Plate,
+    Side,
+    arm_direction,
+    faced_arm,
+    guide_holes,
+    rounded,
+    side_sign,
+    stemmed_face,
+)
 
 
 class AbstractFace(AbstractFollower):

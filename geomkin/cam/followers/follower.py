@@ -1,4 +1,4 @@
-"""What a cam, its checks and its plates ask of a follower, whatever its shape."""
+"""Plates of cam followers in plane terms: rollers, a flat face on a stem, arms with a roller or a face."""
 
 from __future__ import annotations
 
@@ -8,13 +8,168 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from ...arguments import Sort
-from ...brief import one_line
+from ...core.arguments import Sort
+from ...core.errors import DesignError
+from ...core.fields import KindTable, OneOfKinds, rounded_up
+from ...core.reprs import one_line
 from ...plane.curve import AbstractCurve
+from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
-from ...sizes import KindTable, OneOfKinds
 from ..program.program import FollowerMotion, Program
-from .plates import Bars, Plate
+
+# Radius of outer corners, mm. Smaller ones cut fingers, chip when dropped and are burnt by a beam; larger ones waste
+# material beyond the face.
+CORNER = 1.0
+# Least distance of the two guide pins of a stem in its widths. Nearer, the play of the pins in their slot lets the
+# follower tilt and jam; farther asks for longer stems.
+APART = 2.0
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What followers are cut from, mm: `CamStock` in shop tells what each is."""
+
+    bar_width: float
+    overhang: float
+    stem_length: float
+    pivot_bore: float
+    roller_bore: float
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A round hole for a pin or shaft of a diameter, mm, 0 for none.
+
+    key: what the stock calls the diameter. widest: width of the plate round it, mm. centre: in the plate's frame, mm.
+    """
+
+    key: str
+    diameter: float
+    widest: float
+    centre: complex = 0j
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """One plate of a follower: outline, mm, in the follower's own frame or, for a roller, about its centre."""
+
+    name: str
+    outline: AbstractCurve
+    holes: tuple[Hole, ...] = ()
+
+    __repr__ = one_line
+
+
+def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
+    """Of the two pins that guide a stem: one beyond the bar along its face or the roller, one at the stem's end.
+
+    along: unit direction of the stem, from the origin. DesignError where the stem is too short for both.
+    """
+    width, stem = bars.bar_width, bars.stem_length
+    first = width / along.imag
+    least = first + APART * width
+    if stem < least:
+        raise DesignError(
+            "stock.stem_length",
+            f"found {stem:g} mm, on which two guide pins find no room with bars {width:g} mm wide",
+            f"give at least {rounded_up(least)} mm, or leave out base",
+        )
+    near, far = (Hole("pivot_bore", bars.pivot_bore, width, distance * along) for distance in (first, stem))
+    return near, far
+
+
+def rounded(outline: Polyline, radius: float) -> Polyline:
+    """The outline, counterclockwise, with its convex corners between straight edges rounded by `radius`, mm, at most.
+
+    A corner is rounded less where its edges are short.
+    """
+    z = np.asarray(outline.vertices)
+    bulges = np.zeros(len(z)) if outline.bulges is None else np.asarray(outline.bulges)
+    before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+    turn = np.angle(after * np.conj(before))
+    corner = (turn > 1e-9) & (bulges == 0) & (np.roll(bulges, 1) == 0)
+    tangent = np.tan(turn / 2)
+    cut = np.minimum(radius * tangent, 0.4 * np.minimum(np.abs(before), np.abs(after)))
+    points: list[complex] = []
+    curves: list[float] = []
+    for k, place in enumerate(z):
+        if corner[k] and cut[k] > 0:
+            points += [place - cut[k] * before[k] / abs(before[k]), place + cut[k] * after[k] / abs(after[k])]
+            curves += [float(np.tan(turn[k] / 4)), float(bulges[k])]
+        else:
+            points.append(place)
+            curves.append(float(bulges[k]))
+    return Polyline(np.array(points), np.array(curves))
+
+
+def stemmed_face(face: tuple[float, float], tilt: float, width: float, stem: float) -> tuple[Polyline, complex]:
+    """Outline of a flat follower, and the place of the hole in its stem's rounded end.
+
+    face: its ends, mm along it from where the stem's middle line meets it, which is the origin. tilt: angle, rad,
+    of the face from square to the stem. width: of the stem, and of the bar along the face. stem: from the origin
+    to the hole, mm. The cam lies on the -y side.
+    """
+    along = 1j * np.exp(-1j * tilt)
+    aside = -1j * along * width / 2
+    # Where the stem's sides leave the bar, and how far the face must reach for the stem to stand on it.
+    right, left = (side + along * (width - side.imag) / along.imag for side in (aside, -aside))
+    low, high = min(face[0], left.real), max(face[1], right.real)
+    end = stem * along
+    if (end.imag - width / 2) <= width:
+        raise DesignError(
+            "stock.stem_length",
+            f"found {stem:g} mm with a bar {width:g} mm wide along the face",
+            f"give more than {1.5 * width / along.imag:.4g} mm",
+        )
+    corners = [low, high, high + 1j * width, right, end + aside, end - aside, left, low + 1j * width]
+    bulges = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    return _polyline(corners, bulges), complex(end)
+
+
+def faced_arm(face: tuple[float, float], offset: float, width: float, tau: int) -> Polyline:
+    """Outline of an arm about a pivot at the origin with a flat face along its x axis.
+
+    face: nearest and farthest place of the face that is needed, mm from the pivot's foot on it. offset: of the face
+    from the pivot, mm, positive away from the cam. width: of the bar behind the face, and of the boss. tau: +1 where
+    the cam lies on the +y side.
+    """
+    boss = width / 2
+    # Drawn with the cam above: y counts towards it.
+    top, back = -offset, min(-offset - width, -boss)
+    # Where the face ends at the boss: below it, beside it, or beyond it.
+    start = boss if top <= 0 else np.sqrt(boss**2 - top**2) if top < boss else -boss
+    if face[0] < start:
+        raise DesignError(
+            "stock.bar_width",
+            f"found {width:g} mm, but the face must start {face[0]:.4g} mm from the pivot's foot on it, and the boss "
+            f"round the pivot reaches to {start:.4g} mm",
+            "give a narrower bar, a shorter overhang or a larger pivot_distance",
+        )
+    corners = [face[1] + 1j * back, face[1] + 1j * top, start + 1j * top]
+    bulges = [0.0, 0.0, 0.0]
+    if top < boss:
+        edge = complex(start, max(top, 0.0))
+        corners += [edge, complex(-boss)]
+        bulges += [float(np.tan((np.pi - np.angle(edge)) / 4)), 0.0]
+    outline = _polyline([*corners, -boss + 1j * back], [*bulges, 0.0])
+    return outline if tau > 0 else _mirrored(outline)
+
+
+def _mirrored(outline: Polyline) -> Polyline:
+    """In the x axis."""
+    return Polyline(np.conj(outline.vertices), None if outline.bulges is None else -outline.bulges)
+
+
+def _polyline(corners: list[complex], bulges: list[float]) -> Polyline:
+    """Without edges of no length."""
+    z, b = np.array(corners, dtype=complex), np.array(bulges, dtype=float)
+    kept = np.abs(np.roll(z, -1) - z) > 1e-12 * np.abs(z).max()
+    return Polyline(z[kept], b[kept])
+
 
 # kind -> class of all followers that a recipe may name; filled in this folder's `__init__`, and open to others.
 FOLLOWERS: KindTable[AbstractFollower] = KindTable()

@@ -9,15 +9,14 @@ from typing import Literal, Self
 
 import numpy as np
 
-from ...brief import one_line
-from ...errors import DesignError
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.reprs import one_line
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
-from ...sizes import FARTHEST, check_sizes, entry, quantity
-from ..maxima import highest, largest
+from ..extrema import highest, largest
 from ..program.program import FollowerMotion, Program
-from .follower import AbstractFollower, Contact, Side, arm_direction, side_sign
-from .plates import Bars, Hole, Plate, guide_holes
+from .follower import AbstractFollower, Bars, Contact, Hole, Plate, Side, arm_direction, guide_holes, side_sign
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from ...beside import csv_cells, text_beside
-from ...brief import one_line
-from ...cached import cached_property
-from ...errors import DesignError, printable, shown
+from ...core.errors import DesignError, printable, shown
+from ...core.fields import FARTHEST
+from ...core.names import csv_cells, text_beside
+from ...core.reprs import one_line
 from ...plane.vec import Real, Whole
-from ...sizes import FARTHEST
 from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
 from .smoothing_spline import smoothest_within

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.polynomial import Polynomial, chebyshev
 from numpy.typing import ArrayLike
 
-from ...errors import DesignError, shown
+from ...core.errors import DesignError, shown
 from ...plane.vec import Real
 
 Law = Callable[[Real], Real]

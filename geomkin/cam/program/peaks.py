@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import DesignError, shown
+from ...core.errors import DesignError, shown
+from ...core.fields import check_quantities
 from ...plane.vec import Real
-from ...sizes import check_quantities
 from .given_lifts import MOST_ROWS, checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 

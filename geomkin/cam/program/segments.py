@@ -12,16 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
-from ...arguments import check_fields
-from ...brief import one_line
-from ...sizes import FARTHEST, OneOfKinds, RowsOf, entry, quantity
+from ...core.arguments import check_fields
+from ...core.fields import FARTHEST, OneOfKinds, Rows, entry, quantity
+from ...core.reprs import one_line
 from .laws import Law, LawName, NamedLaw
 
 AnyLaw = Annotated[LawName | Law, NamedLaw()]
 LAW_MEANING = f"law of motion: {', '.join(get_args(LawName))}"
-
-
-Rows = Annotated[tuple[tuple[float, float], ...], RowsOf(2)]
 
 
 def _angle(meaning: str) -> Any:

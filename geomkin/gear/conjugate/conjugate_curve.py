@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.reprs import one_line
 from ...plane.curve import AbstractCurve, Stretch
 from ...plane.vec import Complex, Mask, Real, unit
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...brief import one_line
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.curve import AbstractCurve, Stretch
 from ...plane.flatten import smooth_runs
-from ...plane.spread import CORNER, direction
+from ...plane.subdivision import CORNER, direction
 from ...plane.vec import Complex, Mask, Real, Whole, cross
 from .conjugate_curve import ConjugateCurve, ToothCorner, ToothRun
 

@@ -9,9 +9,9 @@ from itertools import combinations
 
 import numpy as np
 
-from ...arguments import check_fields, checked
-from ...brief import one_line
-from ...errors import DesignError
+from ...core.arguments import check_fields, checked
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.vec import Complex, Mask, Real, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import check_fields
-from ...brief import one_line
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.arguments import check_fields
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, dot
 from ..coupler_curve import moved_at

@@ -13,14 +13,14 @@ their vector product, at infinity too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Places, checked
-from ...brief import one_line
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.arguments import Places, checked
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
 from .centres import InstantCentre, settled

@@ -8,9 +8,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...arguments import checked
-from ...brief import one_line
-from ...errors import DesignError
+from ...core.arguments import checked
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.vec import Complex
 from ..linkage import Slider
 from ..motion import Motion

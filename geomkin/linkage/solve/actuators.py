@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.errors import DesignError
 from ...plane.vec import Complex, Real, Whole, cross, dot
 from .closing_roots import StrokeRoot, gap_of
-from .driver_dyads import Driven, DriverPoints
 from .dyads import RRP, RRR
+from .input_dyads import Driven, DriverPoints
 from .placement import Coefficients, Placement, Poses
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...errors import DesignError, shown
+from ...core.errors import DesignError, shown
 from ...plane.vec import Real, Whole
 from ..linkage import Linkage
 

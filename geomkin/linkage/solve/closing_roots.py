@@ -6,12 +6,12 @@ Real where it closes, zero where its two branches meet: a limit of the driver, o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.reprs import one_line
 from ...plane.vec import Mask, Real, Whole
 from .placement import plus, times
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Extended, checked
-from ...brief import one_line
-from ...errors import DesignError, shown
+from ...core.arguments import Extended, checked
+from ...core.errors import DesignError, shown
+from ...core.reprs import one_line
 from ...plane.vec import Mask, Real
 
 # From points (k, n + 1), n unknowns and the drive, to conditions (k, n) and their slopes (k, n, n + 1).

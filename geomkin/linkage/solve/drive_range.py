@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.errors import DesignError
 from ...plane.vec import Complex, Real, Whole
 from ..linkage import Linkage
 from .branch import BESIDE, FollowedBranch

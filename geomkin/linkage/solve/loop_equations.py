@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from ...cached import cached_property
 from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage, Slider
 from .placement import Coefficients, Poses

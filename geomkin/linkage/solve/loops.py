@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.errors import DesignError
 from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage
 from .continuation import Equations, Trace, approached, polished, solved

@@ -9,14 +9,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.reprs import one_line
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
-from ..solve import tape
+from . import tape as tape
 from .tape import Recorded
 
 Numbers = TypeVar("Numbers", Real, Complex)

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...plane.vec import Array
 from .tape import VIEWS, Operation, Step, Tape
 

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import prod
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.reprs import one_line
 from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
 from .drive_range import DriveRange, change_points
-from .driver_dyads import Driven
 from .dyads import Dyad
-from .formulas import Timing, linkage_formulas, tell_all
+from .formulas import Timing, Worked, linkage_formulas, tell_all
+from .input_dyads import Driven
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, Turned
 from .program import Group
-from .worked import Worked
 
 # Gap, as a share of the reach, below which rounding alone keeps it from zero: true meetings come out below 2e-16 behind
 # chains of five dyads. Larger takes a near miss for a meeting, smaller misses meetings behind a dyad at bad angles.

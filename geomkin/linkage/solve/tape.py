@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...plane.vec import Array, Complex, Mask, Real
 
 # An operation takes its arguments and, last, the array that it writes.

@@ -1,4 +1,4 @@
-"""Candidates of function generators, from thousands to the few that are best."""
+"""The least of the mean square error, under limits: many starts at once."""
 
 from __future__ import annotations
 
@@ -6,11 +6,144 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...plane.vec import Real
+from ...plane.vec import Mask, Real
 from .generators import AbstractGenerator
-from .mean_square import fit
-from .minimax import descend, settled
-from .peaks import AtPeaks, peaks
+from .minimax import DIFFERENCE, AbstractTask, descend, settled
+
+# Nodes of the mean over the way, exact for polynomials of twice the degree. Fewer miss the error of a table's spline.
+NODES = 48
+# What a limit that is broken by 1 costs, squared; rounds in which the price of limits settles, steps in each. A lower
+# price takes more rounds, a higher one more steps; fewer of these leave a limit broken by more than 1e-9.
+STIFF, MEAN_SQUARE_ROUNDS, MEAN_SQUARE_STEPS = 10.0, 12, 8
+# Longest step of an unknown: logarithms of lengths, and rad.
+LONGEST_STEP = 0.5
+
+
+def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
+    """From candidates p (many, unknowns) to where the mean square error is least: p, its root, the last step (many,).
+
+    Levenberg-Marquardt on the errors and on the limits that are broken, whose prices are raised round by round (the
+    augmented Lagrangian: Powell 1969, Hestenes 1969). exact: with the curvature of the errors, which the former leaves
+    out; that ends to rounding also in a valley, at ten times the price of a step. inf where a candidate cannot be.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    s, root = (0.5 * (nodes + 1))[None], np.sqrt(0.5 * weights)
+    free = np.flatnonzero(task.free)
+    n = len(free)
+    p, price, damping = p.copy(), np.zeros(task.limits(p)[0].shape), np.full(len(p), 1e-3)
+
+    def parts(q: Real) -> Real:
+        broken = np.maximum(task.limits(q)[0] + price / STIFF, 0)
+        both: Real = np.concatenate([root * task.error(q, s), np.sqrt(STIFF) * broken], axis=1)
+        return both
+
+    def slopes(q: Real) -> Real:
+        limits, steep = task.limits(q)
+        held = (limits + price / STIFF > 0)[..., None]
+        errors, broken = root[:, None] * task.slopes(q, s)[..., free], np.sqrt(STIFF) * steep[..., free] * held
+        both: Real = np.nan_to_num(np.concatenate([errors, broken], axis=1), nan=0.0, posinf=0.0, neginf=0.0)
+        return both
+
+    def gradient(q: Real) -> Real:
+        down: Real = np.einsum("kmn,km->kn", slopes(q), np.nan_to_num(parts(q), nan=0.0, posinf=0.0, neginf=0.0))
+        return down
+
+    def square(q: Real) -> Real:
+        if not exact:
+            plain: Real = np.swapaxes(slopes(q), 1, 2) @ slopes(q)
+            return plain
+        shifts = DIFFERENCE * np.eye(p.shape[1])[free]
+        columns = [(gradient(q + shift) - gradient(q - shift)) / (2 * DIFFERENCE) for shift in shifts]
+        values, ways = np.linalg.eigh(0.5 * (np.stack(columns, 1) + np.stack(columns, 2)))
+        # Downhill also where it bends down.
+        bent: Real = (ways * np.abs(values)[:, None]) @ np.swapaxes(ways, 1, 2)
+        return bent
+
+    with np.errstate(all="ignore"):
+        for _ in range(MEAN_SQUARE_ROUNDS):
+            r = parts(p)
+            for _ in range(MEAN_SQUARE_STEPS):
+                system = square(p)
+                size = np.maximum(np.einsum("kii->ki", system), 1e-12)
+                system[:, range(n), range(n)] += damping[:, None] * size
+                step = -np.linalg.solve(system, gradient(p)[..., None])[..., 0]
+                q = p.copy()
+                q[:, free] += np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+                new = parts(q)
+                better = (new**2).sum(axis=1) < (r**2).sum(axis=1)
+                p[better], r[better] = q[better], new[better]
+                damping = np.clip(np.where(better, damping * 0.1, damping * 8), 1e-12, 1e12)
+            price = np.maximum(price + STIFF * task.limits(p)[0], 0)
+        found = np.sqrt(((root * task.error(p, s)) ** 2).sum(axis=1))
+    return p, np.where(np.isfinite(found), found, np.inf), np.abs(step).max(axis=1)
+
+
+# Half widths of the parabolas that a peak is followed by, one after the other. Wider, and they tell of more than the
+# top; narrower, and rounding moves them.
+WIDTHS = (2e-3, 2e-4)
+
+
+def peaks(task: AbstractTask, p: Real, most: int, looks: int) -> tuple[Real, Real, Mask]:
+    """Places s (many, most) at which |error| is largest between its neighbours, to rounding, and the errors there.
+
+    looks: equal parts in which they are looked for. The largest are told; where there are fewer, the rest is the first
+    place, and the third result says which are peaks.
+    """
+    s = np.linspace(0, 1, looks + 1)
+    size = np.abs(task.error(p, s[None]))
+    edge = np.full((len(p), 1), -np.inf)
+    before, after = np.hstack([edge, size[:, :-1]]), np.hstack([size[:, 1:], edge])
+    top = np.where((size >= before) & (size > after), size, -np.inf)
+    k = np.sort(np.argsort(-top, axis=1)[:, :most], axis=1)
+    real = np.isfinite(np.take_along_axis(top, k, 1))
+    low, high = s[np.maximum(k - 1, 0)] * real, s[np.minimum(k + 1, looks)] * real
+    # An eighth each time: from 1e-2 to where a flat top is level to rounding.
+    for _ in range(8):
+        places = low[..., None] + (high - low)[..., None] * np.linspace(0, 1, 17)
+        e = np.abs(task.error(p, places.reshape(len(p), -1))).reshape(places.shape)
+        at = np.argmax(e, axis=2)[..., None]
+        low, best, high = (np.take_along_axis(places, np.clip(at + j, 0, 16), 2)[..., 0] for j in (-1, 0, 1))
+    return best, task.error(p, best), real
+
+
+@dataclass(frozen=True, eq=False)
+class AtPeaks(AbstractTask):
+    """A task that is looked at on its peaks, which move with the candidate; the first `fixed` places stay.
+
+    The derivative of a peak's height is that at its place; its curvature is not, which differences of derivatives at
+    the place as it moves tell.
+    """
+
+    task: AbstractTask
+    fixed: int
+
+    @property
+    def free(self) -> Mask:
+        return self.task.free
+
+    def error(self, p: Real, s: Real) -> Real:
+        return self.task.error(p, self._moved(p, s))
+
+    def slopes(self, p: Real, s: Real) -> Real:
+        return self.task.slopes(p, self._moved(p, s))
+
+    def limits(self, p: Real) -> tuple[Real, Real]:
+        return self.task.limits(p)
+
+    def _moved(self, p: Real, s: Real) -> Real:
+        """s with all but the fixed places moved to the tops of the parabolas there."""
+        s = np.broadcast_to(s, (len(p), s.shape[1]))
+        near = s[:, self.fixed :]
+        for width in WIDTHS:
+            middle = np.clip(near, width, 1 - width)
+            places = np.concatenate([middle - width, middle, middle + width], axis=1)
+            with np.errstate(all="ignore"):
+                low, here, high = np.split(self.task.error(p, places), 3, axis=1)
+                top = 0.5 * (low - high) / (low - 2 * here + high)
+                ways = np.where(np.isfinite(top), np.clip(top, -2, 2), 0.0)
+            near = np.clip(middle + width * ways, 0, 1)
+        return np.concatenate([s[:, : self.fixed], near], axis=1)
+
 
 # Fits over starts of any angle, and sizes spread over what the limits allow; how many of each are followed. Half of
 # them find the same in every case tried; the rest are for those that were not.

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Positive, check_fields, checked
-from ...brief import one_line
-from ...cached import cached_property
-from ...errors import DesignError
+from ...core.arguments import Positive, check_fields, checked
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Mask, Real
 from .circular_cubic import Cubic, Loop, crossings

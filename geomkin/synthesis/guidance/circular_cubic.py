@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.reprs import one_line
 from ...plane.vec import Complex, Real
 
 # Share of the other coefficients below which those of highest degree are rounding: the cubic is then a conic and the

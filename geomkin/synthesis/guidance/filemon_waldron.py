@@ -8,18 +8,17 @@ from typing import Annotated
 
 import numpy as np
 
-from ...arguments import Points, between, checked
-from ...brief import one_line
-from ...errors import DesignError, shown
+from ...core.arguments import Points, between, checked
+from ...core.errors import DesignError, shown
+from ...core.fields import FARTHEST
+from ...core.reprs import one_line
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.primitives import Circle, Polyline, Segment
 from ...plane.vec import Complex, Mask, cross, dot, unit
-from ...sizes import FARTHEST
-from .displacement_poles import image_poles
 from .guide_search import Displacements, rail_of
-from .poses import Poses, placed
+from .poses import Poses, image_poles, placed
 
 # Sine of the turn between the ends of three places, seen from the middle one, below which they count as one line.
 STRAIGHT = 1e-9

@@ -8,15 +8,14 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ...arguments import Sort, between, checked, is_complex, whole_between
-from ...brief import one_line
-from ...errors import DesignError
-from ...linkage.bars import FourBar
+from ...core.arguments import Sort, between, checked, is_complex, whole_between
+from ...core.errors import DesignError
+from ...core.progress import Watch
+from ...core.reprs import one_line
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.sliders import EllipticTrammel, SliderCrank
-from ...linkage.solve.move import move
+from ...linkage.moving import move
+from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
-from ...progress import Watch
 from ..found import Found, ten_digits
 from ..rounding import Rounding
 from .dyads import dyads_through

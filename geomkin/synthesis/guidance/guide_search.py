@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
+from ...core.progress import Watch
+from ...core.reprs import one_line
 from ...plane.vec import Complex, Mask, Real, cross, unit
-from ...progress import Watch
 from .guides import AbstractGuides, guides_of, usable
 
 # Pins that are tried at once, pairs made of those that stay in the region, and rounds of both until some are sound.

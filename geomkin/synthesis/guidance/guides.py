@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...brief import one_line
-from ...cached import cached_property
-from ...linkage.bars import FourBar
+from ...core.reprs import one_line
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.sliders import EllipticTrammel, SliderCrank
+from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...plane.vec import Complex, Mask, Real, dot, unit
-from ..guidance import transmission
+from . import defects as transmission
 from .defects import Defects, four_bar_defects, slider_crank_defects, trammel_defects
 
 # Least angle between a trammel's slots, deg, that EllipticTrammel takes.

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Points, Reals, check_fields, checked
-from ...brief import one_line
-from ...errors import DesignError
-from ...linkage.bars import FourBar
+from ...core.arguments import Points, Reals, check_fields, checked
+from ...core.errors import DesignError
+from ...core.reprs import one_line
 from ...linkage.instant.centres import InstantCentre
 from ...linkage.instant.inflection import InflectionCircle
+from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Real, cross
 
 # Share of their size below which pins, pivots and the instant centre are in one line, and a pivot is its own pin.

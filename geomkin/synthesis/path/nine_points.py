@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.progress import Watch
 from ...plane.vec import Complex, Mask, Real, Whole
-from ...progress import Watch
 
 # Random starts in a round, and rounds in a row without a new linkage after which the search ends. Fewer find fewer of
 # the real linkages, and other seeds find others; more take longer.

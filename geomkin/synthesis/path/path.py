@@ -9,14 +9,13 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import Positive, Sort, between, checked, is_real, numbers, whole_between
-from ...errors import DesignError
+from ...core.arguments import Positive, Sort, between, checked, is_real, numbers, whole_between
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, SMALLEST
 from ...plane.vec import Real
-from ...sizes import FARTHEST, SMALLEST
-from .bounds import bound_all_links, bounds_of
+from .coupler_paths import bound_all_links, bounds_of
 from .fits import PathTask
-from .results import PathFound
-from .search import PathSearch
+from .search import PathFound, PathSearch
 
 # Points at most: more take minutes.
 MOST_POINTS = 1_000

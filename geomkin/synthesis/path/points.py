@@ -7,10 +7,10 @@ from typing import Annotated
 
 import numpy as np
 
-from ...arguments import checked, whole_between
-from ...errors import DesignError, printable
+from ...core.arguments import checked, whole_between
+from ...core.errors import DesignError, printable
+from ...core.fields import FARTHEST
 from ...plane.vec import Complex
-from ...sizes import FARTHEST
 
 # Characters of a path at most: more are another thing by mistake.
 LONGEST = 1_000_000

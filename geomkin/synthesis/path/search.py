@@ -1,25 +1,212 @@
-"""The search for the linkages of a path: starts, least squares, what comes of them in mm, and which is best."""
+"""What a path search found: a linkage, how far its path is from the points, and what it gives besides."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ...brief import one_line
-from ...errors import DesignError
-from ...linkage.bars import FourBar
+from ...core.errors import DesignError
+from ...core.progress import Watch
+from ...core.reprs import one_line
+from ...linkage.coupler_curve import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.sliders import SliderCrank
-from ...plane.vec import Complex, Real, Whole
-from ...progress import Watch
-from .coupler_paths import ARM_X, ARM_Y, COUPLER, CRANK, GROUND, ORIGIN_X, ORIGIN_Y, ROCKER, TURN, along, points_of
+from ...linkage.moving import move
+from ...linkage.named_linkages import FourBar, SliderCrank
+from ...plane.vec import Complex, Real, Whole, cross
+from ..found import Found
+from ..rounding import Rounding
+from .coupler_paths import (
+    ARM_X,
+    ARM_Y,
+    COUPLER,
+    CRANK,
+    GROUND,
+    ORIGIN_X,
+    ORIGIN_Y,
+    ROCKER,
+    TURN,
+    along,
+    closing,
+    folded,
+    points_of,
+)
 from .fits import PathTask, nearest, polished, refined
 from .nine_points import reached, through_nine, with_cognates
-from .results import USABLE_DEG, USABLE_RATIO, PathFound
 from .starts import free_starts, timed_starts
-from .way import Way, way_through
+
+# What counts as usable: a transmission angle, deg, and a ratio of links that a workshop can live with.
+USABLE_DEG, USABLE_RATIO = 30.0, 10.0
+# By how much of itself a limit may be missed and count as held, for rounding.
+ROUNDED = 1e-6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PathFound(Found):
+    """A linkage whose coupler point goes through given points, or near them.
+
+    drive: the crank's angle at each point, rad from the ground line; of a closed path at the nearest point of it.
+    square_error: sum of squared distances of the points from the path, mm2, of timed ones from where the coupler point
+    then is. largest_distance: the largest of them, mm. closed: whether a full turn draws the path. at_limits: in words,
+    the limits that it stands on. cut_short: the search was ended by its time. may_be_incomplete: nine points have a
+    finite number of linkages, of which the search may have missed some; another seed or more time may find them.
+    ranked: distinct linkages, the best first, this one among them; those with a defect come last. least_squares: more
+    points are given than linkages can be made to meet.
+    """
+
+    points: Complex
+    square_error: float
+    largest_distance: float
+    closed: bool = False
+    at_limits: tuple[str, ...] = ()
+    cut_short: bool = False
+    may_be_incomplete: bool = False
+    least_squares: bool = False
+    ranked: tuple[PathFound, ...] = ()
+    again: Callable[[], PathFound | None] | None = field(default=None, repr=False)
+
+    __repr__ = one_line
+
+    @property
+    def coupler_point(self) -> complex:
+        """In the coupler's frame, mm."""
+        return complex(self.linkage.coupler_point)  # type: ignore[attr-defined]
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether it has no defect, a transmission angle of 30 deg and more, and a ratio of links of 10 and less."""
+        angle, ratio = self.transmission_angle_deg, self.ratio
+        return not self.defects and angle >= USABLE_DEG * (1 - ROUNDED) and bool(ratio <= USABLE_RATIO * (1 + ROUNDED))
+
+    @cached_property
+    def usable(self) -> PathFound | None:
+        """The best that is usable too: itself if it is, else searched for when first asked; None where none is found.
+
+        Without such limits the best linkage of a path is often one that jams or has endless links.
+        """
+        if self.is_usable:
+            return self
+        return self.again() if self.again else None
+
+    @cached_property
+    def cognates(self) -> tuple[Cognate, ...]:
+        """It and the two other four-bars that draw the same path; () of a slider-crank, and where one has no size."""
+        if not isinstance(self.linkage, FourBar):
+            return ()
+        try:
+            return cognates(self.linkage)
+        except DesignError:
+            return ()
+
+    @property
+    def drive_range(self) -> tuple[float, float]:
+        return (0.0, 2 * np.pi) if self.closed else super().drive_range
+
+    def rounded(self, rounding: Rounding) -> PathFound:
+        other = super().rounded(rounding)
+        # One with a defect may reach some of the points on its other branch.
+        branches = (1, -1) if self.defects else (self.branch,)
+        paths = [move(other.linkage, other.drive, sign).point("coupler_point").position for sign in branches]
+        off = np.fmin.reduce(np.abs(np.array(paths) - self.points))
+        return replace(other, square_error=float(np.sum(off**2)), largest_distance=float(off.max()))
+
+    def summary(self) -> Mapping[str, object]:
+        told: dict[str, object] = {
+            "square_error_mm2": float(f"{self.square_error:.6g}"),
+            "largest_distance_mm": float(f"{self.largest_distance:.6g}"),
+        }
+        more: dict[str, object] = {"at_limits": list(self.at_limits)} if self.at_limits else {}
+        return told | dict(super().summary()) | more
+
+    @property
+    def drive_deg(self) -> Real:
+        """The crank's angles at the points, deg."""
+        return np.degrees(self.drive)
+
+
+# Turns nearer to a full one than this are none: the same point twice, and rounding.
+NO_TURN = 1e-9
+# By how much the cosine of a transmission angle may pass 1 for rounding.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """The crank's angles (n,), rad, least transmission angle, rad (nan where it does not close), and the defects."""
+
+    drive: Real
+    transmission: float
+    defects: tuple[str, ...]
+
+    __repr__ = one_line
+
+
+def way_through(task: PathTask, x: Real, cranks: Real, branch: Whole) -> Way:
+    """How the crank of the linkage x (10,) goes through cranks (n,), each known but for turns, on branches (n,).
+
+    It goes one way, no more than one turn, and closes all the way: else the order is wrong, as where the branch or the
+    circuit changes. Angles that were prescribed are taken as they are, and a closed path has no order. The rule of
+    circuits is that of `linkage.circuits`.
+    """
+    defects = []
+    if not task.slides and not task.closed and _circuits(x, cranks, branch) > 1:
+        defects.append("circuit")
+    if len(np.unique(branch)) > 1:
+        defects.append("branch")
+    if task.turns is not None:
+        drive, order = cranks, True
+    elif task.closed:
+        drive, order = cranks % (2 * np.pi), True
+    else:
+        drive, order = _one_way(task, x, cranks, bool(defects))
+    if not order:
+        defects.append("order")
+    most = _most_folded(task, x, drive)
+    transmission = float(np.arccos(min(most, 1.0))) if most <= 1 + ROUNDING and not defects else np.nan
+    return Way(drive, transmission, tuple(defects))
+
+
+def _one_way(task: PathTask, x: Real, cranks: Real, defect: bool) -> tuple[Real, bool]:
+    """The angles on from each other in the sense that closes all the way, the shorter if both do; whether one does."""
+    best: tuple[float, Real] | None = None
+    for sense in (1, -1):
+        turns = (sense * np.diff(cranks)) % (2 * np.pi)
+        turns[turns > 2 * np.pi - NO_TURN] = 0
+        drive = cranks[0] + sense * np.concatenate([[0.0], np.cumsum(turns)])
+        total = float(turns.sum())
+        closes = defect or _most_folded(task, x, drive) <= 1 + ROUNDING
+        if total <= 2 * np.pi + NO_TURN and closes and (best is None or total < best[0]):
+            best = total, drive
+    return (np.unwrap(cranks), False) if best is None else (best[1], True)
+
+
+def _most_folded(task: PathTask, x: Real, drive: Real) -> float:
+    """The largest cosine of the transmission angle, without its sign, over the way from the first to the last."""
+    at, inside = task.extremes(drive[None])
+    cranks = np.concatenate([drive, at[inside[0]]])
+    return float(np.abs(folded(x[None], cranks[None], task.slides)).max())
+
+
+def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
+    """On how many circuits the poses of a four-bar lie."""
+    d, a, b, c = (float(x[k]) for k in (GROUND, CRANK, COUPLER, ROCKER))
+    shortest, second, third, longest = sorted((d, a, b, c))
+    if shortest + longest >= second + third:
+        return 1
+    crank, coupler = (
+        np.array([v[0, 0] for v in pair])
+        for pair in zip(
+            *(closing(x[None], np.array([[q]]), np.array([float(s)]), False) for q, s in zip(cranks, branch))
+        )
+    )
+    rocker = a * crank + b * coupler - d
+    # The sign at a joint that is not adjacent to the shortest link.
+    sign = cross(coupler, rocker) if shortest in (d, a) else cross(np.ones_like(crank), crank)
+    return len(np.unique(np.sign(sign)))
+
 
 # Up to so many points are searched with, the rest come in when that is done: more take longer and find nothing else.
 SEARCHED = 60

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ...core.progress import Watch
 from ...plane.vec import Complex, Real, Whole
-from ...progress import Watch
 from .coupler_paths import (
     ARM_X,
     ARM_Y,

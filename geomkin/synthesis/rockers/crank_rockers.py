@@ -7,18 +7,20 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from ...arguments import between, checked
-from ...brief import one_line
-from ...errors import DesignError
-from ...linkage.bars import FourBar
+from ...core.arguments import between, checked
+from ...core.errors import DesignError
+from ...core.fields import Size, rounded_down, rounded_up
+from ...core.reprs import one_line
+from ...linkage.named_linkages import FourBar
 from ...plane.vec import Real
-from ...sizes import Size, rounded_down, rounded_up
 from ..rounding import Rounding
 from .families import (
     TURNING_RATIO,
     AbstractMember,
     Family,
+    FullTurn,
     four_bars,
+    full_turn,
     highest,
     members,
     scale_of,
@@ -26,7 +28,6 @@ from .families import (
     turn_of,
     within_sizes,
 )
-from .full_turn import FullTurn, full_turn
 
 Swing = Annotated[float, between(0.1, 179, "deg")]
 Ratio = Annotated[float, between(1, 1e6)]

@@ -7,16 +7,25 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ...arguments import between, checked
-from ...brief import one_line
-from ...errors import DesignError
-from ...linkage.sliders import SliderCrank
+from ...core.arguments import between, checked
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, Size, rounded_down, rounded_up
+from ...core.reprs import one_line
+from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
-from ...sizes import FARTHEST, Size, rounded_down, rounded_up
 from ..rounding import Rounding
 from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, reach
-from .families import TURNING_RATIO, AbstractMember, Family, highest, members, the_choice, within_sizes
-from .full_turn import FullTurn, full_turn
+from .families import (
+    TURNING_RATIO,
+    AbstractMember,
+    Family,
+    FullTurn,
+    full_turn,
+    highest,
+    members,
+    the_choice,
+    within_sizes,
+)
 
 Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 # Of a connecting rod to its crank: the least ratio that leaves a slider-crank which can be moved, with a hair of room.

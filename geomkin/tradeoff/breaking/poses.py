@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ...linkage.bars import FourBar
-from ...linkage.solve.move import move
-from ...synthesis.guidance.displacement_poles import circle_of_sliders, poles
+from ...linkage.moving import move
+from ...linkage.named_linkages import FourBar
 from ...synthesis.guidance.dyads import dyads_through
+from ...synthesis.guidance.poses import circle_of_sliders, poles
 from ..cell import Cell, Sizes
 from .linkages import cross
 

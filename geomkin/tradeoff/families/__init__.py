@@ -16,8 +16,8 @@ from .function_synthesis import FUNCTION_SYNTHESIS
 from .gear_root import GEAR_ROOT
 from .iteration import ITERATION
 from .path_synthesis import PATH_SYNTHESIS
+from .sampled_integrals import INTEGRATION
 from .sampled_rates import ACCELERATION, VELOCITY
-from .sampled_ways import INTEGRATION
 from .six_bar import SIX_BAR_POSITION
 from .slider_crank import SLIDER_CRANK
 

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...brief import one_line
 from ...cam.cam import Cam
 from ...cam.followers.roller import TranslatingRoller
 from ...cam.program.program import Program
 from ...cam.program.segments import Dwell, Return, Rise
+from ...core.reprs import one_line
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real, unit
-from ..family import Method, MethodFamily
-from ..tool import Tool
+from ..family import Method, MethodFamily, Tool
 
 # Points of the closed form.
 POINTS = 360
@@ -82,7 +81,7 @@ def _by_differences(roller_cam: RollerCam, count: float) -> Callable[[], Polylin
 
 def _offset(roller_cam: RollerCam, count: float) -> Callable[[], Polyline]:
     """The polygon through the centres, shrunk by the roller's radius."""
-    from ...plane import region
+    from ...plane import region as region
 
     def profile() -> Polyline:
         centres = pitch_points(roller_cam, count)
@@ -94,7 +93,7 @@ def _offset(roller_cam: RollerCam, count: float) -> Callable[[], Polyline]:
 
 def _cut(roller_cam: RollerCam, count: float) -> Callable[[], Polyline]:
     """The hole that is left in the union of the roller at all positions."""
-    from ...plane import region
+    from ...plane import region as region
 
     def profile() -> Polyline:
         (whole,) = region.union(roller_cam.tool.polygons(int(count) + 1, _step(count)))

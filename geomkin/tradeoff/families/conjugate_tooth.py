@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...gear.conjugate.conjugate import conjugate
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
-from ..family import Method, MethodFamily
-from ..tool import Tool
+from ..family import Method, MethodFamily, Tool
 
 # Points of each curve that the exact outline is made of.
 POINTS = 20
@@ -77,7 +76,7 @@ def _exact(tooth: StraightTooth, _: float) -> Callable[[], Complex]:
 
 
 def _cut(tooth: StraightTooth, count: float) -> Callable[[], Complex]:
-    from ...plane import region
+    from ...plane import region as region
 
     def space() -> Complex:
         half, inner = np.pi / tooth.mate_teeth, 0.5 * tooth.mate_radius

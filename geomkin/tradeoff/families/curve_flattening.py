@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...plane.arcs import to_arcs
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import Path
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Real, cross
-from ..families import cam_profile, gear_root
-from ..family import Method, MethodFamily
-from ..tool import Tool
+from ..family import Method, MethodFamily, Tool
+from . import cam_profile as cam_profile
+from . import gear_root as gear_root
 
 TOLERANCES = (0.1, 0.01, 1e-3, 1e-4)
 # Where a chord is compared with its curve when steps or intervals are halved. Fewer let an S pass for straight.

@@ -9,15 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...gear.spur import SpurGear
-from ...part import Part
+from ...model.part import Part
+from ...model.table import Column, Table
 from ...plane.primitives import Circle, Polyline
 from ...plane.vec import Complex, Real, Whole, cross, xy
-from ...table import Column, Table
-from ..families import gear_root
-from ..family import Method, MethodFamily
-from ..tool import Tool
+from ..family import Method, MethodFamily, Tool
+from . import gear_root as gear_root
 from .curve_flattening import at_even_parameters
 
 TOLERANCES = (0.1, 0.01, 1e-3)
@@ -264,7 +263,7 @@ def _even_stl(given: Plate, count: float) -> Callable[[], bytes]:
 
 def _bare_stl(given: Plate, tolerance: float) -> Callable[[], bytes]:
     """Triangles written as they come, with no check that the solid is closed."""
-    from ...plane import region
+    from ...plane import region as region
     from ...plane.flatten import flatten
 
     def solid() -> bytes:

@@ -6,15 +6,25 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...linkage.bars import FourBar
+from ...linkage.moving import move, planned
+from ...linkage.named_linkages import FourBar
 from ...linkage.solve.branch import chosen
-from ...linkage.solve.driver_dyads import CrankDriven
-from ...linkage.solve.move import move, planned
+from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY, STEADY, by_toggle_proof_form, by_unit_vectors, closing_gaps
-from .four_bar_problem import FRAMES, NEAR_TOGGLE, ORDINARY, Directions, FourBarProblem
+from .four_bar_problem import (
+    FRAMES,
+    LIBRARY,
+    NEAR_TOGGLE,
+    ORDINARY,
+    STEADY,
+    Directions,
+    FourBarProblem,
+    by_toggle_proof_form,
+    by_unit_vectors,
+    closing_gaps,
+)
 
 # First and second derivatives of the angles of coupler and rocker by the crank's: h3, h4, h3', h4'.
 Rates = tuple[Real, Real, Real, Real]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...linkage.bars import FourBar
+from ...linkage.named_linkages import FourBar
 from ...plane.vec import Real
 from ...synthesis.function.function import Method as Aim
 from ...synthesis.function.function import chebyshev_points, function_generator

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...brief import one_line
+from ...core.reprs import one_line
 from ...gear.spur import SpurGear
 from ...plane.arcs import to_arcs
 from ...plane.joined import Path
 from ...plane.primitives import Arc, Polyline
 from ...plane.roulettes import Involute, Trochoid, roll_at
 from ...plane.vec import Complex, Pose, Real, cross
-from ..family import Method, MethodFamily
-from ..tool import Tool
+from ..family import Method, MethodFamily, Tool
 
 # Points of the exact curves, as many on the root curve as on the flank.
 POINTS = 50
@@ -102,7 +101,7 @@ def _crossing(one: Complex, other: Complex) -> tuple[int, int, complex] | None:
 
 def _cut(cut: CutGear, count: float) -> Callable[[], Polyline]:
     """The rack's tooth as a polygon, at even steps of its roll, cut out of a sector."""
-    from ...plane import region
+    from ...plane import region as region
 
     def side() -> Polyline:
         gear, pitch = cut.gear(), 2 * np.pi / cut.teeth

@@ -6,13 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...linkage.solve.move import move
+from ...linkage.moving import move
 from ...plane.vec import Array, Complex, Real
-from ..exact import many_digits
+from ..exact import ENTRIES, Track, count, many_digits, misses
 from ..family import Method, MethodFamily
 from .six_bar import by_circles, exact_output, first_angles, newton_all, newton_each, with_estimate
-from .tables import ENTRIES
-from .tracks import Track, count, misses
 
 # Angles of the crank, rad, between which the output turns one way, and how many there are.
 FIRST, LAST, FRAMES = 0.2, 1.2, 100

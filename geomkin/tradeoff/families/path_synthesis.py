@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...linkage.bars import FourBar
+from ...core.progress import Watch
+from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Real
-from ...progress import Watch
-from ...synthesis.path.bounds import bounds_of
-from ...synthesis.path.coupler_paths import START, closing
+from ...synthesis.path.coupler_paths import START, bounds_of, closing
 from ...synthesis.path.fits import PathTask, polished
 from ...synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
 from ...synthesis.path.starts import linear_fit, random_linkages

@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
+from ...linkage.moving import move
 from ...linkage.sampled import central_difference, velocity_difference
-from ...linkage.solve.move import move
 from ...plane.vec import Real
 from ..family import Method, MethodFamily
 from .four_bar_problem import FRAMES, ORDINARY, FourBarProblem

@@ -7,20 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...linkage.bars import FourBar, StephensonSixBar
 from ...linkage.linkage import Linkage
+from ...linkage.moving import move, planned
+from ...linkage.named_linkages import FourBar, StephensonSixBar
 from ...linkage.solve.branch import chosen
 from ...linkage.solve.continuation import newton_raphson
-from ...linkage.solve.driver_dyads import CrankDriven
+from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.loops import Loops
-from ...linkage.solve.move import move, planned
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Complex, Real
-from ..exact import Vector, carried, circling, fixed, pinned
+from ..exact import ENTRIES, FRAMES, Track, Vector, carried, circling, count, cubic, fixed, linear, misses, pinned
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY, STEADY
-from .tables import ENTRIES, cubic, linear
-from .tracks import FRAMES, Track, count, misses
+from .four_bar_problem import LIBRARY, STEADY
 
 GROUND, CRANK, COUPLER, ROCKER, POINT = 99.0, 30.0, 77.0, 95.0, 128 + 15j
 LINK, OUTPUT, PIVOT = 58.7, 60.0, 69 + 191j

@@ -8,17 +8,15 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from ...linkage.sliders import SliderCrank
+from ...linkage.moving import move, planned
+from ...linkage.named_linkages import SliderCrank
 from ...linkage.solve.branch import chosen
-from ...linkage.solve.driver_dyads import CrankDriven
-from ...linkage.solve.move import move, planned
+from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Real
-from ..exact import Vector, circling, sliding
+from ..exact import ENTRIES, FRAMES, Track, Vector, circling, count, cubic, linear, misses, sliding
 from ..family import Method, MethodFamily
-from .four_bar_closed_forms import LIBRARY, STEADY
-from .tables import ENTRIES, cubic, linear
-from .tracks import FRAMES, Track, count, misses
+from .four_bar_problem import LIBRARY, STEADY
 
 CRANK, ROD, OFFSET = 30.0, 90.0, 10.0
 LINKAGE = SliderCrank(CRANK, ROD, OFFSET)

@@ -1,0 +1,122 @@
+"""Whether a cam drives its follower well, and whether the follower can follow it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..core.arguments import checked
+from ..model.check import Check
+from ..plane.vec import Real
+from .cam import Cam
+from .extrema import largest
+from .measures import cam_angles, pressure_angle, segment_limits, tightest_convex
+from .undercut import Undercut, undercut
+
+# deg. Larger lets a guide bind on a force that leans; smaller asks for larger cams. 30 for followers that move
+# straight is the rule of Rothbart, Cams (1956). An arm swings away from the force and bears more: how much, rules
+# differ (Norton, Design of Machinery, ch. 8, gives about 35); 45 is chosen here.
+MOST_PRESSURE_ANGLE_DEG = {"straight": 30, "arm": 45}
+# Least radius of the pitch curve over the roller's. At 1 the cam has a point, and on the way there the stress in its
+# flank rises without limit. Norton, Design of Machinery, ch. 8, advises 2 to 3; below 1.5, chosen here, is poor.
+LEAST_PITCH_TO_ROLLER = 1.5
+# mm. A sharper edge wears off under a flat face, or a knife edge; chosen here, as the corner that a file breaks.
+LEAST_CONVEX_RADIUS = 1
+# Share of the peak acceleration that the scatter of a table may add: more is felt and heard; chosen here.
+MOST_NOISE = 0.1
+
+# Places at which the acceleration jumps that are named: more make no better advice.
+MOST_PLACES = 4
+# Laws that begin and end without acceleration, as a dwell does.
+SMOOTH = "cycloidal, modified-sine, modified-trapezoid or 3-4-5"
+
+# Of the largest velocity, what counts as rest. A larger share would leave out angles at which the follower moves.
+ROUNDING = 1e-9
+
+
+def most_pressure_angle(cam: Cam) -> float:
+    """The usual limit of the pressure angle, deg, of a cam with such a follower."""
+    return MOST_PRESSURE_ANGLE_DEG["arm" if cam.follower.oscillates else "straight"]
+
+
+@checked
+def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
+    """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
+    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift
+    that undercut takes.
+
+        [check for check in gk.cam.cam_checks(cam) if not check.passed]
+
+    A check that fails is advice: the cam exists all the same. cut: what `undercut` found, where it is known already.
+
+    Source: the limits stand, each with its source, above the function: Rothbart, Cams (1956), and Norton, Design of
+    Machinery.
+    """
+    return tuple(_checks(cam, cut or undercut(cam)))
+
+
+def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
+    for name, way in (("rise", 1), ("return", -1)):
+        if (leaning := _most_leaning(cam, way)) is not None:
+            most, advice = most_pressure_angle(cam), "give a larger base_radius or a longer segment"
+            yield Check(f"pressure angle on the {name}", leaning, "at most", most, "deg", advice)
+    jumps = np.abs(cam.program.jumps.velocity)
+    if jumps.any():
+        at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
+        advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
+        yield Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice)
+    jumps = np.abs(cam.program.jumps.acceleration)
+    if jumps.any():
+        at = np.degrees(cam.program.breaks[:-1][jumps > 0])
+        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (
+            " and more" if len(at) > MOST_PLACES else ""
+        )
+        advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
+        unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
+        yield Check("jump in acceleration", jumps.max(), "at most", 0, unit, advice)
+    for k, table in cam.program.tables.items():
+        # What cannot be told is no check.
+        if not np.isnan(table.noise):
+            advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            if np.isinf(table.noise):
+                advice += ", or a dwell or a steady motion in its place, for they show no other"
+            name = f"acceleration from scatter of the rows of program[{k}]"
+            yield Check(name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
+    yield from _room(cam, cut)
+
+
+def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
+    """How far the cam is from undercut, or what undercut takes."""
+    roller = cam.follower.rounding
+    if roller:
+        room = tightest_convex(cam)[0] / roller
+        advice = "near 1 the cam gets a point"
+        yield Check("least pitch radius to roller radius", room, "at least", LEAST_PITCH_TO_ROLLER, "", advice)
+    if cut.found:
+        (lost, at), (unit, size) = cut.worst, cam.follower.lift_unit
+        advice = f"undercut, worst at {np.degrees(at):.4g} deg: give a larger base_radius or a longer segment there"
+        yield Check("lift lost to undercut", lost * size, "at most", 0, unit, advice)
+    elif not roller:
+        sharpest = float(segment_limits(cam).convex_radius.min())
+        advice = "a sharp edge wears: give a larger base_radius"
+        yield Check("least convex radius of the profile", sharpest, "at least", LEAST_CONVEX_RADIUS, "mm", advice)
+
+
+def _above(value: float) -> str:
+    """A little more, in two digits."""
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.ceil(value / step) * step:.2g}"
+
+
+def _most_leaning(cam: Cam, way: int) -> float | None:
+    """Largest pressure angle, deg, where the follower moves outward, way 1, or inward, -1; None where it never does."""
+    # At rest what is left of the velocity is rounding, whose sign says nothing.
+    rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
+
+    def leaning(angle: Real) -> Real:
+        moving = way * cam.program.motion(angle).velocity > rest
+        return np.where(moving, np.abs(pressure_angle(cam, angle)), -1.0)
+
+    most, _ = largest(cam.program.breaks, leaning)
+    return float(np.degrees(most)) if most >= 0 else None

@@ -1,0 +1,198 @@
+"""Recipe of a disk cam."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import entry
+from ...making.assembly import Assembly
+from ...making.bases import BaseStock
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Limit, Scene
+from ...model.table import Table
+from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.settings import Drive, Files
+from ...recipe.template import example
+from ..base_circle import least_base_circle
+from ..cam import Cam
+from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
+from ..followers.follower import FOLLOWERS
+from ..measures import cam_table
+from ..parts import CamStock, cam_assembly, cam_parts
+from ..program.program import Program
+from ..program.segments import (
+    Dwell,
+    LiftPolynomial,
+    LiftSpline,
+    LiftTable,
+    OptimisedPolynomial,
+    OptimisedSpline,
+    Return,
+    Rise,
+    Segment,
+)
+from ..scene import cam_scene
+from ..undercut import Undercut, undercut
+
+# Of a cycloidal rise, so that the curve through them rests at both ends.
+ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
+# Of each kind of segment one that lifts a follower from rest at 120 deg to rest at 240 deg.
+LIFTS: dict[str, Segment] = {
+    "rise": Rise("3-4-5", rise=20, end_deg=240),
+    "polynomial": LiftPolynomial(
+        rise=20, end_deg=240, start_velocity_per_rad=0, start_acceleration_per_rad2=0,
+        end_velocity_per_rad=0, end_acceleration_per_rad2=0,
+    ),
+    "optimised-polynomial": OptimisedPolynomial(rise=20, end_deg=240),
+    "optimised-spline": OptimisedSpline(rise=20, end_deg=240),
+    "spline": LiftSpline(points=ROWS),
+    "table": LiftTable(3, rows=ROWS),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiskCamRecipe(AbstractAssembledRecipe):
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+
+    can_be_scaled: ClassVar[bool] = True
+    kind: Literal["disk-cam"] = "disk-cam"
+    cam: Cam
+    drive: Drive = entry("how the cam turns", default=Drive())
+    stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
+    base: BaseStock | None = entry(
+        "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; left out, none",
+        default=None,
+    )
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        speed = self.drive.speed_rpm
+        if speed < 0:
+            other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
+            remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
+            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction is the way the cam turns", remedy)
+        self.drive.check_rows()
+
+    @property
+    def design(self) -> Cam:
+        return self.cam
+
+    @cached_property
+    def cut(self) -> Undercut:
+        """The cam that the follower leaves, trimmed where it undercuts."""
+        return undercut(self.cam)
+
+    @cached_property
+    def table(self) -> Table:
+        drive = self.drive
+        return cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return cam_checks(self.cam, self.cut)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Cam and follower, and their base."""
+        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """What cam and follower turn on and are held by, and how all of it goes together."""
+        return cam_assembly(self.cam, self.stock, self.base)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Cam and follower in contact."""
+        return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+
+    def _limits(self) -> Mapping[str, tuple[Limit, ...]]:
+        most, roller = most_pressure_angle(self.cam), self.cam.follower.rounding
+        limits = {"pressure_angle": tuple(Limit(side * most, f"at most {most:g} deg") for side in (1.0, -1.0))}
+        if roller:
+            limits["pitch_curvature"] = (Limit(1 / roller, "the roller's own: above it the roller undercuts"),)
+        else:
+            limits["profile_curvature"] = (Limit(1 / LEAST_CONVEX_RADIUS, "sharper edges wear"),)
+        return limits
+
+    @cached_property
+    def notes(self) -> Mapping[str, object]:
+        """Peaks of each segment, the least base circle within the usual pressure angle, optimised segments, and what
+        undercut does.
+        """
+        cam = self.cam
+        notes: dict[str, object] = {"peaks": self._peaks()}
+        try:
+            least = least_base_circle(cam.follower, cam.program, cam.direction, most_pressure_angle(cam))
+            notes["least_base_circle"] = {"radius_mm": float(f"{least.radius:.9g}"), "limit": least.limit}
+        except DesignError as error:
+            notes["least_base_circle"] = {"none": error.problem}
+        if cam.program.optima:
+            notes["optimised_segments"] = [
+                {
+                    "segment": k + 1,
+                    "peak_acceleration": float(f"{best.peak_acceleration:.9g}"),
+                    "proven_least": float(f"{best.bound:.9g}"),
+                    "peak_jerk": float(f"{best.peak_jerk:.9g}"),
+                    "units": "rad/rad2, rad/rad3" if cam.follower.oscillates else "mm/rad2, mm/rad3",
+                }
+                for k, best in sorted(cam.program.optima.items())
+            ]
+        notes |= self.joined
+        return notes | ({"undercut": self._undercut()} if self.cut.found else {})
+
+    def _peaks(self) -> dict[str, dict[str, object]]:
+        """Of each segment that moves the largest sizes by cam angle, and its peak factors."""
+        unit = "rad" if self.cam.follower.oscillates else "mm"
+        found: dict[str, dict[str, object]] = {}
+        for k, peaks in self.cam.program.peaks.items():
+            segment = self.cam.program.segments[k]
+            law = getattr(segment, "law", segment.kind)
+            sizes = {"velocity": peaks.velocity, "acceleration": peaks.acceleration, "jerk": peaks.jerk}
+            sizes |= dict(zip(("Cv", "Ca", "Cj"), peaks.factors))
+            found[f"segment_{k + 1}"] = (
+                {"law": law if isinstance(law, str) else "given", "units": f"{unit}/rad, {unit}/rad2, {unit}/rad3"}
+                | {name: float(f"{value:.9g}") for name, value in sizes.items()}
+            )  # fmt: skip
+        return found
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Peak factors of each segment that ends at another lift than it starts."""
+        factors = "Cv {Cv:.4g}, Ca {Ca:.4g}, Cj {Cj:.4g}"
+        return tuple(
+            f"{name.replace('_', ' ')}, {peaks['law']}: {factors.format(**peaks)}"
+            for name, peaks in self._peaks().items()
+            if peaks["Cv"] == peaks["Cv"]
+        )
+
+    def _undercut(self) -> Mapping[str, object]:
+        (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
+        return {
+            f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
+            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
+            "spans_deg": [[float(f"{np.degrees(a):.9g}") for a in span] for span in self.cut.spans],
+        }
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """Follower and programme of the kinds asked for; an arm is lifted by as many degrees as others by mm."""
+        follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
+        lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
+        if follower.oscillates:
+            values = vars(lift)
+            in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
+            swung: dict[str, Any] = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
+            lift = replace(lift, **swung)
+        return {
+            "cam.base_radius": follower.example_base_radius,
+            "cam.follower": follower,
+            "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),
+        }

@@ -1,0 +1,1 @@
+"""What all of geomkin uses: errors, validation, names, reprs, progress, processes."""

@@ -1,0 +1,312 @@
+"""Sizes with meaning: one declaration gives the range check, the unit, the template and the schema.
+
+A size is an ordinary dataclass field whose metadata carries what a person and a program need to
+know. The key names of the metadata are those that pydantic reads from dataclass fields, so a
+recipe is validated from the same declaration without importing pydantic here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import UserDict
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from functools import reduce
+from math import isfinite
+from operator import ge, gt, le, lt, or_
+from typing import Annotated, Any, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arguments import Sort, between, check_fields, is_place, numbers
+from .errors import DesignError, shown
+from .reprs import clipped
+
+T = TypeVar("T")
+
+
+def quantity(
+    meaning: str,
+    unit: str = "",
+    *,
+    default: Any = MISSING,
+    example: Any = None,
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    at_most: float | None = None,
+    whole: bool = False,
+    filled_in: float | None = None,
+) -> Any:
+    """A dataclass field for a number: what it means, its unit, its limits, and an example for templates.
+
+    filled_in: what usually becomes of one that is left out, whose default is None.
+    """
+    limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
+    metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
+    metadata |= {name: limit for name, limit in limits.items() if limit is not None}
+    metadata |= {"whole": True, "strict": True} if whole else {"strict": True, "allow_inf_nan": False}
+    metadata["examples"] = [example if example is not None else default]
+    metadata["filled_in"] = filled_in
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def entry(
+    meaning: str,
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    example: Any = None,
+    units: tuple[str, ...] | None = None,
+) -> Any:
+    """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example.
+
+    units: of the numbers in a row, or in each of many.
+    """
+    shown = example if example is not None else default
+    metadata: dict[str, Any] = {
+        "description": meaning,
+        "examples": [shown if default_factory is MISSING else default_factory()],
+    }
+    if units is not None:
+        metadata["units"] = units
+    if isinstance(default, bool):
+        metadata["strict"] = True  # or "yes" and 1 would do for true
+    if default_factory is not MISSING:
+        return dataclasses.field(default_factory=default_factory, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def allowed(metadata: Any) -> str:
+    """The range of a quantity in words, e.g. `a number above 0, in mm`."""
+    words = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+    limits = [f"{word} {metadata[key]:g}" for key, word in words.items() if key in metadata]
+    text = ("a whole number " if metadata.get("whole") else "a number ") + " and ".join(limits)
+    return text.strip() + (f", in {metadata['unit']}" if metadata.get("unit") else "")
+
+
+def check_sizes(thing: Any, many: bool = False) -> None:
+    """Raise DesignError for the first field of a dataclass that is not what it was declared to be.
+
+    Call it from `__post_init__`. Where `many` are one thing, arrays of numbers pass when every element does.
+    """
+    check_quantities(thing, many)
+    check_fields(thing)
+
+
+def check_quantities(thing: Any, many: bool = False) -> None:
+    """The same of the quantities alone: finite numbers in their ranges."""
+    rows: dict[str, int] = {}
+    for field in dataclasses.fields(thing):
+        about, value = field.metadata, getattr(thing, field.name)
+        if "unit" not in about or (value is None and field.default is None):
+            continue
+        if not _fits(value, about, many):
+            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
+        if _is_tiny(value, about):
+            least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
+            raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+        if many and np.ndim(value):
+            rows[field.name] = len(value)
+    if len(set(rows.values()) - {1}) > 1:
+        first, *others = (name for name, row in rows.items() if row != 1)
+        other = next(name for name in others if rows[name] != rows[first])
+        found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
+        raise DesignError(other, found, "give one number, or as many of each")
+
+
+def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
+    """The size nearest to a bad one that still fits, from one that does: by halves, to rounding."""
+    for _ in range(60):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
+    return good
+
+
+# Digits of a number that is advised: fewer than are told in messages, more than are set in a workshop.
+DIGITS = 7
+
+
+def rounded_up(least: float, digits: int = DIGITS) -> str:
+    """The least number of so many digits that is not below `least`, as text: what a refusal names, and what works."""
+    return _rounded(least, digits, ROUND_CEILING)
+
+
+def rounded_down(most: float, digits: int = DIGITS) -> str:
+    """The largest number of so many digits that is not above `most`, as text."""
+    return _rounded(most, digits, ROUND_FLOOR)
+
+
+def _rounded(value: float, digits: int, way: str) -> str:
+    # As it is written: in full, 0.0072 is a little less than its own digits say.
+    return f"{float(Context(digits, way).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
+
+
+_TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
+
+
+def _fits(value: Any, about: Any, many: bool) -> bool:
+    if type(value) is float and not about.get("whole"):
+        # Most are: NumPy takes ten times as long over one number.
+        return isfinite(value) and all(test(value, about[key]) for key, test in _TESTS.items() if key in about)
+    number = numbers(value, "iu" if about.get("whole") else "iuf")
+    if number is None or isinstance(value, (list, tuple)) or (number.ndim and not many):
+        return False
+    if not np.isfinite(number).all():
+        return False
+    # The limits do not fit into half precision.
+    number = number.astype(float) if number.dtype.kind == "f" else number
+    return all(np.all(test(number, about[key])) for key, test in _TESTS.items() if key in about)
+
+
+# Least size that is not 0, in its own unit. In mm it is a hundred-thousandth of an atom; products of a few smaller
+# ones fall below the smallest number there is, and quotients of them overflow. A size that may be negative is a place
+# on a line or an angle, and near 0 it is but a rounded 0: it has no such limit.
+SMALLEST = 1e-12
+
+
+def _is_tiny(value: Any, about: Any) -> bool:
+    """Whether a size of one sign is too small to calculate with, though not 0."""
+    if about.get("whole") or about.get("gt", about.get("ge")) != 0:
+        return False
+    if type(value) is float:
+        return 0 < value < SMALLEST
+    number = np.abs(np.asarray(value, dtype=float))
+    return bool(((number > 0) & (number < SMALLEST)).any())
+
+
+# Width of a part that is written, mm: a hundred metres. Larger is a slip of units, and its points would fill the disk.
+WIDEST = 1e5
+# A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
+FARTHEST = 1e9
+# A length that may be 0, and one that may not, mm.
+Length = Annotated[float, between(0, FARTHEST, "mm")]
+Size = Annotated[float, between(SMALLEST, FARTHEST, "mm")]
+
+
+class PointXY(Sort):
+    """Marks a complex field that a recipe gives as `[x, y]` in mm; what lies nearer to 0 than `SMALLEST` is 0.
+
+    many: in the library it may be an array, one for each of many linkages.
+    """
+
+    def __init__(self, many: bool = False) -> None:
+        def fits(value: Any) -> bool:
+            if not is_place(value) or (np.ndim(value) and not many):
+                return False
+            return bool((np.abs([np.real(value), np.imag(value)]) <= FARTHEST).all())
+
+        super().__init__(fits, f"a finite complex number, x + yj, in mm, x and y within {FARTHEST:g} of 0")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False, strict=True)
+        return core_schema.no_info_after_validator_function(
+            lambda xy: complex(*(place if abs(place) >= SMALLEST else 0.0 for place in xy)),
+            core_schema.tuple_schema([number, number]),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda z: [z.real, z.imag]),
+        )
+
+
+class OneOrMany:
+    """Marks a size that in the library may be an array, one for each of many linkages; in a recipe it is one number."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(float)
+
+
+Sizes = Annotated[float | NDArray[np.float64], OneOrMany()]
+PointsXY = Annotated[complex | NDArray[Any], PointXY(many=True)]
+
+
+class NotBoolean:
+    """Marks a choice of numbers, where `true` would otherwise count as 1."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(
+            lambda value: str(value).lower() if isinstance(value, bool) else value, handler(source)
+        )
+
+
+class AsWritten:
+    """Marks a number in a row, where text that reads like one would otherwise do."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler(source) | {"strict": True}
+
+
+@dataclass(frozen=True)
+class RowsOf:
+    """Marks rows of so many numbers each, as a recipe gives them."""
+
+    numbers: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
+        return {
+            "type": "tuple",
+            "items_schema": [{"type": "tuple", "items_schema": self.numbers * [number]}],
+            "variadic_item_index": 0,
+        }
+
+
+class SignOrPlace:
+    """Marks a branch of one joint: 1 or -1, or the place `[x, y]` of a point, in mm, that it is nearest to."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        sign = NotBoolean().__get_pydantic_core_schema__(Literal[1, -1], lambda choice: handler.generate_schema(choice))
+        place = PointXY().__get_pydantic_core_schema__(complex, handler)
+        return core_schema.union_schema(
+            [sign, place],
+            custom_error_type="branch",
+            custom_error_message="1, -1 or [x, y]",
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: [value.real, value.imag] if isinstance(value, complex) else value
+            ),
+        )
+
+
+class KindTable(UserDict[str, type[T]]):
+    """kind -> dataclass of tables that a recipe tells apart by their `kind`; recipes read it anew when it changes.
+
+    A class that leaves out what its contract asks for is refused at its row, with the names of what is missing.
+    """
+
+    # Of all tables together.
+    changes = 0
+
+    def __setitem__(self, kind: str, table: type[T]) -> None:
+        if missing := getattr(table, "__abstractmethods__", None):
+            raise TypeError(f"{table.__name__} leaves out {', '.join(sorted(missing))}")
+        super().__setitem__(kind, table)
+        KindTable.changes += 1
+
+    def __delitem__(self, kind: str) -> None:
+        super().__delitem__(kind)
+        KindTable.changes += 1
+
+    def __repr__(self) -> str:
+        return clipped(f"KindTable({', '.join(self)})")
+
+
+class OneOfKinds:
+    """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an
+    abstract class whose attribute `KINDS` is their table.
+    """
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic import Discriminator
+
+        kinds = getattr(source, "KINDS", None)
+        union = reduce(or_, kinds.values()) if kinds else source
+        return Discriminator("kind").__get_pydantic_core_schema__(union, handler)
+
+
+Rows = Annotated[tuple[tuple[float, float], ...], RowsOf(2)]

@@ -1,0 +1,72 @@
+"""A thing on one line: what a shell shows of it, however much it holds."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from .errors import harmless, shown
+
+# Characters of a whole line, and of one of its fields. More wraps in a terminal, and hides the fields behind it.
+LONGEST, LONGEST_FIELD = 120, 40
+# Kinds of number as NumPy letters them, in words.
+KINDS = {"f": "real", "c": "complex", "i": "whole", "u": "whole", "b": "bool", "U": "text"}
+
+
+def one_line(self: Any) -> str:
+    """What `__repr__` gives: the class and its fields, those left at their default out.
+
+    Arrays are told by shape and kind, rows of things by how many they are, other things by their class alone. A class
+    takes it by `__repr__ = one_line` in its body; every curve has it.
+    """
+    fields = dataclasses.fields(self) if dataclasses.is_dataclass(self) else ()
+    told = [(f.name, getattr(self, f.name)) for f in fields if f.repr and not _is_default(f, getattr(self, f.name))]
+    return clipped(f"{type(self).__name__}({', '.join(f'{name}={short(value)}' for name, value in told)})")
+
+
+def _is_default(field: dataclasses.Field[Any], value: object) -> bool:
+    plain = isinstance(value, (str, int, float, complex))
+    return value is field.default or (plain and type(value) is type(field.default) and bool(value == field.default))
+
+
+def clipped(text: str, longest: int = LONGEST) -> str:
+    """The text as one line of at most so many characters, with its last one, as a bracket, where it is cut."""
+    text = harmless(text)
+    return text if len(text) <= longest else f"{text[: longest - 4]}...{text[-1]}"
+
+
+def short(value: object) -> str:
+    """A value in few characters."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"<{' x '.join(map(str, value.shape))} {KINDS.get(value.dtype.kind, value.dtype.name)}>"
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.item()
+    if isinstance(value, (float, complex)):
+        return f"{value:.6g}"
+    if value is None or isinstance(value, (str, int)):
+        return clipped(shown(value), LONGEST_FIELD)
+    if isinstance(value, Mapping):
+        return clipped(f"{{{', '.join(map(str, value))}}}", LONGEST_FIELD)
+    if isinstance(value, (tuple, list)):
+        each = [short(one) for one in value] if len(value) < 4 else []
+        line = f"({', '.join(each)})"
+        if len(each) == len(value) and not any("(...)" in one for one in each) and len(line) <= LONGEST_FIELD:
+            return line
+        return f"<{len(value)} {' or '.join(sorted({type(one).__name__ for one in value}))}>"
+    return value.__name__ if callable(value) and hasattr(value, "__name__") else f"{type(value).__name__}(...)"
+
+
+def moving(self: Any) -> str:
+    """What `_repr_html_` gives, by `_repr_html_ = moving` in a class: the thing moving, or in words why it cannot."""
+    told: str = import_module("geomkin.studio.notebook").inline(self)
+    return told
+
+
+def still(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
+    """What `_repr_svg_` gives: curves and engraved marks of a thing as an SVG text; None where they cannot be drawn."""
+    told: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
+    return told

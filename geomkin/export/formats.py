@@ -1,0 +1,85 @@
+"""The one table of formats. A new format is one file here, and one row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from .job import Job
+
+
+# File name -> content.
+Contents = Mapping[str, bytes]
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A format.
+
+    needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
+    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. tail: what
+    follows the recipe's name in its file's, where that is not a dot and the format's name. asked: only written where
+    a recipe names it.
+    """
+
+    needs: Literal["parts", "table", "scene"]
+    write: Callable[[Job], Contents]
+    packages: tuple[str, ...] = ()
+    flat: bool = False
+    tail: str = ""
+    asked: bool = False
+
+
+def _in(home: str) -> Callable[[Job], Contents]:
+    """The function at `module:function`, imported when first used: a DXF loads no meshes."""
+    module, _, name = home.partition(":")
+
+    def write(job: Job) -> Contents:
+        written: Contents = getattr(import_module(f"geomkin.{module}"), name)(job)
+        return written
+
+    return write
+
+
+# Name, mostly the ending too -> how it is written, in the order in which files come.
+WRITERS: dict[str, Writer] = {
+    "dxf": Writer("parts", _in("export.dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
+    "stl": Writer("parts", _in("export.stl:write_stl"), ("shapely",)),
+    "svg": Writer("parts", _in("export.svg:write_svg"), ("shapely",), flat=True),
+    "csv": Writer("table", _in("export.csv:write_csv")),
+    "bom": Writer("parts", _in("export.csv:write_bom"), ("shapely",), tail="-bom.csv"),
+    "page": Writer("scene", _in("page.page:write_page"), tail=".html"),
+    "assembly-svg": Writer("scene", _in("export.assembly_svg:write_assembly_svg"), tail="-assembly.svg"),
+    # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
+    "assembly-dxf": Writer(
+        "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True
+    ),
+    "animation": Writer("scene", _in("export.animation:write_animation"), tail="-animation.svg", asked=True),
+    "glb": Writer("scene", _in("export.glb:write_glb"), ("shapely", "trimesh"), tail="-assembly.glb", asked=True),
+    "assembly-3mf": Writer(
+        "scene", _in("export.threemf:write_assembly_3mf"), ("shapely",), tail="-assembly.3mf", asked=True
+    ),
+    "sheet-dxf": Writer(
+        "parts", _in("export.dxf:write_sheet_dxf"), ("shapely", "ezdxf"), tail="-sheet.dxf", asked=True
+    ),
+    "sheet-svg": Writer("parts", _in("export.svg:write_sheet_svg"), ("shapely",), tail="-sheet.svg", asked=True),
+    "3mf": Writer("parts", _in("export.threemf:write_3mf"), ("shapely",), asked=True),
+    "step": Writer("parts", _in("export.step:write_step"), ("shapely",), asked=True),
+}
+# What is written where a recipe names no formats.
+USUAL = tuple(name for name, writer in WRITERS.items() if not writer.asked)
+
+
+def tail_of(name: str) -> str:
+    """What the names of a format's files end in."""
+    return WRITERS[name].tail or f".{name}"
+
+
+def format_of(file: str, needs: Collection[str] = ("parts", "table", "scene")) -> str:
+    """The format, of those made of one of `needs`, of a file by its name; "" for none. The longest tail decides."""
+    ends = {name: tail_of(name) for name in WRITERS if WRITERS[name].needs in needs}
+    fitting = [name for name, end in ends.items() if file.lower().endswith(end) and len(file) > len(end)]
+    return max(fitting, key=lambda name: len(ends[name]), default="")

@@ -1,0 +1,172 @@
+"""Where names stand in a picture: on their bodies and beside their points, where they hide least."""
+
+from __future__ import annotations
+
+import unicodedata
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.reprs import one_line
+from ..model.scene import SceneBody
+from ..plane.vec import Complex, Mask, Real
+from .still import Still, some_points
+
+# Height of letters, in pixels of the picture. Smaller, and nobody reads them in a README; larger, and they hide plates.
+LETTER = 11.0
+# Places along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
+ALONG, ACROSS = 21, 11
+# How little longer than wide a body may be and count as round: as a share of its spread.
+EVEN = 1e-6
+# Width of a letter in its height: of the usual ones, and of those that fill a square.
+NARROW, WIDE = 0.52, 1.0
+# By how much of its size a place is looked at beside itself: one on an edge would be on a plate or not by a processor's
+# last digit, and copies that mirror each other have many such.
+ASIDE = 1e-5 * (1 + 0.7j)
+# What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
+# letters), on a traced path, and far from the middle; dearer ones are avoided at the price of any cheaper.
+ON_NAME, ON_PIN, COVERED, BESIDE, ON_PATH, AWAY = 40.0, 6.0, 2.5, 0.5, 1.0, 1.5
+# Directions in which a point's name may stand from it.
+AROUND = np.exp(1j * np.radians([45, 135, -45, -135, 0, 180, 90, -90]))
+
+
+@dataclass(frozen=True, eq=False)
+class Name:
+    """A name in a picture. place: the middle of its letters, mm; half: half its width and height; role: "" a body's."""
+
+    text: str
+    place: complex
+    half: complex
+    role: str = ""
+
+    __repr__ = one_line
+
+
+def stand(still: Still) -> tuple[Name, ...]:
+    """The names, those of bodies first, each in the best place that those before it leave.
+
+    One that could only stand on another is left out: neither would be read.
+    """
+    k, tall = still.frame, LETTER * still.pixel
+    joints = [m for m in still.marks if m.sort.endswith("pin") or m.sort == "slide"]
+    pins = np.array([m.place[k] for m in joints], dtype=complex)
+    dots = np.array([m.place[k] for m in still.marks if m.sort == "point"], dtype=complex)
+    # Where no plate shows the ground, a stand is drawn below.
+    stands = [m.place[k] - 0.8j * tall for m in joints if m.sort == "fixed pin" and not still.shows_ground]
+    dots = np.concatenate([dots, np.array(stands, dtype=complex)])
+    pin_radii = np.array([min(still.hole_radii.get(m, 0.4 * tall), 0.8 * tall) for m in joints])
+    paths = [run for mark in still.marks if mark.trail for run in still.trail_runs(mark)]
+    path = np.concatenate([*paths, np.zeros(0, complex)])
+    named: list[Name] = []
+
+    def best(text: str, places: Complex, cost: Real, role: str) -> None:
+        half = half_size(text, tall)
+        for other in named:
+            apart, room = places - other.place, half + other.half
+            cost = cost + ON_NAME * ((np.abs(apart.real) < room.real) & (np.abs(apart.imag) < 1.15 * room.imag))
+        for price, points, wide in ((ON_PIN, pins, pin_radii), (ON_PIN, dots, 0.3 * tall), (ON_PATH, path, 0.0)):
+            off = places[:, None] - points
+            near = (np.abs(off.real) < half.real + wide) & (np.abs(off.imag) < half.imag + wide)
+            cost = cost + price * (near.any(axis=1) if price == ON_PATH else near.sum(axis=1))
+        at = int(np.argmin(np.round(cost, 6)))
+        if cost[at] < ON_NAME:
+            named.append(Name(text, complex(places[at]), half, role))
+
+    lines = {mark.label for mark in still.marks if mark.sort == "line"}
+    for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
+        if not body.named:
+            continue
+        if body.parts and np.isfinite(body.origin[k]):
+            text = _spaced(body.name)
+            best(text, *_on(still, body, half_size(text, tall)), "")
+        elif not body.fixed and body.name not in lines and (slide := _slide_of(still, body)) is not None:
+            aside = half_size(_spaced(body.name), tall).real + 1.2 * tall
+            places = slide + np.array([-1.6j * tall, 1.6j * tall, aside, -aside, -2.8j * tall, 2.8j * tall])
+            best(_spaced(body.name), places, np.arange(6) * 0.1, "")
+    for label in dict.fromkeys(m.label for m in still.marks if m.sort == "line" and m.label and m.role != "contact"):
+        mark = next(mark for mark in still.marks if mark.sort == "line" and mark.label == label)
+        if mark.vector is not None and np.isfinite(mark.place[k] + mark.vector[k]):
+            shares = np.array([0.5, 0.35, 0.65, 0.2, 0.8])
+            on, aside = mark.place[k] + shares * mark.vector[k], half_size(_spaced(label), tall).real + 0.5 * tall
+            steps, away = (0, aside, -aside, 1.7j * tall, -1.7j * tall), np.abs(shares - 0.5)
+            cost = np.concatenate([0.5 * (step != 0) + away for step in steps])
+            best(_spaced(label), np.concatenate([on + step for step in steps]), cost, mark.role)
+    for mark in still.marks:
+        if mark.sort == "point" and mark.label and np.isfinite(mark.place[k]):
+            half = half_size(_spaced(mark.label), tall)
+            ways = np.sign(np.round(AROUND.real, 9)) * half.real + 1j * np.sign(np.round(AROUND.imag, 9)) * half.imag
+            places = mark.place[k] + np.concatenate([ways + 0.75 * tall * AROUND, 1.3 * ways + 1.8 * tall * AROUND])
+            best(_spaced(mark.label), places, 0.05 * np.arange(2 * len(AROUND)), mark.role)
+    return tuple(named)
+
+
+def half_size(text: str, tall: float) -> complex:
+    """Half the width and the height of a text, mm."""
+    wide = sum(WIDE if unicodedata.east_asian_width(c) in "WF" else NARROW for c in text)
+    return 0.5 * tall * complex(wide, 1.0)
+
+
+def _spaced(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _extent(still: Still, body: SceneBody) -> float:
+    return sum(float(np.ptp(points.real) + np.ptp(points.imag)) for points in still.points_of(body))
+
+
+def _slide_of(still: Still, body: SceneBody) -> complex | None:
+    """Where the block of a body that nothing is cut of is, if it has one."""
+    k = still.frame
+    near = [
+        m.place[k] for m in still.marks if m.sort == "slide" and abs(m.place[k] - body.origin[k]) < 0.3 * still.size
+    ]
+    return complex(min(near, key=lambda place: abs(place - body.origin[k]))) if near else None
+
+
+def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
+    """Places on a body, mm, and what each costs a name of this size: beside the plate, or where another covers it."""
+    k = still.frame
+    points = np.concatenate(still.points_of(body))
+    middle = points.mean()
+    off = points - middle
+    twice = (off**2).sum()
+    # A round part has no direction: the last digit must not give it one.
+    axis = np.exp(0.5j * np.angle(twice)) if abs(twice) > EVEN * (np.abs(off) ** 2).sum() else 1.0
+    along, across = (off / axis).real, (off / axis).imag
+    grid = np.linspace(along.min(), along.max(), ALONG)[:, None] + 1j * np.linspace(across.min(), across.max(), ACROSS)
+    places = body.origin[k] + body.direction[k] * (middle + axis * np.append(0, grid))
+    # The middle of the letters and both their ends.
+    letters = (places[:, None] + half.real * (ASIDE + 0.9 * np.array([0, -1, 1]))).ravel()
+    inside = _lies_on(still, body, letters)
+    covered = np.zeros(len(letters), dtype=bool)
+    for other in still.bodies:
+        if other is not body and other.layer >= body.layer and np.isfinite(other.origin[k]):
+            covered |= _lies_on(still, other, letters)
+    away = np.abs(places - places[0]) / (np.abs(off).max() or 1.0)
+    on = inside[::3]
+    beside, under = (flags.reshape(-1, 3).sum(axis=1) for flags in (~inside, covered))
+    cost = AWAY * away + BESIDE * beside + COVERED * under
+    return (places[on], cost[on]) if on.any() else (places[:1], cost[:1])
+
+
+def _lies_on(still: Still, body: SceneBody, places: Complex) -> Mask:
+    """Whether places lie on a plate of the body, and not in a hole of it."""
+    own = (places - body.origin[still.frame]) * np.conj(body.direction[still.frame])
+    found = np.zeros(len(places), dtype=bool)
+    for part, outline in zip(body.parts, still.points_of(body)):
+        on = within(outline, own)
+        for hole in part.holes if on.any() else ():
+            on[on] = ~within(some_points(hole), own[on])
+        found |= on
+    return found
+
+
+def within(polygon: Complex, places: Complex) -> Mask:
+    """Whether places lie within a polygon: whether a ray from each crosses its edges an odd number of times."""
+    a, b = polygon, np.roll(polygon, -1)
+    y = places[:, None].imag
+    spans = (a.imag <= y) != (b.imag <= y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = a.real + (y - a.imag) * (b.real - a.real) / (b.imag - a.imag)
+    crossed: Mask = (spans & (places[:, None].real < x)).sum(axis=1) % 2 == 1
+    return crossed

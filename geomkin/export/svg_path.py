@@ -1,0 +1,121 @@
+"""Curves as the text of an SVG path, as short as it can be told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+
+from ..core.errors import GeomkinError
+from ..plane.arcs import to_arcs
+from ..plane.curve import AbstractCurve, reach
+from ..plane.flatten import flatten
+from ..plane.joined import Path
+from ..plane.primitives import Arc, Circle, Segment
+from ..plane.vec import Complex, rounded
+
+
+def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
+    """The curves, mm, y up as they are, within `tolerance`, in numbers of so many decimals; arcs stay what they are."""
+    return "".join(_told(curve, tolerance, digits) for curve in curves)
+
+
+def _told(curve: AbstractCurve, tolerance: float, digits: int) -> str:
+    match curve:
+        case Circle():
+            return _circle(curve, digits)
+        case Path() if all(isinstance(piece, Arc | Segment) for piece in curve.pieces):
+            return _arcs(curve, tolerance, digits)
+        case _:
+            return _steps(curve, tolerance, digits)
+
+
+def _arcs(curve: Path, tolerance: float, digits: int) -> str:
+    """Each piece by the step to its end: an arc, of half a turn at most, with its radius and the side that it is on."""
+    chain = to_arcs(curve, tolerance)
+    # Of an open one the last step, back to the start, has no bulge and is not told.
+    points = rounded(np.append(chain.vertices, chain.vertices[:1]), digits)
+    bulges = np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
+    text = f"M{_pair(points[0].item(), digits)}"
+    for step, bulge in zip(rounded(np.diff(points), digits).tolist(), bulges.tolist()):
+        if bulge:
+            radius = decimal(rounded(abs(step) * (1 + bulge**2) / (4 * abs(bulge)), digits).item(), digits)
+            text += f"a{radius} {radius} 0 0 {int(bulge > 0)} {_pair(step, digits)}"
+        else:
+            text += f"l{_pair(step, digits)}"
+    return text.replace(" -", "-") + "z" * curve.closed
+
+
+def _steps(curve: AbstractCurve, tolerance: float, digits: int) -> str:
+    """A start and the steps from there: sums of rounded steps between rounded points end where they should."""
+    points = rounded(flatten(curve, tolerance), digits)
+    steps = rounded(np.diff(points), digits)
+    text = " ".join([f"M{_pair(points[0], digits)}l", *(_pair(step, digits) for step in steps.tolist())])
+    return text.replace("l ", "l").replace(" -", "-") + "z" * curve.closed
+
+
+def _circle(circle: Circle, digits: int) -> str:
+    radius = rounded(circle.radius, digits).item()
+    start: Complex = rounded(circle.centre - radius, digits)
+    arc, across = f"a{decimal(radius, digits)} {decimal(radius, digits)} 0 0 1 ", decimal(2 * radius, digits)
+    return f"M{_pair(start.item(), digits)}{arc}{across} 0{arc[:-1]}-{across} 0z"
+
+
+def _pair(z: complex, digits: int) -> str:
+    return f"{decimal(z.real, digits)} {decimal(z.imag, digits)}"
+
+
+def decimal(value: float, digits: int) -> str:
+    """A rounded number as its shortest decimal text, without the zero before its point."""
+    text = f"{value:.{max(0, digits)}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    text = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+    return "0" if text in ("-0", "") else text
+
+
+# Distance between a curve and its chords, pixels. More shows as corners; less only makes pictures longer.
+FINE = 0.25
+# Pixels kept free on each side.
+MARGIN = 2
+# Of a picture that stands alone: pixels, and the colours of the page's first body.
+WIDE, HIGH = 360, 240
+STROKE = 'stroke="#2c343b" stroke-width="1.2" vector-effect="non-scaling-stroke"'
+FILLED, LINE = f'fill="#cfe4f3" fill-rule="evenodd" {STROKE}', f'fill="none" {STROKE}'
+
+
+def picture(name: str, curves: Sequence[AbstractCurve], marks: Sequence[AbstractCurve]) -> str | None:
+    """An SVG that stands alone: curves, filled if closed, the outermost first, and marks; None if none can be drawn."""
+    layers = [(curves, FILLED if curves[0].closed else LINE), (marks, LINE)]
+    size = f'width="{WIDE}" height="{HIGH}"'
+    told = f'{size} xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(name)}" style="background:#fff"'
+    try:
+        return thumbnail([layer for layer in layers if layer[0]], WIDE, HIGH, told)
+    except GeomkinError:
+        return None
+
+
+def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, high: int, told: str) -> str:
+    """Curves as an SVG element of so many pixels, y up.
+
+    layers: rows of curves, each with the attributes of its path, a class or colours; the first curve is the largest.
+    told: attributes of the element, which say what it is, and how large, where no style does.
+    """
+    outline = layers[0][0][0]
+    low, high_end = extent(outline, FINE * reach(outline) / min(wide, high))
+    across, middle = high_end - low, (low + high_end) / 2
+    # mm a pixel.
+    room = max(across.real / (wide - 2 * MARGIN), across.imag / (high - 2 * MARGIN))
+    digits = 1 - int(np.floor(np.log10(room)))
+    box = (middle.real - wide / 2 * room, -middle.imag - high / 2 * room, wide * room, high * room)
+    drawn = "".join(
+        f'<path {look} transform="scale(1 -1)" d="{path(curves, FINE * room, digits)}"/>' for curves, look in layers
+    )
+    numbers = " ".join(f"{value:.{max(0, digits)}f}" for value in box)
+    return f'<svg viewBox="{numbers}" {told}>{drawn}</svg>'
+
+
+def extent(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:
+    """Lower left and upper right corner of a curve's chords within `tolerance`, mm."""
+    points = flatten(curve, tolerance)
+    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())

@@ -1,0 +1,105 @@
+"""Whether a gear is strong enough."""
+
+from __future__ import annotations
+
+from ..core.arguments import Positive, checked
+from ..model.check import Check
+from .conjugate.conjugate import BEYOND, Conjugate
+from .contract import AbstractGear
+from .pair import GearPair
+from .planetary import PlanetarySet
+from .rack import RackPair
+
+# Modules. A thinner tip chips, and breaks off when it is hardened (Roloff/Matek, Maschinenelemente: 0.2, hardened 0.4).
+LEAST_TIP_THICKNESS = 0.2
+# Modules of rim under or outside the teeth. A rim bears fully from 1.2 tooth heights on, and under half a height, which
+# this is, cracks run through it instead of through the tooth (rim thickness factor of ISO 6336-3 and AGMA 2001-D04).
+LEAST_RIM = 1
+
+
+@checked
+def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") -> tuple[Check, ...]:
+    """Tip, undercut, and what holds the teeth of one gear.
+
+    rim: thickness under the teeth, mm, of a ring outside them; left out, the gear is solid, and a ring's is not
+    judged. name: what the checks call the gear.
+    """
+    before, module = f"{name} " if name else "", gear.module
+    thinner = "give less profile_shift, addendum or thinning"
+    tip = gear.tip_thickness / module
+    checks = [Check(f"{before}tip thickness", tip, "at least", LEAST_TIP_THICKNESS, "modules", thinner)]
+    if gear.lost_to_undercut is not None:
+        lost, more = gear.lost_to_undercut / module, "give more teeth or profile_shift"
+        checks.append(Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", more))
+    rim = gear.solid_rim if rim is None else rim
+    if rim is not None:
+        where, advice = ("outside", "give a thicker rim") if gear.is_ring else ("under", "give a smaller bore")
+        advice = advice if gear.hole_room else "give a higher bar"
+        checks.append(Check(f"{before}rim {where} the teeth", rim / module, "at least", LEAST_RIM, "modules", advice))
+    return tuple(checks)
+
+
+# Pairs of teeth in contact on the average, of involutes that may be a little apart: somewhat above 1, so that the next
+# pair takes over before the last lets go (Roloff/Matek: 1.1; Shigley's Mechanical Engineering Design: about 1.2).
+LEAST_CONTACT_RATIO = 1.1
+# Modules between tips and roots: the least that DIN 867 gives a basic rack.
+LEAST_CLEARANCE = 0.1
+# Modules between the tips of neighbouring planets; derived here, of play and dirt.
+LEAST_PLANET_GAP = 0.5
+
+
+@checked
+def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
+    """Contact, clearance and interference of two gears. name: what the checks call the pair."""
+    clear = min(pair.clearances) / pair.module
+    before = f"{name}: " if name else ""
+    teeth = "give more teeth, less shift or no undercut"
+    meeting = f"at {', '.join(pair.interferences)}: cut the tips"
+    return (
+        Check(f"{before}contact ratio", pair.contact_ratio, "at least", LEAST_CONTACT_RATIO, "", teeth),
+        Check(
+            f"{before}clearance of tips from roots", clear, "at least", LEAST_CLEARANCE, "modules",
+            "give a smaller addendum",
+        ),
+        Check(f"{before}interferences", len(pair.interferences), "at most", 0, "", meeting),
+    )  # fmt: skip
+
+
+@checked
+def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
+    """Both meshes of a planetary set, and the room between its planets where there are several."""
+    room = gears.planet_gap / gears.sun.module
+    beside = Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets")
+    return (
+        *mesh_checks(gears.inner, "sun"),
+        *mesh_checks(gears.outer, "ring"),
+        *((beside,) if gears.planets > 1 else ()),
+    )
+
+
+# Pairs of teeth in contact on the average. The contact is found exactly: at 1 it just hands over; derived here.
+LEAST_CONJUGATE_CONTACT_RATIO = 1
+
+
+@checked
+def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
+    """Contact ratio and tips of a mate.
+
+    module: of its gear, mm. pieces: how many of its cutter's, from the first on, are the driving side of the gear's
+    tooth. longer: what else makes the contact longer, for the advice.
+    """
+    ratio, thickness = mate.contact_ratio(0.0, pieces), mate.tip_thickness / module
+    thinner = "give a smaller mate.addendum or mate.backlash"
+    teeth = f"give longer teeth, or more of them{longer}"
+    return (
+        Check("contact ratio", ratio, "at least", LEAST_CONJUGATE_CONTACT_RATIO, "", teeth),
+        Check("mate's tip thickness", thickness, "at least", LEAST_TIP_THICKNESS, "modules", thinner),
+    )
+
+
+@checked
+def touch_check(mate: Conjugate, module: Positive) -> Check:
+    """Whether all of the gear's flank touches the mate."""
+    lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
+    advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
+    return Check("flank that cannot touch", lost / module, "at most", 0, "modules", advice)

@@ -1,0 +1,249 @@
+"""Recipes of gears with teeth of any form, or round pins for teeth, and the mates they shape."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...making.assembly import Assembly
+from ...making.bases import BaseStock
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene
+from ...model.table import Table
+from ...plane.curve import AbstractCurve
+from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.settings import Files
+from ..checks import conjugate_checks, touch_check
+from ..conjugate.conjugate import Conjugate, conjugate, flank_table, pin_table
+from ..conjugate.shaping_gears import AbstractFlankGear, LanternPinion, PointToothGear, StraightSidedGear
+from ..contract import AbstractShaper
+from ..parts.assemblies import Wheel, lantern_assembly, pair_assembly
+from ..parts.bases import pair_base
+from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
+from ..scene_pairs import conjugate_scene
+from .helical import boss_checks, check_tooth_points
+
+
+@dataclass(frozen=True)
+class Mate:
+    """The gear that is to run with the one given."""
+
+    teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
+    addendum: float = quantity(
+        "height of the mate's teeth beyond its pitch circle", "mm", above=0, at_most=FARTHEST, example=2
+    )
+    internal: bool = entry("the mate is a ring round the gear", default=False)
+    clearance: float = quantity(
+        "room between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
+    )
+    backlash: float = quantity(
+        "play between the teeth along the pitch circle, taken off the mate's teeth",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=FARTHEST,
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+# What `conjugate` and the cutters call them, and the keys that give them here.
+KEYS = {"mate_teeth": "mate.teeth"} | {name: f"mate.{name}" for name in ("addendum", "clearance", "backlash")}
+
+
+class AbstractShapedRecipe(AbstractAssembledRecipe):
+    """What recipes of a gear and the mate that its teeth shape have in common."""
+
+    mate: Mate
+    stock: PairStock | LanternStock
+    base: BaseStock | None
+
+    @property
+    @abstractmethod
+    def shaper(self) -> AbstractShaper:
+        """The gear that shapes the mate."""
+
+    @cached_property
+    def design(self) -> Conjugate:
+        """The mate, shaped."""
+        return _mate(self.shaper, self.mate)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
+        mate = self.design
+        jams = "teeth without backlash jam: give mate.backlash, mm"
+        return {
+            "ratio": float(f"{mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1):.10g}"),
+            **({} if self.mate.backlash else {"backlash_advice": jams}),
+            "centre_distance_mm": float(f"{mate.distance:.10g}"),
+            "never_touching": [
+                {
+                    "inner_radius_mm": float(f"{u.inner_radius:.7g}"),
+                    "outer_radius_mm": float(f"{u.outer_radius:.7g}"),
+                    "why": u.why,
+                }
+                for u in mate.untouched
+                # The other side of the tooth is alike.
+                if u.start < 1
+            ],
+            **self.joined,
+        }
+
+    def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
+        """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
+        if self.base is None:
+            return *parts, *self.stock.motor_parts
+        mate, stock = self.design, self.stock
+        if mate.is_ring:
+            raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
+        reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
+        keys = ("stock.bore", "stock.mate_bore")
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
+        return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
+
+    def check_points(self, gears: list[AbstractCurve]) -> None:
+        """Whether the teeth of gears and their mate can be drawn in time."""
+        mate = [self.design.outline]
+        check_tooth_points(self.files, gears if self.design.is_ring else gears + mate, mate * self.design.is_ring)
+
+
+def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
+    if wanted.internal and wanted.teeth <= gear.teeth:
+        raise DesignError("mate.teeth", f"found {wanted.teeth} for a ring", f"give more than the gear's {gear.teeth}")
+    try:
+        cutter = gear.cutter(wanted.clearance, wanted.backlash)
+        return conjugate(cutter, gear.teeth, gear.pitch_radius, wanted.teeth, wanted.addendum, wanted.internal)
+    except DesignError as error:
+        most = _most_backlash(gear, wanted)
+        if most < wanted.backlash:
+            problem = f"found {wanted.backlash:g} mm, which leaves no teeth to the mate"
+            # A little less, so that the number still works when rounded.
+            raise DesignError("mate.backlash", problem, f"give at most {most * (1 - 1e-5):.6g}") from None
+        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
+
+
+def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:
+    """Backlash, mm, that takes all of the mate's tips, or for which its cutter's teeth meet; inf if none is wanted."""
+    if not wanted.backlash:
+        return float("inf")
+    mate = _mate(gear, dataclasses.replace(wanted, backlash=0.0))
+    # Each side of a tooth is turned as a whole.
+    return min(gear.most_backlash, mate.tip_thickness * mate.pitch_radius / mate.tip_radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothedRecipe(AbstractShapedRecipe):
+    """A gear with flanks of some form and the mate that they shape."""
+
+    kind: str
+    gear: AbstractFlankGear
+    mate: Mate
+    stock: PairStock = entry("what the gears are cut from", default=PairStock())
+    base: BaseStock | None = entry("a base plate under both gears; left out, none", default=None)
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def shaper(self) -> AbstractShaper:
+        return self.gear
+
+    @cached_property
+    def table(self) -> Table:
+        return flank_table(self.design, self.mate.backlash)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        module = self.gear.module
+        boss = boss_checks("gear", self.gear.root_radius, self.stock.motor, self.base)
+        return (touch_check(self.design, module), *conjugate_checks(self.design, module), *boss)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        self.check_points([self.gear.outline])
+        return self.on_base(pair_parts(self.gear, self.design, self.stock), self.gear.tip_radius)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        stock, is_ring = self.stock, self.design.is_ring
+        mate = Wheel("ring", "", None) if is_ring else Wheel("mate", "B", stock.mate)
+        plate = None if self.base is None else stock.thickness
+        return pair_assembly(Wheel("gear", "A", stock), mate, self.design.distance, plate, self.base)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return conjugate_scene(self.design, self.table, self.parts)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StraightSidedGearsRecipe(ToothedRecipe):
+    """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["straight-sided-gears"] = "straight-sided-gears"
+    gear: StraightSidedGear
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointToothGearsRecipe(ToothedRecipe):
+    """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
+
+    kind: Literal["point-tooth-gears"] = "point-tooth-gears"
+    gear: PointToothGear
+
+
+@dataclass(frozen=True, kw_only=True)
+class LanternGearsRecipe(AbstractShapedRecipe):
+    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins shape."""
+
+    kind: Literal["lantern-gears"] = "lantern-gears"
+    pinion: LanternPinion
+    # Pins stay in contact for a pitch only on long teeth.
+    mate: Mate = entry("the wheel", example=Mate(48, 7.5))
+    stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
+    base: BaseStock | None = entry("a base plate under pinion and wheel; left out, none", default=None)
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def shaper(self) -> LanternPinion:
+        return self.pinion
+
+    @property
+    def own_quarters(self) -> int:
+        """Quarters of a pin's right-hand side that touch: the outer one, which some rings need, is not drawn out."""
+        return 1 if self.mate.clearance else 2
+
+    @cached_property
+    def table(self) -> Table:
+        """The pin's right-hand side, as far as its cutter is the pin itself: the quarter drawn out touches nothing."""
+        return pin_table(self.design, self.own_quarters, self.mate.backlash)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        longer = ", or mate.clearance = 0" if self.mate.internal and self.mate.clearance else ""
+        return conjugate_checks(self.design, self.pinion.module, self.own_quarters, longer)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        self.check_points([])
+        disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
+        return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        pinion, mate = self.pinion, self.design
+        return lantern_assembly(self.stock, pinion.pin_diameter, pinion.pins, mate.is_ring, mate.distance, self.base)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh, the pins between the pinion's discs."""
+        return conjugate_scene(self.design, self.table, self.parts, self.pinion.circles)

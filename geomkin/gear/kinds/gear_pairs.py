@@ -1,0 +1,240 @@
+"""Recipes of pairs: two spur gears in mesh, and a pinion on a rack."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+from ...core.errors import DesignError
+from ...core.fields import entry, quantity
+from ...making.assembly import Assembly
+from ...making.bases import BaseStock, RackBaseStock
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene
+from ...model.table import Table
+from ...recipe.settings import Files
+from ..checks import gear_checks, mesh_checks
+from ..contract import AbstractInvoluteGear
+from ..cutters import balanced_shifts, undercut_free_shift
+from ..helix import Helix
+from ..pair import GearPair, contact_table
+from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
+from ..parts.bases import pair_base, rack_base
+from ..parts.gears import GearStock, base_plate, gear_parts
+from ..rack import GearRack, RackPair
+from ..scene_pairs import pair_scene
+from ..spur import SpurGear
+from .helical import (
+    AbstractHelicalRecipe,
+    backlash_notes,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    helices_notes,
+    mesh_notes,
+    overlap_notes,
+    shown,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearPairRecipe(AbstractHelicalRecipe):
+    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
+
+    kind: Literal["gear-pair"] = "gear-pair"
+    first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
+    second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))
+    shifts: Literal["given", "avoid-undercut", "balance-sliding"] = entry(
+        "profile shifts as given, the least that avoid undercut, or of the given sum such that both slide alike",
+        default="given",
+    )
+    centre_distance: float | None = quantity(
+        "distance of the axes; left out, the one without backlash", "mm", default=None, above=0, at_most=1e9
+    )
+    first_stock: GearStock = entry("what the driving gear is cut from", default=GearStock())
+    second_stock: GearStock = entry("what the driven gear is cut from", default=GearStock())
+    base: BaseStock | None = entry(
+        "a base plate under both gears; left out, a bar that holds their shafts", default=None
+    )
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
+        if self.second_stock.motor is not None:
+            raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
+        self.design  # noqa: B018  refuses gears that cannot mesh
+
+    @cached_property
+    def design(self) -> GearPair:
+        """The gears with the shifts that were asked for, in mesh."""
+        with self.naming_section():
+            return self._pair(self.in_section(self.first), self.in_section(self.second))
+
+    def _pair(self, one: SpurGear, two: SpurGear) -> GearPair:
+        if self.shifts == "avoid-undercut":
+            shifts = undercut_free_shift(one.teeth, one.rack), undercut_free_shift(two.teeth, two.rack)
+        elif self.shifts == "balance-sliding":
+            shifts = balanced_shifts(one.teeth, two.teeth, one.rack, one.profile_shift + two.profile_shift)
+        else:
+            shifts = one.profile_shift, two.profile_shift
+        one, two = (replace(g, profile_shift=x) for g, x in zip((one, two), shifts))
+        return GearPair(one, two) if self.centre_distance is None else GearPair(one, two, self.centre_distance)
+
+    @property
+    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock, Helix], ...]:
+        """Both gears as they are cut: name, gear, stock and helix."""
+        pair, helix = self.design, self.helix
+        return ("first", pair.first, self.first_stock, helix), ("second", pair.second, self.second_stock, helix.mate)
+
+    @cached_property
+    def table(self) -> Table:
+        return contact_table(self.design)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
+        boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [gear.outline for _, gear, *_ in self.gears])
+        parts = [
+            part
+            for name, gear, stock, helix in self.gears
+            for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
+        ]
+        if self.base is not None:
+            pair = self.design
+            reaches, shafts = (
+                (pair.first.tip_radius, pair.second.tip_radius),
+                (self.first_stock.bore, self.second_stock.bore),
+            )
+            first = self.first_stock
+            plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
+            return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
+        holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
+        if all(holes):
+            # As much plate around a hole as the hole is wide.
+            axes = [0j, complex(self.design.centre_distance)]
+            keys = ("first_stock.bore", "second_stock.bore")
+            bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
+            bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
+            parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
+        return *parts, *self.first_stock.motor_parts
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shafts and keys, what holds them in the base plate and that to the ground, and how it goes together."""
+        first, second = (Wheel(name, letter, stock) for (name, _, stock, _), letter in zip(self.gears, "AB"))
+        plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
+        return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return pair_scene(self.design, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """Shafts, where a base is asked for."""
+        return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
+        width = min(self.first_stock.thickness, self.second_stock.thickness)
+        return {
+            "pair": mesh_notes(self.design, self.helix, width),
+            **helices_notes(sizes),
+            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            **self.joined,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class RackAndPinionRecipe(AbstractHelicalRecipe):
+    """A pinion and the rack it drives."""
+
+    kind: Literal["rack-and-pinion"] = "rack-and-pinion"
+    pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
+    rack: GearRack = entry("the rack", example=GearRack(12, 2))
+    distance: float | None = quantity(
+        "distance of the pinion's axis from the rack's reference line; left out, the one without backlash",
+        "mm",
+        default=None,
+        above=0,
+        at_most=1e9,
+    )
+    stock: GearStock = entry("what both are cut from", default=GearStock())
+    base: RackBaseStock | None = entry("a base plate that guides the rack; left out, none", default=None)
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.design  # noqa: B018  refuses gears that cannot mesh
+
+    @cached_property
+    def design(self) -> RackPair:
+        """Both in mesh."""
+        with self.naming_section():
+            given = (self.in_section(self.pinion), self.in_section(self.rack))
+            return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
+
+    @cached_property
+    def table(self) -> Table:
+        return contact_table(self.design)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        pinion = self.design.pinion
+        own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
+        boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
+        return (*mesh_checks(self.design), *own, *boss)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [self.design.pinion.outline])
+        (pinion,) = gear_parts(self.design.pinion, self.stock, "pinion", helix=self.helix)
+        (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
+        if self.base is None:
+            return pinion, rack, *self.stock.motor_parts
+        held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        return replace(pinion, hole_names=("A",)), *held
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The pinion's shaft, the rack's pins, what the base takes, and how all of it goes together."""
+        return rack_assembly(self.stock, self.design.distance, self.base, self.helix)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return pair_scene(self.design, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft, and pins that leave a thin rack its walls, where a base is asked for."""
+        if "base" not in asked:
+            return {}
+        return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        pair, width = self.design, self.stock.thickness
+        mesh = {
+            "distance_mm": shown(pair.distance),
+            "travel_per_turn_mm": shown(pair.travel),
+            "contact_ratio": shown(pair.contact_ratio),
+            **overlap_notes(pair.contact_ratio, pair.module, self.helix, width),
+            **backlash_notes(pair, pair.distance, self.helix),
+            "clearances_mm": [shown(c) for c in pair.clearances],
+            "interferences": list(pair.interferences),
+        }
+        sizes = {"pinion": (pair.pinion, self.helix, width)}
+        measures = {"pinion": gear_notes(*sizes["pinion"])}
+        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.joined}

@@ -1,0 +1,174 @@
+"""Recipe of a planetary set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import entry
+from ...making.assembly import Assembly, collar_across
+from ...making.bases import BaseStock
+from ...making.motors import plate_radius
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene
+from ...model.table import Column, Table
+from ...recipe.settings import Drive, Files
+from ..checks import gear_checks, planetary_checks
+from ..contract import AbstractInvoluteGear
+from ..helix import Helix
+from ..parts.assemblies import planetary_assembly, turns_with_shaft
+from ..parts.bases import carrier, planetary_base
+from ..parts.gears import GearStock, RingStock, gear_parts
+from ..planetary import PlanetarySet
+from ..scene_pairs import planetary_scene
+from .helical import (
+    AbstractHelicalRecipe,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    helices_notes,
+    mesh_notes,
+    shown,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanetaryRecipe(AbstractHelicalRecipe):
+    """A sun, planets and a ring: all gears and the carrier that holds the planets; the sun drives, the ring stands."""
+
+    kind: Literal["planetary"] = "planetary"
+    gears: PlanetarySet
+    drive: Drive = entry("how the sun turns", default=Drive())
+    sun_stock: GearStock = entry("what the sun is cut from", default=GearStock())
+    planet_stock: GearStock = entry("what the planets are cut from", default=GearStock())
+    ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
+    base: BaseStock | None = entry("a base plate that holds the ring and the sun's shaft; left out, none", default=None)
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
+        self.check_faces({"sun_stock": sun, "planet_stock": planet, "ring_stock": ring})
+        if self.planet_stock.motor is not None:
+            raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
+        self.drive.check_rows(self.gears.ratios["sun to carrier"])
+
+    @cached_property
+    def design(self) -> PlanetarySet:
+        """The transverse section of all gears."""
+        with self.naming_section():
+            return self.in_section(self.gears)
+
+    @cached_property
+    def table(self) -> Table:
+        """A turn of the carrier, in steps of the sun; with an acceleration also the rates of carrier and planets."""
+        ratio = self.design.ratios["sun to carrier"]
+        steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
+        speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
+        sun = np.linspace(0, np.copysign(2 * np.pi * ratio, speed), steps + 1)
+        speeds = self.design.speeds(sun=1.0, ring=0.0)
+        planet = np.degrees(sun * speeds["planet"])
+        return Table(
+            (
+                Column("sun_angle", "deg", "turn of the sun", np.degrees(sun)),
+                Column("time", "s", "time", sun / (np.nan if acceleration else speed) + 0.0),
+                Column("carrier_angle", "deg", "turn of the carrier", np.degrees(sun * speeds["carrier"])),
+                Column("planet_angle", "deg", "turn of each planet, seen from the frame", planet),
+                *(
+                    Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(sun), speeds[body] * rate))
+                    for body in ("carrier", "planet")
+                    for name, unit, word, rate in (
+                        ("omega", "rad/s", "angular velocity", speed),
+                        ("alpha", "rad/s2", "angular acceleration", acceleration),
+                    )
+                    if acceleration
+                ),
+            )
+        )
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
+        return (
+            *planetary_checks(gears),
+            *gear_checks(gears.sun, sun.rim_under(gears.sun), "sun"),
+            *gear_checks(gears.planet, planet.rim_under(gears.planet), "planet"),
+            *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
+            *boss_checks("sun", gears.sun.root_radius, sun.motor, self.base),
+            *self._collar_checks(),
+        )
+
+    def _collar_checks(self) -> tuple[Check, ...]:
+        """Whether collars under the carrier pass beside the plate of the sun's motor, which is under them."""
+        motor, planet = self.sun_stock.motor, self.planet_stock
+        if motor is None or self.base is not None or not planet.bore or not turns_with_shaft(planet):
+            return ()
+        room = self.design.inner.centre_distance - collar_across(planet.bore) / 2 - plate_radius(motor)
+        advice = 'give a base, more teeth, or planets that run on their shafts: fit = "running" in a round bore'
+        return (Check("collars under the carrier beside motor_plate", room, "at least", 0, "mm", advice),)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        gears, sun, planet = self.design, self.sun_stock, self.planet_stock
+        check_tooth_points(self.files, [gears.sun.outline, gears.planet.outline], [gears.ring.outline])
+        parts = (
+            *gear_parts(gears.sun, sun, "sun", "sun_stock", helix=self.helix),
+            *gear_parts(gears.planet, planet, "planet", "planet_stock", gears.planets, self.helix.mate),
+            *gear_parts(gears.ring, self.ring_stock, "ring", "ring_stock", helix=self.helix.mate),
+        )
+        if self.base is not None:
+            first, planets, ring = parts
+            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
+            # Planets that run on no shafts have no holes to name.
+            named = ("C",) if planet.bore else ()
+            parts = (replace(first, hole_names=("A",)), replace(planets, hole_names=named), *held)
+        else:
+            parts += sun.motor_parts
+        if not planet.bore:
+            return parts
+        holes = sun.hole_diameter, planet.hole_diameter
+        fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
+        plate = replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits)
+        if self.base is not None:
+            plate = replace(plate, hole_names=("A", *"C" * gears.planets))
+        return (*parts, plate)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
+        stocks = self.sun_stock, self.planet_stock, self.ring_stock
+        return planetary_assembly(self.design, stocks, self.base, self.helix)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """A turn of the carrier."""
+        return planetary_scene(self.design, self.table, self.parts)
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        """A shaft and room for the ring's screws, where a base is asked for."""
+        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        gears, helix = self.design, self.helix
+        sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
+        sizes: dict[str, tuple[AbstractInvoluteGear, Helix, float]] = {
+            "sun": (gears.sun, helix, sun),
+            "planet": (gears.planet, helix.mate, planet),
+            "ring": (gears.ring, helix.mate, ring),
+        }
+        return {
+            "ratios": {name: shown(ratio) for name, ratio in gears.ratios.items()},
+            "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
+            "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
+            **helices_notes(sizes),
+            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            **self.joined,
+        }

@@ -1,0 +1,125 @@
+"""A linkage of any kind as one table of a recipe, told apart by its `kind`, and one of its bodies by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field, fields, make_dataclass
+from typing import Any, Literal, get_type_hints
+
+import numpy as np
+
+from ...core.arguments import Sort
+from ...core.errors import DesignError, shown
+from ...core.fields import OneOfKinds
+from ...model.table import Column
+from ...recipe.settings import Stroke
+from ..linkage import LINKAGES, AbstractLinkage
+from ..motion import on_ground
+from ..named_linkages import FourBar, SliderCrank
+from . import linkages as linkages
+from .moved import AbstractMovedRecipe
+
+# Kinds whose linkages these are. A scotch yoke is left out: none of its bodies both turns and moves off a pivot.
+OF = (
+    linkages.FourBarRecipe,
+    linkages.SliderCrankRecipe,
+    linkages.InvertedSliderCrankRecipe,
+    linkages.StephensonSixBarRecipe,
+    linkages.WattSixBarRecipe,
+    linkages.ShaperRecipe,
+    linkages.EllipticTrammelRecipe,
+    linkages.OldhamCouplingRecipe,
+    linkages.LinkageRecipe,
+)
+PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["linkage"] for recipe in OF}
+USUAL = linkages.FourBarRecipe.kind
+for _kind, _plain in PLAIN.items():
+    _own = [("kind", Literal[_kind], field(default=_kind))]
+    LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)
+
+
+def with_kind(linkage: AbstractLinkage) -> AbstractLinkage:
+    """The same linkage as the table of a recipe, which has its `kind`."""
+    kind = next(kind for kind, plain in PLAIN.items() if isinstance(linkage, plain))
+    return LINKAGES[kind](**_values(linkage, PLAIN[kind]))
+
+
+def without_kind(table: AbstractLinkage) -> AbstractLinkage:
+    """The linkage that a table describes, as the library has it."""
+    plain = type(table).__mro__[1]
+    return plain(**_values(table, plain))  # type: ignore[no-any-return]
+
+
+def _values(linkage: AbstractLinkage, plain: type[Any]) -> dict[str, Any]:
+    return {f.name: getattr(linkage, f.name) for f in fields(plain)}
+
+
+class AnyKind(Sort):
+    """Marks a linkage of any kind in `LINKAGES`; in a recipe a table with its `kind`, in Python the linkage itself."""
+
+    def __init__(self) -> None:
+        def fits(value: Any) -> bool:
+            return any(isinstance(value, plain) and not value.linkage.many for plain in PLAIN.values())
+
+        super().__init__(fits, f"one linkage: {', '.join(plain.__name__ for plain in PLAIN.values())}")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        tables = OneOfKinds().__get_pydantic_core_schema__(source, handler)
+        usual = core_schema.no_info_before_validator_function(
+            lambda given: {"kind": USUAL, **given} if isinstance(given, dict) else given, tables
+        )
+        told = core_schema.wrap_serializer_function_ser_schema(
+            lambda linkage, dump: {"kind": "", **dump(with_kind(linkage))}, schema=tables
+        )
+        return core_schema.no_info_after_validator_function(without_kind, usual, serialization=told)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
+        found = handler(schema)
+        found["discriminator"]["usual"] = USUAL
+        return found
+
+
+# The linkage of templates.
+EXAMPLE = with_kind(FourBar(100, 30, 90, 70, 40 + 25j))
+
+
+class AbstractBodyRecipe(AbstractMovedRecipe):
+    """What recipes of one body's motion have in common: any linkage, and the body by its name."""
+
+    body: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        general = self.linkage.linkage
+        moving = [name for name in general.bodies if name != general.ground]
+        if self.body not in moving:
+            raise DesignError("body", f"found {shown(self.body)}", f"give one of {', '.join(moving)}")
+
+    @property
+    def drive_column(self) -> Column:
+        """The table's first."""
+        if self.stroke:
+            return Column("drive_place", "mm", "place of the driver along its line", self.motion.drive)
+        words = "angle of the driver from the ground line"
+        return Column("drive_angle", "deg", words, np.degrees(self.motion.drive))
+
+    @property
+    def what(self) -> str:
+        """Whose way is checked to be reached."""
+        return f"driver's {'stroke' if self.stroke else 'turn'}"
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        if "stroke" in asked:
+            slider_crank = SliderCrank(30, 40, coupler_point=20 + 15j, driver="slider")
+            return {"linkage": with_kind(slider_crank), "stroke": Stroke(start=50, end=68)}
+        if "linkage" not in asked:
+            return {}
+        from ...recipe.template import example
+
+        linkage: AbstractLinkage = example(LINKAGES[asked["linkage"]])
+        general = linkage.linkage
+        free = [name for name in general.bodies if name not in {*on_ground(general), general.ground}]
+        return {"linkage": linkage, "body": "coupler" if "coupler" in general.bodies else free[0]}

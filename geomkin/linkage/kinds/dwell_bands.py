@@ -1,0 +1,72 @@
+"""The dwell of a linkage's output in a recipe: its band, and its entries in the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import DesignError, shown
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.reprs import one_line
+from ..dwell import longest_dwell
+from ..linkage import Linkage
+from ..motion import Motion, goes_without_turning, on_ground
+
+
+@dataclass(frozen=True)
+class DwellBand:
+    """How far an output may move and still count as standing still."""
+
+    band_deg: float | None = quantity(
+        "largest less smallest angle of the output in its dwell; for an output that turns",
+        "deg",
+        default=None,
+        above=0,
+        at_most=360,
+        example=0.5,
+    )
+    band_mm: float | None = quantity(
+        "largest less smallest displacement of the output in its dwell; for an output that slides",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+        example=0.5,
+    )
+    output: str = entry("the body; the last one on the ground that does not drive where left out", default="")
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    def body(self, linkage: Linkage) -> str:
+        """The output's name. DesignError for one that does not move, and where there is none."""
+        moving = list(linkage.bodies)[1:]
+        driven = [name for name in moving if name in on_ground(linkage) and name != linkage.driver]
+        if self.output in moving or (driven and not self.output):
+            return self.output or driven[-1]
+        raise DesignError("dwell.output", f"found {shown(self.output)}", f"give one of {', '.join(moving)}")
+
+    def found(self, motion: Motion) -> Mapping[str, object]:
+        """The longest dwell, as the summary has it."""
+        output = self.body(motion.linkage)
+        slides = goes_without_turning(motion, output)
+        unit, factor = ("mm", 1.0) if slides else ("deg", 180 / np.pi)
+        band = self.band_mm if slides else self.band_deg
+        if band is None:
+            verb = "slides" if slides else "turns"
+            raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}")
+        by, turn = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
+        dwell = longest_dwell(motion, output, band / factor)
+        values = {
+            f"from_{by}": dwell.start * turn,
+            f"to_{by}": dwell.end * turn,
+            f"driver_range_{by}": dwell.range * turn,
+            f"least_{unit}": dwell.low * factor,
+            f"greatest_{unit}": dwell.high * factor,
+        }
+        rounded = {name: float(f"{value:.10g}") for name, value in values.items()}
+        return {"output": output, f"band_{unit}": band, **rounded}

@@ -1,0 +1,295 @@
+"""Recipes of a body's motion at an instant: its inflection circle at one position, its two centrodes over all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from typing import Annotated, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene
+from ...model.table import Column, Table, finite, xy_columns
+from ...plane.curve import AbstractCurve
+from ...plane.primitives import Arc, Circle, Segment
+from ...recipe.settings import Files, Stroke, Turn
+from ..checks import LARGEST_DRAWN, reached
+from ..coupler_curve import CouplerCurve
+from ..instant.centres import pin_between, slider_between
+from ..instant.centrodes import CentrodeCurve, Centrodes
+from ..instant.curvature import path_curvature
+from ..instant.inflection import inflection_circle
+from ..linkage import AbstractLinkage
+from ..measures import opening
+from ..motion import Motion, goes_without_turning
+from ..moving import move
+from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..scene_instants import centrodes_scene, inflection_scene
+from .any_linkage import EXAMPLE, AbstractBodyRecipe, AnyKind
+from .moved import Branches, SideOrFollow, branch_entry, branches_entry
+
+# The path near the position is drawn so far to both sides: as a driver's turn, rad, or a share of its stroke.
+NEAR, NEAR_OF_STROKE = np.pi / 4, 0.25
+# Length of the arc that shows the path's curvature, to both sides, in longest links.
+ARC = 0.15
+# Distance, in longest links, by which a path that is drawn may miss its point: more, and it is another branch's.
+MISSED = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class InflectionCircleRecipe(AbstractBodyRecipe):
+    """A linkage at one position with a body's instant centre, inflection circle and centres of curvature."""
+
+    kind: Literal["inflection-circle"] = "inflection-circle"
+    linkage: Annotated[AbstractLinkage, AnyKind()] = entry("the linkage", example=EXAMPLE)
+    body: str = entry("the body whose motion is shown", default="coupler")
+    point: Annotated[complex, PointXY()] | None = entry(
+        "point of the body whose path is shown, [x, y] in mm in the body's frame; its last named point where left out",
+        default=None,
+    )
+    position_deg: float | None = quantity(
+        "driver's angle that is drawn; 15 where left out",
+        "deg",
+        default=None,
+        at_least=-360,
+        at_most=360,
+    )
+    position_mm: float | None = quantity(
+        "driver's place that is drawn, where a slide drives; the middle of its stroke where left out",
+        "mm",
+        default=None,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    branch: SideOrFollow = branch_entry()
+    branches: Branches = branches_entry()
+    drive: Turn = entry("how the driver turns, for the table", default=Turn())
+    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        wrong, other, does = ("deg", "mm", "slides") if self.stroke else ("mm", "deg", "turns")
+        if (given := getattr(self, f"position_{wrong}")) is not None:
+            problem = f"found {given:g}, but the driver {does}"
+            raise DesignError(f"position_{wrong}", problem, f"give position_{other} instead")
+
+    @property
+    def position_key(self) -> str:
+        """The key that says where it is drawn."""
+        return "position_mm" if self.stroke else "position_deg"
+
+    @property
+    def place(self) -> float:
+        """The driver where it is drawn, rad or mm."""
+        if self.stroke:
+            middle = (self.stroke.start + self.stroke.end) / 2
+            return middle if self.position_mm is None else self.position_mm
+        return float(np.radians(15.0 if self.position_deg is None else self.position_deg))
+
+    @cached_property
+    def position(self) -> Motion:
+        """The linkage where it is drawn, on the branch that it comes there on from the table's first frame."""
+        general = self.linkage.linkage
+        motion = move(general, [float(self.way.frames[0]), self.place], self.signs)
+        if not motion.closed[1]:
+            alone = move(general, [self.place], self.signs)
+            found = self.place if self.stroke else np.degrees(self.place)
+            problem = f"found {found:g}, which is not reached: {opening(alone)}"
+            raise DesignError(self.position_key, problem, "give another")
+        if general.estimate:
+            pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
+            general = replace(general, estimate=pins)
+        return move(general, [self.place], {joint: int(sign[1]) or 1 for joint, sign in motion.solution.signs.items()})
+
+    @cached_property
+    def local(self) -> complex:
+        """The point whose path is shown, in the body's frame."""
+        if self.point is not None:
+            return self.point
+        named = list(self.linkage.linkage.bodies[self.body].values())
+        return complex(named[-1]) if named else 0j
+
+    @cached_property
+    def longest(self) -> float:
+        """Longest link, mm: between two pins of a body."""
+        general = self.linkage.linkage
+        pins = ([z for name, z in points.items() if name in general.pins] for points in general.bodies.values())
+        links = [abs(complex(a) - complex(b)) for row in pins for a, b in combinations(row, 2)]
+        return max(links, default=float(general.size))
+
+    @cached_property
+    def table(self) -> Table:
+        motion, body = self.motion, self.body
+        circle = inflection_circle(motion, body)
+        path = path_curvature(motion, body, self.local)
+        centre = finite(circle.instant_centre.position)
+        return Table(
+            (
+                self.drive_column,
+                *xy_columns("instant_centre", "mm", f"instant centre of the {body}", centre),
+                *xy_columns("inflection_pole", "mm", "inflection pole", finite(circle.pole)),
+                Column("inflection_diameter", "mm", "diameter of the inflection circle", finite(circle.diameter)),
+                *xy_columns("centrode_tangent", "", "direction of the centrode tangent", finite(circle.tangent)),
+                *xy_columns(f"{body}_point", "mm", f"{body} point", path.position),
+                Column("path_curvature", "1/mm", "curvature of its path, left +", finite(path.curvature)),
+                *xy_columns("centre_of_curvature", "mm", "centre of curvature of its path", finite(path.centre)),
+            )
+        )
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The circle as the linkage moves."""
+        return inflection_scene(self.motion, self.table, self.body, self.local)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        size = inflection_circle(self.position, self.body).diameter[0] / self.longest
+        remedy = f"give another {self.position_key}"
+        advice = f"near a position with parallel cranks the circle does not fit a plate; {remedy}"
+        if goes_without_turning(self.position, self.body):
+            advice = f"the {self.body} does not turn, and has no such circle; give another body"
+        check = Check("inflection diameter to longest link", size, "at most", LARGEST_DRAWN, "", advice)
+        return (check, *self.way.checks)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        motion, stock = self.position, self.stock
+        circle = inflection_circle(motion, self.body)
+        centre, pole = complex(circle.instant_centre.position[0]), complex(circle.pole[0])
+        diameter = circle.diameter[0]
+        marks = skeleton(motion, 0, stock)
+        if 0 < diameter <= LARGEST_DRAWN * self.longest:
+            tangent, dot = complex(circle.tangent[0]), stock.pin_diameter / 4
+            marks += [Circle((centre + pole) / 2, float(diameter) / 2), Circle(centre, dot), Circle(pole, dot)]
+            marks += [*arrow(centre, pole), Segment(centre - tangent * diameter / 2, centre + tangent * diameter / 2)]
+        return (engraved("inflection-circle", marks + self._path(), stock),)
+
+    def _path(self) -> list[AbstractCurve]:
+        """The point, its path near by, and the arc about its centre of curvature that the path hugs."""
+        path = path_curvature(self.position, self.body, self.local)
+        point = complex(path.position[0])
+        marks = self._near(point)
+        centre, radius = complex(path.centre[0]), abs(float(path.radius[0]))
+        if 1e-3 < radius < LARGEST_DRAWN * self.longest:
+            half = min(np.pi, ARC * self.longest / radius)
+            marks += [Arc(centre, centre + (point - centre) * np.exp(-1j * half), 2 * half)]
+            marks += [Circle(centre, self.stock.pin_diameter / 4), Segment(centre, point)]
+        return [*marks, Circle(point, self.stock.pin_diameter / 4)]
+
+    def _near(self, point: complex) -> list[AbstractCurve]:
+        """The path near the position, on the branch that the linkage is on there; none where it opens."""
+        position, name = self.position, "traced"
+        general = position.linkage
+        while any(name in points for points in general.bodies.values()):
+            name += "_"
+        bodies = {**general.bodies, self.body: {**general.bodies[self.body], name: self.local}}
+        half = NEAR_OF_STROKE * (self.stroke.end - self.stroke.start) if self.stroke else NEAR
+        try:
+            span = (self.place - half, self.place + half)
+            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.asked, span)
+        except DesignError:
+            return []
+        missed = abs(complex(curve.point(self.place)) - point)
+        return [curve] if missed <= MISSED * self.longest else []
+
+
+@dataclass(frozen=True, kw_only=True)
+class CentrodesRecipe(AbstractBodyRecipe):
+    """Fixed and moving centrode of a linkage's body on two plates: the second curve rolls on the first."""
+
+    kind: Literal["centrodes"] = "centrodes"
+    linkage: Annotated[AbstractLinkage, AnyKind()] = entry("the linkage", example=EXAMPLE)
+    body: str = entry("the body whose centrodes are drawn", default="coupler")
+    branch: SideOrFollow = branch_entry()
+    branches: Branches = branches_entry()
+    reach: float = quantity(
+        "farthest from the body's origin, of a coupler its crank pin, that the centrodes are drawn",
+        "mm",
+        default=200.0,
+        above=0,
+        at_most=10_000,
+    )
+    drive: Turn = entry("how the driver turns", default=Turn())
+    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stock: PlateStock = entry("the plates", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        general = self.linkage.linkage
+        pair = general, general.ground, self.body
+        if pin_between(*pair) or slider_between(*pair):
+            does = "turns about a pin of" if pin_between(*pair) else "slides on"
+            problem = f"found {self.body}, which {does} the {general.ground} and has no centrodes"
+            raise DesignError("body", problem, "give a body that is not joined to the ground")
+
+    @cached_property
+    def centrodes(self) -> Centrodes:
+        """Both curves over the frames."""
+        return Centrodes(self.motion, self.body)
+
+    @cached_property
+    def runs(self) -> list[tuple[float, float]]:
+        """Drives over which the centrodes are drawn unbroken."""
+        drive = self.motion.drive
+        found = [drive[run] for run in self.centrodes.runs(self.reach)]
+        if not found and self.motion.closed.any() and goes_without_turning(self.motion, self.body):
+            raise DesignError("body", f"found {self.body}, which does not turn and has no centrodes", "give another")
+        if not found:
+            raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
+        return [(float(part.min()), float(part.max())) for part in found]
+
+    @cached_property
+    def table(self) -> Table:
+        centrodes = self.centrodes
+        run = np.zeros(len(self.motion.drive), dtype=int)
+        for k, part in enumerate(centrodes.runs(self.reach)):
+            run[part] = k + 1
+        return Table(
+            (
+                self.drive_column,
+                Column("run", "", "unbroken run that the frame belongs to, 0 for none", run),
+                *xy_columns("fixed_centrode", "mm", "instant centre on the ground", finite(centrodes.fixed)),
+                *xy_columns("moving_centrode", "mm", f"instant centre on the {self.body}", finite(centrodes.moving)),
+            )
+        )
+
+    @cached_property
+    def curves(self) -> tuple[list[AbstractCurve], list[AbstractCurve]]:
+        """The fixed centrode and the moving one, each in its runs."""
+        linkage, start = self.linkage.linkage, float(self.motion.drive[0])
+        fixed, moving = (
+            [CentrodeCurve(linkage, self.body, run, moving, self.signs, start) for run in self.runs]
+            for moving in (False, True)
+        )
+        return list(fixed), list(moving)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The moving centrode, on its body, rolling on the fixed one."""
+        drawn = np.asarray(self.table["run"]) > 0
+        centre = np.where(drawn, self.centrodes.fixed, np.nan)
+        return centrodes_scene(self.motion, self.table, self.body, *self.curves, centre)
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        return (reached(self.motion, self.what), *self.way.checks)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        linkage, parts = self.linkage.linkage, []
+        for name, moving, body in (("fixed-centrode", False, linkage.ground), ("moving-centrode", True, self.body)):
+            places = [z for pin, z in linkage.bodies[body].items() if pin in linkage.pins]
+            if not moving:
+                ground = self.motion.bodies[body]
+                places = [complex(ground.point(z).position[0]) for z in places]
+            pins = [Circle(complex(z), self.stock.pin_diameter / 2) for z in places]
+            parts.append(engraved(name, [*self.curves[moving], *pins], self.stock))
+        return tuple(parts)

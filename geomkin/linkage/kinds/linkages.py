@@ -1,0 +1,341 @@
+"""Linkages by their sizes: plates with pin holes, how they are stacked, and the motion of every body."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import entry
+from ...model.check import Check
+from ...model.part import Bought, Part
+from ...model.scene import Limit, Scene
+from ...model.table import Table
+from ...recipe.settings import Files, Stroke, Turn
+from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..linkage import AbstractLinkage
+from ..measures import driver_limits, grashof, least_transmission_angle
+from ..motion import Motion, motion_table
+from ..named_linkages import (
+    EllipticTrammel,
+    FourBar,
+    InvertedSliderCrank,
+    OldhamCoupling,
+    ScotchYoke,
+    Shaper,
+    SliderCrank,
+    StephensonSixBar,
+    WattSixBar,
+)
+from ..parts.stack import Stack, link_parts, stack_links
+from ..parts.stock import LinkStock
+from ..scene import linkage_scene
+from ..solve.branch import Branch
+from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
+from .dwell_bands import DwellBand
+from .moved import (
+    WITH_SLIDER,
+    AbstractMovedRecipe,
+    BodyList,
+    Branches,
+    SideOrFollow,
+    both_modes_entry,
+    branch_entry,
+    branches_entry,
+    coefficients_entry,
+)
+
+
+class AbstractLinkageRecipe(AbstractMovedRecipe):
+    """What recipes of linkages have in common: all of them are moved, stacked, judged and cut alike."""
+
+    stock: LinkStock
+    # Where a kind has no such key, its table is another.
+    coefficients: bool = False
+    # Of kinds that have none.
+    both_modes: bool = False
+    dwell: DwellBand | None = None
+    copies: tuple[Copy, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.check_stroke()
+        check_copies(self.copies, self.linkage, self.way)
+        if self.copies and self.stock.motor is not None:
+            problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
+            raise DesignError("stock.motor", problem, "leave out motor or copies")
+        # At most so many columns come of the bodies, the slides and the points that are no pins.
+        linkage = self.linkage.linkage
+        points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+        joints = len(linkage.pins)
+        told = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
+        columns = 3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
+        self.way.check_rows(columns * (2 if self.both_modes else 1))
+        if self.dwell:
+            self.dwell.body(linkage)
+        if self.both_modes and self.other is None:
+            problem = "found true, but no other mode is shown: none closes, or there are more than two dyads"
+            raise DesignError("both_modes", problem, "leave it out")
+
+    @cached_property
+    def fine_motion(self) -> Motion:
+        """The same in steps in which nothing slips through between two plates."""
+        return self.moved(self.way.fine, self.signs)
+
+    @cached_property
+    def stack(self) -> Stack:
+        """How the plates lie on each other."""
+        return stack_links(self.fine_motion, self.stock)
+
+    @cached_property
+    def shared(self) -> tuple[Shared, ...]:
+        """The rods by which neighbouring copies drive each other."""
+        return tuple(shared_rods(self.copies, self.linkage, self.stack, self.stock.thickness))
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return joining(self.stack, self.shared, self.count)
+
+    @property
+    def count(self) -> int:
+        """How many of the linkage are made."""
+        return 1 + len(self.copies)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return (*self.stack.steps, *copying(self.copies, self.shared))
+
+    @cached_property
+    def table(self) -> Table:
+        table = motion_table(self.motion, self.coefficients)
+        if not (self.both_modes and self.other):
+            return table
+        # The driver and the time are those of both.
+        others = motion_table(self.other[1], self.coefficients).columns[2:]
+        words = "in the other mode, "
+        renamed = (dataclasses.replace(c, name=f"other_{c.name}", meaning=words + c.meaning) for c in others)
+        return Table((*table.columns, *renamed))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
+        least = LEAST_TRANSMISSION_ANGLE_DEG
+        limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
+        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits, self._others())
+        if not self.copies:
+            return scene
+        copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return with_copies(scene, copies, self.parts, self.stack.layers)
+
+    def _others(self) -> dict[str, Scene]:
+        """The same plates in the other assembly mode."""
+        if self.other is None:
+            return {}
+        joint, motion = self.other
+        # A ground with slots has them where the mode asked for needs them.
+        slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
+        parts = [part for part in self.parts if not slotted or part.body != slotted]
+        # It is there to be seen; what is plotted is that of the mode asked for, or of both.
+        table = Table(self.table.columns[:2])
+        return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        advice = "summary.json names them under stack; give narrower bars or other lengths"
+        return (
+            *linkage_checks(self.motion),
+            hole_check(self.stock.hole_diameter, self.stock.thickness),
+            collision_check(len(self.stack.collisions), advice),
+            *self.way.checks,
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        parts = link_parts(self.fine_motion, self.stock, self.stack)
+        return (
+            tuple(dataclasses.replace(part, count=self.count * part.count) for part in parts) if self.copies else parts
+        )
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """How far the driver goes, what turns fully, and how the plates lie on each other."""
+        stack = self.stack.summary()
+        dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
+        if self.copies:
+            stack |= {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
+        return {**self._reached(self.signs), **self.turning, **self._other_mode(), **dwell, "stack": stack}
+
+    def _reached(self, branch: Branch) -> Mapping[str, object]:
+        """The parts of the driver's way in which the linkage closes."""
+        way, in_deg = self.way, isinstance(self.way, Turn)
+        limits = driver_limits(self.linkage, branch, (float(way.fine[0]), float(way.fine[-1])))
+        reached = [[_told(np.degrees(q) if in_deg else q) for q in part] for part in limits]
+        return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
+
+    def _other_mode(self) -> Mapping[str, object]:
+        if not (self.both_modes and self.other):
+            return {}
+        joint, motion = self.other
+        angle = {"least_transmission_angle_deg": _told(np.degrees(least_transmission_angle(motion)))}
+        return {"other_mode": {"joint": joint, **self._reached(motion.solution.asked), **angle}}
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return {"copies": (Copy(180.0),)} if "copies" in asked else {}
+
+    @property
+    def turning(self) -> Mapping[str, object]:
+        """Which links turn fully, where a rule tells it."""
+        return {}
+
+
+def _told(value: float | np.floating[Any]) -> float:
+    return float(f"{value:.10g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnedRecipe(AbstractLinkageRecipe):
+    """A linkage whose driver turns."""
+
+    kind: str
+    linkage: AbstractLinkage
+    branch: SideOrFollow = branch_entry()
+    branches: Branches = branches_entry()
+    coefficients: bool = coefficients_entry()
+    both_modes: bool = both_modes_entry()
+    dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    drive: Turn = entry("how the driver turns", default=Turn())
+    copies: tuple[Copy, ...] = copies_entry()
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidRecipe(AbstractLinkageRecipe):
+    """A linkage whose driver turns or slides."""
+
+    # The list of the turned ones, and `stroke` where it belongs: the order here is that of templates and summaries.
+    kind: str
+    linkage: AbstractLinkage
+    branch: SideOrFollow = branch_entry()
+    branches: Branches = branches_entry()
+    coefficients: bool = coefficients_entry()
+    both_modes: bool = both_modes_entry()
+    dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    drive: Turn = entry("how the driver turns", default=Turn())
+    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    # What an example has in which a slide drives.
+    sliding: ClassVar[Mapping[str, object]]
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        # What slides has no shaft that copies could share.
+        none = {"copies": ()} if "copies" in asked else {}
+        return {**none, **cls.sliding} if "stroke" in asked else super().fit(asked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourBarRecipe(TurnedRecipe):
+    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
+
+    kind: Literal["four-bar"] = "four-bar"
+    linkage: FourBar
+
+    @property
+    def turning(self) -> Mapping[str, object]:
+        found = grashof(self.linkage)
+        links = {"shortest": found.shortest, "longest": found.longest}
+        sums = {"shortest_and_longest_mm": found.shortest_and_longest, "other_two_mm": found.other_two}
+        return {"grashof_type": found.type, "grashof": links | {name: _told(mm) for name, mm in sums.items()}}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderCrankRecipe(SlidRecipe):
+    """A slider-crank, driven by crank, connecting rod or slider."""
+
+    kind: Literal["slider-crank"] = "slider-crank"
+    linkage: SliderCrank
+    copies: tuple[Copy, ...] = copies_entry()
+    sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class InvertedSliderCrankRecipe(TurnedRecipe):
+    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
+
+    kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
+    linkage: InvertedSliderCrank
+
+
+@dataclass(frozen=True, kw_only=True)
+class StephensonSixBarRecipe(TurnedRecipe):
+    """A four-bar whose coupler point drives an output, which can dwell."""
+
+    kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
+    linkage: StephensonSixBar
+
+
+@dataclass(frozen=True, kw_only=True)
+class WattSixBarRecipe(TurnedRecipe):
+    """Two four-bars in a row: the first one's rocker drives the second."""
+
+    kind: Literal["watt-six-bar"] = "watt-six-bar"
+    linkage: WattSixBar
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaperRecipe(TurnedRecipe):
+    """A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."""
+
+    kind: Literal["shaper"] = "shaper"
+    linkage: Shaper
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipticTrammelRecipe(SlidRecipe):
+    """A rod whose pins run in two crossing slots: its points draw ellipses."""
+
+    kind: Literal["elliptic-trammel"] = "elliptic-trammel"
+    linkage: EllipticTrammel
+    sliding: ClassVar = {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScotchYokeRecipe(TurnedRecipe):
+    """A crank pin in a slotted yoke: straight harmonic motion."""
+
+    kind: Literal["scotch-yoke"] = "scotch-yoke"
+    linkage: ScotchYoke
+
+
+@dataclass(frozen=True, kw_only=True)
+class OldhamCouplingRecipe(TurnedRecipe):
+    """Two slotted hubs and a disc between: shafts apart that turn alike."""
+
+    kind: Literal["oldham-coupling"] = "oldham-coupling"
+    linkage: OldhamCoupling
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkageRecipe(SlidRecipe):
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
+
+    kind: Literal["linkage"] = "linkage"
+    linkage: BodyList
+    copies: tuple[Copy, ...] = copies_entry()
+    sliding: ClassVar = {
+        "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
+        "stroke": Stroke(start=70, end=110),
+    }
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        fitted = super().fit(asked)
+        return {"linkage": WITH_SLIDER, **fitted} if set(asked) - {"copies"} else fitted

@@ -1,0 +1,267 @@
+"""Linkages in a recipe: any linkage as a list of bodies, the branch on which it moves, and its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
+from ...core.names import check_names
+from ...core.reprs import one_line
+from ...plane.vec import Real
+from ...recipe.recipe import AbstractRecipe
+from ...recipe.settings import Stroke, Turn
+from ..linkage import AbstractLinkage, Linkage, Slider
+from ..motion import Motion
+from ..moving import move
+from ..solve.branch import Chosen, chosen
+
+# The branch of all dyads; the same where it may also be followed; the branches of single joints.
+Side = Annotated[Literal[1, -1], NotBoolean()]
+SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
+Branches = dict[str, Annotated[int | complex, SignOrPlace()]]
+
+
+def branch_entry() -> Any:
+    """The branch of all dyads."""
+    return entry(
+        "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
+        "follow: smoothly on from 1, or from what branches says, also through change points",
+        default=1,
+    )
+
+
+def coefficients_entry() -> Any:
+    """Whether what no speed changes is told."""
+    return entry(
+        "whether the table and the plots tell first and second kinematic coefficients, too: derivatives by the "
+        "driver's angle in rad, or by its place in mm where a slide drives",
+        default=False,
+    )
+
+
+def branches_entry() -> Any:
+    """The table of branches of single joints."""
+    return entry(
+        "branch of single joints: 1 or -1; or of a point roughly where it is at first, [x, y] in mm: the branch "
+        "nearest to that",
+        default_factory=dict,
+    )
+
+
+def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | complex]) -> Chosen:
+    """The branch that a recipe's `branch` and `branches` ask for."""
+    signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
+    near = {name: value for name, value in branches.items() if isinstance(value, complex)}
+    return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
+
+
+# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
+MOST_DYADS = 2
+
+
+class AbstractMovedRecipe(AbstractRecipe):
+    """What recipes of a linkage have in common that tell its motion over a table's frames."""
+
+    can_be_scaled: ClassVar[bool] = True
+    linkage: AbstractLinkage
+    branch: SideOrFollow
+    # Of kinds that have none.
+    branches: Mapping[str, int | complex] = MappingProxyType({})
+    drive: Turn
+    stroke: Stroke | None = None
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.check_stroke()
+        self.way.check_rows()
+
+    def check_stroke(self) -> None:
+        """Refuse a stroke of a driver that turns, and none of one that slides."""
+        slides = self.linkage.linkage.driven_slider is not None
+        if slides and self.stroke is None:
+            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+        if not slides and self.stroke is not None:
+            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+
+    @property
+    def design(self) -> AbstractLinkage:
+        return self.linkage
+
+    @property
+    def way(self) -> Turn | Stroke:
+        """How the driver goes."""
+        return self.stroke or self.drive
+
+    @cached_property
+    def signs(self) -> Chosen:
+        """The branch asked for."""
+        return branch_of(self.branch, self.branches)
+
+    def moved(self, frames: Real, signs: Chosen) -> Motion:
+        """The linkage at some frames on a branch, with the driver's speed and acceleration."""
+        way = self.way
+        return move(self.linkage, frames, signs, way.speed, way.acceleration)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at the frames of the table."""
+        return self.moved(self.way.frames, self.signs)
+
+    @cached_property
+    def other(self) -> tuple[str, Motion] | None:
+        """The joint of the last of one or two dyads, and the motion with it on its other side; None if that is open."""
+        branches = self.motion.branches
+        if not 1 <= len(branches) <= MOST_DYADS:
+            return None
+        joint, sides = list(branches.items())[-1]
+        if joint in (slider.name for slider in self.motion.linkage.sliders):
+            # The same lever turned half round, whose slot is not there.
+            return None
+        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
+        told, asked = sides[sides != 0], chosen(self.signs)
+        near = {name: place for name, place in asked.near.items() if name != joint}
+        other = replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
+        motion = self.moved(self.way.frames, other)
+        return (joint, motion) if motion.closed.any() else None
+
+
+def both_modes_entry() -> Any:
+    """Whether the other assembly mode is told."""
+    return entry(
+        "whether table, plots and summary also have the other assembly mode, which the page shows: the last dyad's "
+        "joint on its other side",
+        default=False,
+    )
+
+
+@dataclass(frozen=True)
+class TriangleCorner:
+    """A point of a body by its distances from two other points of it."""
+
+    body: str = entry("the body it belongs to", example="coupler")
+    point: str = entry("its name", example="pen")
+    base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
+    lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
+        "its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm")
+    )
+    side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True)
+class SliderTable:
+    """A sliding joint."""
+
+    name: str = entry("its name", example="slide")
+    body: str = entry("the body that slides", example="block")
+    along: str = entry("the body it slides along", example="ground")
+    point: Annotated[complex, PointXY()] = entry("point of the sliding body that stays on the line", default=0j)
+    through: Annotated[complex, PointXY()] = entry("point of the line, in the frame of the guide", default=0j)
+    direction_deg: float = quantity(
+        "direction of the line in the guide", "deg", default=0.0, at_least=-360, at_most=360
+    )
+    angle_deg: float = quantity("the body's x axis from the line", "deg", default=0.0, at_least=-360, at_most=360)
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+
+@dataclass(frozen=True)
+class BodyList(AbstractLinkage):
+    """Any linkage: bodies with their points, mm, each in a frame of its own; the first one is fixed.
+
+    Where two bodies name the same point, a pin joins them there.
+    """
+
+    bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(
+        "bodies, the fixed one first, each a table of points [x, y]",
+        example={
+            "ground": {"O": 0j, "C": 100 + 0j},
+            "crank": {"O": 0j, "A": 30 + 0j},
+            "coupler": {"A": 0j, "B": 90 + 0j},
+            "rocker": {"C": 0j, "B": 70 + 0j},
+        },
+    )
+    driver: str = entry("the body that is driven, or the slider, as of a cylinder and its rod", example="crank")
+    corners: tuple[TriangleCorner, ...] = entry(
+        "points given by two distances",
+        default=(),
+        example=(TriangleCorner("coupler", "pen", ("A", "B"), (50.0, 60.0)),),
+    )
+    sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
+    estimate: dict[str, Annotated[complex, PointXY()]] = field(
+        default_factory=dict,
+        metadata={
+            "description": "roughly where pins are at first, needed where the bodies are no chain of dyads",
+            "examples": [{}],
+        },
+    )
+    origin: Annotated[complex, PointXY()] = entry("origin of the fixed body, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "direction of the fixed body's x axis", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.linkage  # noqa: B018  every error of the joints at once, while the recipe is read
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage."""
+        bodies = {name: dict(points) for name, points in self.bodies.items()}
+        for k, corner in enumerate(self.corners):
+            check_names(f"corners[{k}].body", [corner.body], "a body")
+            check_names(f"corners[{k}].point", [corner.point], "a point")
+            check_names(f"corners[{k}].base", corner.base, "a point")
+            bodies.setdefault(corner.body, {})
+            lacking = [p for p in corner.base if p not in bodies[corner.body]]
+            if lacking:
+                raise DesignError(
+                    f"corners[{k}]",
+                    f"{corner.body} has no point {lacking[0]}",
+                    f"give it under bodies.{corner.body}",
+                )
+            bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
+        sliders = tuple(
+            Slider(s.name, s.body, s.along, s.point, s.through, s.direction_deg, s.angle_deg) for s in self.sliders
+        )
+        return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate)
+
+
+def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> complex:
+    base, (b, c) = abs(two - one), corner.lengths
+    if not abs(b - c) < base < b + c:
+        raise DesignError(
+            f"corners[{k}]",
+            f"{b:g} and {c:g} mm make no triangle on the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
+            f"give two lengths that differ by less than {base:g} mm and together exceed it",
+        )
+    # Kahan, Miscalculating area and angles of a needle-like triangle: this keeps the digits of a needle's height.
+    long, middle, short = sorted((base, b, c), reverse=True)
+    area = 0.25 * np.sqrt(
+        (long + (middle + short)) * (short - (long - middle)) * (short + (long - middle)) * (long + (middle - short))
+    )
+    along = 0.5 * (base + (b - c) * (b + c) / base)
+    height = 2 * area / base * (1 if corner.side == "left" else -1)
+    return complex(one + (two - one) / base * complex(along, float(height)))
+
+
+# What templates show where sliders are asked for.
+WITH_SLIDER = BodyList(
+    bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
+    driver="crank",
+    corners=(TriangleCorner("rod", "pen", ("A", "B"), (50.0, 60.0)),),
+    sliders=(SliderTable("slide", "block", "ground"),),
+)

@@ -1,0 +1,186 @@
+"""Recipe of velocity and acceleration polygons of any linkage at one position."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene
+from ...model.table import Column, Table
+from ...plane.primitives import Circle
+from ...plane.vec import Complex, rounded
+from ...recipe.recipe import AbstractRecipe
+from ...recipe.settings import Files
+from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG
+from ..instant.centres import instant_centres
+from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
+from ..measures import opening
+from ..motion import Body, Motion, motion_table
+from ..moving import move
+from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..scene_instants import polygons_scene
+from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
+
+# Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
+# would leave nothing else to be seen.
+REACH = 2.0
+# Step of the driver, deg, in which the polygons are shown moving: smooth to the eye, and a small page.
+STEP_DEG = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolygonsRecipe(AbstractRecipe):
+    """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
+
+    can_be_scaled: ClassVar[bool] = True
+    kind: Literal["polygons"] = "polygons"
+    linkage: BodyList
+    position: float = quantity(
+        "where the driver stands: deg where it turns, mm where it slides",
+        default=60.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    speed: float = quantity("speed of the driver: rad/s or mm/s", default=10.0, at_least=-FARTHEST, at_most=FARTHEST)
+    acceleration: float = quantity(
+        "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+    )
+    size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
+    branch: Side = entry("branch of every dyad that is not named below", default=1)
+    branches: Branches = branches_entry()
+    stock: PlateStock = entry("the plates", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    def at_scale(self, scale: float) -> Self:
+        if self.linkage.linkage.driven_slider is None:
+            return super().at_scale(scale)
+        drive = {name: scale * getattr(self, name) for name in ("position", "speed", "acceleration")}
+        return replace(super().at_scale(scale), **drive)
+
+    @property
+    def design(self) -> BodyList:
+        return self.linkage
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at its position."""
+        place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
+        motion = move(self.linkage, [place], branch_of(self.branch, self.branches), self.speed, self.acceleration)
+        if not motion.closed[0]:
+            problem = f"found {self.position:g}, which is not reached: {opening(motion)}"
+            raise DesignError("position", problem, "give another")
+        return motion
+
+    @cached_property
+    def polygons(self) -> dict[str, tuple[VectorPolygon, str]]:
+        """Each polygon with its unit."""
+        return {
+            "velocity": (velocity_polygon(self.motion, 0, self.size), "mm/s"),
+            "acceleration": (acceleration_polygon(self.motion, 0, self.size), "mm/s2"),
+        }
+
+    @cached_property
+    def table(self) -> Table:
+        rows = [(name, unit, v) for name, (polygon, unit) in self.polygons.items() for v in polygon.vectors]
+        words = {
+            "polygon": "the polygon it belongs to",
+            "kind": "absolute, difference, normal, tangential, sliding or coriolis",
+            "body": "the body",
+            "from": "where it leads from",
+            "to": "where it leads to",
+        }
+        texts = zip(*[(name, v.kind, v.body, v.start, v.end) for name, _, v in rows])
+        values = np.array([v.value for _, _, v in rows])
+        return Table(
+            (
+                Column("number", "", "number of the vector", np.arange(1, len(rows) + 1)),
+                *(Column(name, "", about, np.array(text)) for (name, about), text in zip(words.items(), texts)),
+                Column("unit", "", "unit of its size", np.array([unit for _, unit, _ in rows])),
+                Column("size", "", "its size in that unit", np.abs(values)),
+                Column("direction", "deg", "its direction from +x", np.degrees(np.angle(values))),
+            )
+        )
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The polygons over a turn from the position on; where a slide drives, at the position."""
+        motion = self.motion
+        if self.linkage.linkage.driven_slider is None:
+            turn = motion.drive[0] + np.radians(np.arange(0, 360 + STEP_DEG, STEP_DEG))
+            signs = branch_of(self.branch, self.branches)
+            motion = move(self.linkage, turn, signs, self.speed, self.acceleration)
+        return polygons_scene(motion, motion_table(motion))
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
+        advice = "near a dead centre the polygons run off"
+        return (Check("transmission angle here", angle, "at least", least, "deg", advice),)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        radius = self.stock.pin_diameter / 4
+        centres = [Circle(z, radius) for z in self._near_centres()]
+        parts = [engraved("position", [*skeleton(self.motion, 0, self.stock), *centres], self.stock)]
+        for name, (polygon, _) in self.polygons.items():
+            # Where a difference has parts only these are drawn: no line is to be cut twice.
+            split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
+            drawn: dict[tuple[complex, complex], None] = {}
+            for v in polygon.vectors:
+                ends = v.tail, v.tip
+                if v.kind == "difference" and (v.body, v.start, v.end) in split:
+                    continue
+                if ends not in drawn and ends[::-1] not in drawn:
+                    drawn[ends] = None
+            marks = [mark for tail, tip in drawn for mark in arrow(tail, tip)]
+            parts.append(engraved(f"{name}-polygon", marks, self.stock))
+        return tuple(parts)
+
+    def _near_centres(self) -> list[complex]:
+        """Instant centres that are no pins and lie near enough to be drawn."""
+        motion = self.motion
+        points = [z for n, b in motion.bodies.items() for z in _places(b, motion.linkage.bodies[n])]
+        middle, reach = sum(points) / len(points), max(abs(z - points[0]) for z in points)
+        found: list[complex] = []
+        for centre in instant_centres(motion).values():
+            z = complex(centre.position[0])
+            if abs(z - middle) <= REACH * reach and all(abs(z - other) > 1e-6 * reach for other in (*points, *found)):
+                found.append(z)
+        return found
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Scales of the drawings, and every instant centre: its place, or its direction where it is at infinity."""
+        scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
+        centres: dict[str, object] = {}
+        for pair, centre in instant_centres(self.motion).items():
+            z = complex(centre.position[0])
+            far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
+            centres[" and ".join(pair)] = _told(z, float(self.motion.linkage.size)) if np.isfinite(z) else far
+        return {"scale": scale, "instant_centres_mm": centres}
+
+    @classmethod
+    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        return {"linkage": WITH_SLIDER} if asked else {}
+
+
+def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
+    return [complex(body.point(z).position[0]) for z in points.values()]
+
+
+def _told(z: complex, size: float) -> list[float]:
+    """A place in mm with nine digits, counted from its distance or the linkage's size: the rest is rounding."""
+    digits = 8 - int(np.floor(np.log10(max(abs(z), size))))
+    told = rounded(np.array([z.real, z.imag]), digits)
+    return [float(told[0]), float(told[1])]

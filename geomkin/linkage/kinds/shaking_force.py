@@ -1,0 +1,174 @@
+"""Recipe of a slider-crank's shaking force and the counterbalance that makes it least."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import check_sizes, entry, quantity
+from ...model.check import Check
+from ...model.part import HoleFit, Part
+from ...model.scene import Limit, Plot, Role, Scene
+from ...model.table import Column, Table, xy_columns
+from ...plane.primitives import Circle
+from ...recipe.settings import Files, Turn
+from ..checks import MOST_FORCE_TO_BEST, collision_check, reached
+from ..dynamics.shaking import (
+    Counterbalance,
+    SliderCrankMasses,
+    best_counterbalance,
+    judged_counterbalance,
+    shaking_force,
+)
+from ..named_linkages import SliderCrank
+from ..parts.stack import link_parts
+from ..parts.stock import LinkStock
+from ..scene import linkage_scene
+from ..scene_instants import force_scene
+from .linkages import AbstractLinkageRecipe
+from .moved import Side
+
+# Of the largest force, what counts as none. A smaller share is that of the force's own rounding.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShakingForceRecipe(AbstractLinkageRecipe):
+    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
+
+    kind: Literal["shaking-force"] = "shaking-force"
+    linkage: SliderCrank
+    masses: SliderCrankMasses
+    counterbalance: float = quantity(
+        "given counterbalance, mass times radius opposite the crank pin",
+        "kg mm",
+        default=0.0,
+        example=35,
+        at_least=-1e6,
+        at_most=1e6,
+    )
+    weight_density: float = quantity(
+        "density of the counterweight's sheet, which is as thick as the links",
+        "kg/m3",
+        default=7850.0,
+        above=0,
+        at_most=30000,
+    )
+    branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
+    drive: Turn = entry("how the crank turns", default=Turn())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self.drive.check_rows()
+        if self.linkage.driver != "crank":
+            raise DesignError(
+                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
+            )
+
+    @cached_property
+    def best(self) -> Counterbalance:
+        """The counterbalance along the crank that makes the largest force least."""
+        return best_counterbalance(self.linkage, self.masses, self.branch, acceleration=self.acceleration)
+
+    @property
+    def acceleration(self) -> float:
+        """Of the crank, over its speed squared."""
+        return self.drive.acceleration / self.drive.speed**2
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest force over the turn, N, with none, the given and the best counterbalance."""
+        judged = {
+            name: judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
+            for name, product in (("none", 0.0), ("given", self.counterbalance))
+        } | {"best": self.best}
+        return {name: c.largest * self.drive.speed**2 for name, c in judged.items()}
+
+    @cached_property
+    def table(self) -> Table:
+        motion = self.motion
+        columns = [
+            Column("crank_angle", "deg", "angle of the crank from the ground line", np.degrees(motion.drive)),
+            Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
+        ]
+        for name, product in (("none", 0.0), ("given", self.counterbalance), ("best", self.best.product)):
+            force = shaking_force(motion, self.masses, product)
+            columns += xy_columns(f"force_{name}", "N", f"shaking force, counterbalance: {name}", force)
+            columns.append(Column(f"force_{name}", "N", f"its size, counterbalance: {name}", np.abs(force)))
+        return Table(tuple(columns))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The plates moving, and the force on the ground at the crank's pivot."""
+        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers)
+        roles: dict[str, Role] = {"none": "construction", "given": "traced", "best": "wanted"}
+        forces = {
+            role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
+            for name, role in roles.items()
+        }
+        words = {"none": "force without counterweight", "given": "with the one given", "best": "with the best"}
+        what = {role: words[name] for name, role in roles.items()}
+        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
+        plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
+        plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}_N" for name in roles)) for way in "xy"]
+        return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        largest = self.largest
+        # Where the best leaves nothing, the rest is rounding, and so would be a quotient by it.
+        least = max(largest["best"], ROUNDING * max(largest.values()))
+        share = max(largest["given"], least) / least if least > 0 else 1.0
+        advice = f"give counterbalance = {self.best.product.real + 0.0:.6g}"
+        return (
+            reached(self.motion, "crank's turn"),
+            Check("largest force, given to best counterbalance", share, "at most", MOST_FORCE_TO_BEST, "", advice),
+            collision_check(len(self.stack.collisions), "see summary.json"),
+            *self.drive.checks,
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        return (*link_parts(self.fine_motion, self.stock, self.stack), *self._counterweight())
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        if all(part.name != "counterweight" for part in self.parts):
+            return self.stack.steps
+        shaft = "a shaft of yours that turns with crank, instead of the screw"
+        return (*self.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
+
+    def _counterweight(self) -> list[Part]:
+        """An eccentric disc with the best product: its shaft hole at half its radius, opposite the crank pin."""
+        product = self.best.product.real
+        if product <= 0:
+            return []
+        stock, hole = self.stock, self.stock.hole_diameter / 2
+        # The product is density thickness pi times r^2 r / 2 - h^2 r: the shaft's hole is at the axis, and the other,
+        # which is there so that the disc may be turned over, r from it.
+        moment = product / (np.pi * self.weight_density * 1e-9 * stock.thickness)
+        radius = float(np.roots([0.5, 0, -(hole**2), -moment]).real.max())
+        if radius <= 4 * hole:
+            return []
+        if stock.motor is not None:
+            problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
+            raise DesignError("stock.motor", problem, "leave it out")
+        holes = (Circle(0j, hole), Circle(complex(-radius), hole))
+        fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
+        disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
+        return [Part("counterweight", disc, holes, stock.thickness, body="crank", hole_names=letters, fits=fits)]
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {
+            "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
+            "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
+            "stack": {**self.stack.summary(), "steps": list(self.steps)},
+        }

@@ -1,0 +1,1 @@
+"""Plates, pins and layers of a linkage."""

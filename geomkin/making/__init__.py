@@ -1,0 +1,5 @@
+"""What mechanisms share when they are made: fits, bores, fasteners, motors, base plates, assembly."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

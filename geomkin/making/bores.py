@@ -1,0 +1,205 @@
+"""Holes for shafts and pins, round, with a flat or with a keyway: how wide, and whether the part can take them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, quantity, rounded_down
+from ..core.reprs import one_line
+from ..model.part import HoleFit
+from ..plane.primitives import Circle, Polyline
+
+# mm. No cutter makes a smaller hole, and no file tells one apart.
+SMALLEST = 0.01
+
+
+def shaft(what: str, default: float, fitted: bool = False) -> Any:
+    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on.
+
+    fitted: the stock says whether the hole is pressed on.
+    """
+    pressed = ", or narrower by the interference" if fitted else ""
+    words = f"diameter of {what}, 0 for no hole; its hole is wider by the clearance{pressed}"
+    return quantity(words, "mm", default=default, at_least=0)
+
+
+def clearance(default: float) -> Any:
+    """The field of stock tables that makes every hole wider than what goes through it."""
+    return quantity(
+        "how much wider than its pin or shaft a hole is", "mm", default=default, at_least=0, at_most=FARTHEST
+    )
+
+
+def widened(diameter: float, clearance: float) -> float:
+    """Diameter, mm, of the hole for a shaft or pin; 0 where there is none."""
+    return diameter + clearance if diameter else 0.0
+
+
+def fits_of(diameter: float, play: float) -> tuple[HoleFit, ...]:
+    """The fit of a hole for a shaft or pin, wider than that by `play`, mm; none where there is none."""
+    return (HoleFit(diameter, play),) if diameter else ()
+
+
+def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:
+    """The hole for a shaft, or none for diameter 0, in a part that is `widest` mm across where it is narrowest.
+
+    clearance: how much wider than the shaft it is, mm, negative where it is pressed on. Refuses a hole that is
+    invisible or leaves nothing of the part. key: of the diameter in a recipe; that of the clearance stands in the same
+    table.
+    """
+    if diameter == 0:
+        return ()
+    room = f"in a part {widest:.7g} mm wide where it is narrowest"
+    if not SMALLEST <= diameter < widest - min(clearance, 0.0):
+        most = widest - clearance
+        sizes = (
+            f"at least {SMALLEST:g} and less than {rounded_down(most)} mm"
+            if most > SMALLEST
+            else "make the part larger"
+        )
+        raise DesignError(key, f"found {diameter:g} mm {room}", f"give 0 for none, or {sizes}")
+    if diameter + clearance >= widest:
+        raise DesignError(
+            f"{key.rpartition('.')[0]}.clearance",
+            f"found {clearance:g} mm round a shaft of {diameter:g} mm {room}",
+            f"give less than {widest - diameter:.4g} mm, or a smaller {key.rpartition('.')[2]}",
+        )
+    return (Circle(centre, (diameter + clearance) / 2),)
+
+
+def keyed_bore(
+    diameter: float, clearance: float, width: float, depth: float, towards: complex, widest: float, key: str
+) -> tuple[Circle | Polyline, ...]:
+    """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, on one side.
+
+    diameter: of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: of the slot
+    beyond the bore, along its middle. towards: unit direction of that middle. The slot has square corners and opens
+    into the bore, as one outline. Width and depth 0: a plain bore; diameter 0: no hole.
+    Raises DesignError, of sizes named `key`.bore and so on, where the hole does not leave a part of `widest` mm
+    across where it is narrowest.
+    """
+    holes = bore(diameter, clearance, widest, f"{key}.bore")
+    if width == 0 and depth == 0:
+        return holes
+    if width == 0 or depth == 0:
+        missing = "width" if width == 0 else "depth"
+        raise DesignError(f"{key}.keyway_{missing}", "found 0 mm", "give width and depth of the keyway, or neither")
+    across = diameter + clearance
+    if width >= across:
+        raise DesignError(
+            f"{key}.keyway_width",
+            f"found {width:g} mm in a bore of {across:g} mm",
+            "give a keyway narrower than the bore",
+        )
+    radius = across / 2
+    corner = radius + depth + 0.5j * width
+    if abs(corner) >= widest / 2:
+        raise DesignError(
+            f"{key}.keyway_depth",
+            f"found {depth:g} mm, so the keyway reaches {abs(corner):.4g} mm from the axis of a part {widest:.4g} mm "
+            "wide where it is narrowest",
+            "give a shallower keyway or a smaller bore",
+        )
+    mouth = np.sqrt(radius**2 - width**2 / 4) + 0.5j * width
+    # Round the bore from one side of the mouth to the other, and along the slot's three sides.
+    sweep = 2 * np.pi - 2 * float(np.angle(mouth))
+    corners = np.array([mouth, np.conj(mouth), np.conj(corner), corner])
+    return (Polyline(corners * towards, np.array([np.tan(sweep / 4), 0, 0, 0])),)
+
+
+def flattened_bore(
+    diameter: float, clearance: float, flat: float, towards: complex, widest: float, key: str
+) -> tuple[Circle | Polyline, ...]:
+    """The hole for a D-shaft about a part's axis: round but for one flat side; none for diameter 0.
+
+    diameter: of the shaft; flat: from its flat side across to the round one, mm, more than half the diameter. The hole
+    stands off the shaft by half the clearance all round, the flat side too. towards: unit direction that the flat
+    side faces. Refuses what `bore` does.
+    """
+    if not (round_ones := bore(diameter, clearance, widest, f"{key}.bore")):
+        return ()
+    radius = round_ones[0].radius
+    height = flat + clearance - radius
+    corner = height + 1j * np.sqrt(radius**2 - height**2)
+    sweep = 2 * np.pi - 2 * float(np.angle(corner))
+    return (Polyline(np.array([corner, np.conj(corner)]) * towards, np.array([np.tan(sweep / 4), 0])),)
+
+
+@dataclass(frozen=True)
+class ParallelKey:
+    """A key of one section; all in mm.
+
+    thickest: shaft that takes it. width, height: of the key; the width is that of its keyways. shaft_depth: of the
+    keyway in the shaft; hub_depth: of that in the part, beyond the bore, along its middle. lengths: shortest and
+    longest.
+    """
+
+    thickest: float
+    width: float
+    height: float
+    shaft_depth: float
+    hub_depth: float
+    lengths: tuple[float, float]
+
+    __repr__ = one_line
+
+    def bill(self, room: float) -> str:
+        """What is bought for a part so thick, mm: the longest key that is sold and fits, or a piece of bar."""
+        section = f"{self.width:g} x {self.height:g}"
+        most = min(room, self.lengths[1])
+        fitting = [length for length in LENGTHS if self.lengths[0] <= length <= most]
+        if not fitting:
+            return f"key steel DIN 6880 {section}, cut to {room:g} mm"
+        return f"parallel key DIN 6885-1 A {section} x {fitting[-1]:g}"
+
+
+# The thinnest shaft that takes a key, mm.
+THINNEST = 6.0
+# By shafts up to so many mm, the high form. Another number here, and no key that is sold fits the keyway.
+# Source: DIN 6885-1, table 1, the same as ISO 773; sections and depths compared with Flender's catalogue MD 30.1,
+# lengths up to a width of 16 mm with the table at engineeringhardware.com/guide/standard/din-6885-parallel-keys.
+PARALLEL_KEYS = tuple(
+    ParallelKey(*row)
+    for row in (
+        (8, 2, 2, 1.2, 1.0, (6, 20)),
+        (10, 3, 3, 1.8, 1.4, (6, 36)),
+        (12, 4, 4, 2.5, 1.8, (8, 45)),
+        (17, 5, 5, 3.0, 2.3, (10, 56)),
+        (22, 6, 6, 3.5, 2.8, (14, 70)),
+        (30, 8, 7, 4.0, 3.3, (18, 90)),
+        (38, 10, 8, 5.0, 3.3, (22, 110)),
+        (44, 12, 8, 5.0, 3.3, (28, 140)),
+        (50, 14, 9, 5.5, 3.8, (36, 160)),
+        (58, 16, 10, 6.0, 4.3, (45, 180)),
+        (65, 18, 11, 7.0, 4.4, (50, 200)),
+        (75, 20, 12, 7.5, 4.9, (56, 220)),
+        (85, 22, 14, 9.0, 5.4, (63, 250)),
+        (95, 25, 14, 9.0, 5.4, (70, 280)),
+        (110, 28, 16, 10.0, 6.4, (80, 320)),
+        (130, 32, 18, 11.0, 7.4, (90, 360)),
+        (150, 36, 20, 12.0, 8.4, (100, 400)),
+        (170, 40, 22, 13.0, 9.4, (100, 400)),
+        (200, 45, 25, 15.0, 10.4, (110, 400)),
+        (230, 50, 28, 17.0, 11.4, (125, 400)),
+    )
+)
+# Lengths in which keys are sold, mm: DIN 6885-1 as ZAE's catalogue E 040 prints it. Between 280 and 400 mm it has 315
+# and 355, other tables 320 and 360: none of these is named, for a shorter key fits as well.
+LENGTHS = (
+    6, 8, 10, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 70, 80,
+    90, 100, 110, 125, 140, 160, 180, 200, 220, 250, 280, 400,
+)  # fmt: skip
+
+
+def key_of(shaft: float) -> ParallelKey | None:
+    """The key for a shaft of a diameter, mm; None where the standard has none.
+
+    A range's upper end belongs to it: a shaft of 10 mm takes a key 3 mm wide.
+    """
+    if shaft < THINNEST:
+        return None
+    return next((key for key in PARALLEL_KEYS if shaft <= key.thickest), None)

@@ -1,0 +1,209 @@
+"""How a part sits on its shaft: running or pressed on, and held from turning by a flat or a key."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, check_sizes, entry, quantity, rounded_down
+from ..core.reprs import one_line
+from ..model.part import HoleFit, Part
+from ..plane.primitives import Circle, Polyline
+from .bores import (
+    PARALLEL_KEYS,
+    SMALLEST,
+    THINNEST,
+    bore,
+    clearance,
+    fits_of,
+    flattened_bore,
+    key_of,
+    keyed_bore,
+    shaft,
+    widened,
+)
+from .motors import MOTORS, MotorName, motor_plate
+
+# mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
+# which wood and plastics bear. More cracks acrylic, less may turn on its shaft.
+INTERFERENCE = 0.1
+# From the flat across to the round side of motors' D-shafts by their diameter, mm: of small gear motors (3, 4 and 6),
+# stepping motors (5) and larger ones (8), as their makers draw them; chosen here. Other flats are given.
+MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
+
+
+SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
+BoreForm = Literal["round", "D", "keyed"]
+Fit = Literal["running", "press"]
+
+
+def form(bore: str = "the bore") -> Any:
+    """A field for the form of a bore; bore: what it is called."""
+    words = f"form of {bore}: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1"
+    return entry(words, default="round")
+
+
+def flat_across() -> Any:
+    """A field for the flat side of a D-shaft."""
+    words = f"of a D-shaft, from its flat side across to the round one; left out, a motor's: {SHAFTS}"
+    return quantity(words, "mm", default=None, above=0, at_most=FARTHEST)
+
+
+def keyway_width(bore: str = "the bore") -> Any:
+    """A field for the width of the keyway in a bore."""
+    words = f"width of the keyway in {bore}, 0 for none or, if keyed, the standard's"
+    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+
+
+def keyway_depth(bore: str = "the bore") -> Any:
+    """A field for the depth of the keyway in a bore."""
+    words = f"depth of the keyway beyond {bore}, along its middle"
+    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+
+
+def fit(bore: str = "the bore") -> Any:
+    """A field for the fit of a bore."""
+    return entry(f"{bore} is wider than its shaft by the clearance, or is pressed on", default="running")
+
+
+def interference() -> Any:
+    """A field for how tight bores sit that are pressed on."""
+    words = "how much narrower than its shaft a bore is that is pressed on"
+    return quantity(words, "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
+
+
+@dataclass(frozen=True)
+class AbstractBored:
+    """What stock tables of parts on a shaft have in common; all lengths in mm."""
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
+    bore: float = shaft("the shaft", 0.0, fitted=True)
+    bore_form: BoreForm = form()
+    flat: float | None = flat_across()
+    keyway_width: float = keyway_width()
+    keyway_depth: float = keyway_depth()
+    fit: Fit = fit()
+    interference: float = interference()
+    clearance: float = clearance(0.0)
+    motor: MotorName | None = entry(
+        "what turns the part: adds the plate that this motor is screwed to, or its holes to a base; left out, no motor",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        self._check_bore()
+
+    __repr__ = one_line
+
+    @property
+    def motor_parts(self) -> tuple[Part, ...]:
+        """The plate of the motor, about the part's axis; none without a motor."""
+        return () if self.motor is None else (motor_plate(self.motor, self.thickness, self.clearance),)
+
+    @property
+    def play(self) -> float:
+        """How much wider than its shaft the bore is, mm; negative where it is pressed on."""
+        return self.clearance if self.fit == "running" else -self.interference
+
+    @property
+    def hole_diameter(self) -> float:
+        """Diameter, mm, 0 for none, of a round hole that the shaft runs in, as in a base plate."""
+        return widened(self.bore, self.clearance)
+
+    @property
+    def running_fits(self) -> tuple[HoleFit, ...]:
+        """The fit of such a round hole; none for diameter 0."""
+        return fits_of(self.bore, self.clearance)
+
+    @property
+    def fits(self) -> tuple[HoleFit, ...]:
+        """The fit of the bore; none for diameter 0."""
+        if not self.bore:
+            return ()
+        flat = 0.0 if self.across_flat is None else self.across_flat + self.play
+        return (HoleFit(self.bore, self.play, flat, self.keyway),)
+
+    @property
+    def hole_reach(self) -> float:
+        """Radius, mm, within which bore and keyway lie."""
+        width, depth = self.keyway
+        return float(abs(widened(self.bore, self.play) / 2 + depth + 0.5j * width))
+
+    @property
+    def keyway(self) -> tuple[float, float]:
+        """Width of the keyway, and its depth beyond the bore, mm; 0 where there is none."""
+        given = self.keyway_width, self.keyway_depth
+        if self.bore_form != "keyed" or any(given) or not (key := key_of(self.bore)):
+            return given
+        return key.width, key.hub_depth
+
+    @property
+    def across_flat(self) -> float | None:
+        """From the flat of the D-shaft across to its round side, mm; None for another shaft."""
+        if self.bore_form != "D":
+            return None
+        return MOTOR_FLATS.get(self.bore) if self.flat is None else self.flat
+
+    def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
+        """The bore about the part's axis, none for diameter 0; `widest` is the part, mm, where it is narrowest.
+
+        towards: unit direction of the keyway, or that the flat side faces. key: of the stock in a recipe, for refusals.
+        """
+        if (across := self.across_flat) is not None:
+            return flattened_bore(self.bore, self.play, across, towards, widest, key)
+        if any(keyway := self.keyway):
+            return keyed_bore(self.bore, self.play, *keyway, towards, widest, key)
+        return bore(self.bore, self.play, widest, f"{key}.bore")
+
+    def _check_bore(self) -> None:
+        """Refuse sizes that make no bore, whatever the part."""
+        if self.bore_form != "round" and not self.bore:
+            problem = f'found 0 mm, which is no hole, and bore_form = "{self.bore_form}"'
+            raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"')
+        if self.flat is not None and self.bore_form != "D":
+            problem = f"found {self.flat:g} mm of a bore that has no flat"
+            raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
+        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].pilot):
+            problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
+            raise DesignError("bore", problem, f"give less than {boss:g} mm, or leave out motor")
+        if self.bore_form == "D":
+            self._check_flat()
+        if self.fit == "press":
+            self._check_interference()
+        if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
+            thickest = PARALLEL_KEYS[-1].thickest
+            nearest = f"at least {THINNEST:g}" if self.bore < THINNEST else f"at most {thickest:g}"
+            raise DesignError(
+                "bore",
+                f"found {self.bore:g} mm, and DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm",
+                f'give {nearest} mm, keyway_width and keyway_depth of your own, or bore_form = "D"',
+            )
+
+    def _check_interference(self) -> None:
+        """Refuse one that leaves no hole, where the shaft is narrowest."""
+        narrowest = self.across_flat or self.bore
+        if 0 < narrowest < self.interference + SMALLEST:
+            problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"
+            most = f"give at most {rounded_down(narrowest - SMALLEST)} mm"
+            raise DesignError("interference", problem, most if narrowest > SMALLEST else "give a thicker shaft")
+
+    def _check_flat(self) -> None:
+        half, across = self.bore / 2, self.across_flat
+        if across is None:
+            shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
+            raise DesignError(
+                "bore",
+                f"found {self.bore:g} mm, and no usual D-shaft is so thick",
+                f"give one of {shafts}, or flat, more than {half:g} and less than {self.bore:g} mm",
+            )
+        if not half < across < self.bore:
+            raise DesignError(
+                "flat",
+                f"found {across:g} mm across a shaft of {self.bore:g} mm",
+                f"give more than {half:g} and less than {self.bore:g} mm",
+            )
+        for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
+            if size:
+                raise DesignError(name, f"found {size:g} mm in a D bore", 'give 0, or bore_form = "keyed"')

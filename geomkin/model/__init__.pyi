@@ -1,0 +1,8 @@
+# The public names of this package. Each is imported when it is first used.
+from .check import Check as Check
+from .part import Bought as Bought
+from .part import HoleFit as HoleFit
+from .part import Part as Part
+from .part import Twist as Twist
+from .table import Column as Column
+from .table import Table as Table

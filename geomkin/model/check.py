@@ -1,0 +1,56 @@
+"""A judgement on a design: a value, the limit it should keep, and the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..core.arguments import Found, check_fields
+from ..core.errors import harmless
+from ..core.reprs import clipped
+
+
+@dataclass(frozen=True)
+class Check:
+    """One quality of a design against its limit.
+
+    A failed check is advice, not an error: the design exists, and its files are still made. expected: the reason that
+    a recipe gives for a failure that is meant; "" if there is none.
+    """
+
+    name: str
+    value: Found
+    side: Literal["at least", "at most"]
+    limit: Found
+    unit: str = ""
+    advice: str = ""
+    expected: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def passed(self) -> bool:
+        """False also for nan: what could not be measured has not passed."""
+        return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
+
+    def digits(self, least: int) -> int:
+        """Significant digits, `least` or more, with which the value of a failed check and its limit differ."""
+        counts = (n for n in range(least, 17) if self.passed or f"{self.value:.{n}g}" != f"{self.limit:.{n}g}")
+        return next(counts, 17)
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else "FAILED"
+        unit = f" {self.unit}" if self.unit else ""
+        n = self.digits(6)
+        return clipped(f"Check({verdict}: {self.name} {self.value:.{n}g}{unit}, limit {self.side} {self.limit:.{n}g})")
+
+    def __str__(self) -> str:
+        n = self.digits(3)
+        text = f"{self.name} {self.value:.{n}g} {self.unit}".rstrip()
+        if self.passed:
+            return text
+        text = f"{text}, should be {self.side} {self.limit:.{n}g} {self.unit}".rstrip()
+        if self.expected:
+            return f"{text}; expected: {harmless(self.expected)}"
+        return f"{text}: {self.advice}" if self.advice else text

@@ -1,0 +1,239 @@
+"""A mechanism as it looks moving: the parts that are cut, where they are at each frame, and what is drawn with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from ..core.arguments import check_fields
+from ..core.errors import DesignError
+from ..core.reprs import one_line
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Segment
+from ..plane.vec import Array, Complex, Mask, Real, as_unit
+from .part import Part
+from .table import Column, Table
+
+# What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
+Role = Literal[
+    "traced",  # what a point draws, or a part is wanted for: the one accent
+    "wanted",  # what was asked for: the second accent
+    "dimension",  # straight curves from one end of a length to the other, their label its size
+    "construction",  # thin lines that explain: pitch circles, centre lines, image poles
+    "driven",  # where the driven pin of a guided body may not be
+    "driving",  # where its driving pin may not be
+    "pitch",  # pitch curve of a cam, pitch circles of gears
+    "contact",  # where bodies touch, and the path on which they do
+    "centrode",
+    "inflection",
+    "bobillier",  # Bobillier's construction
+    "centre",  # instant centres
+    "velocity",
+    "acceleration",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneBody:
+    """A body: the very parts that are cut of it, and its frame at each frame of the scene.
+
+    origin: (frames,) complex, mm; direction: (frames,) complex, of the body's x axis, kept as a unit one; nan where the
+    mechanism cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what
+    lies over what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its
+    name, as they need not for one of many that are alike.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    origin: Complex
+    direction: Complex
+    layer: int = 0
+    fixed: bool = False
+    named: bool = True
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        object.__setattr__(self, "direction", as_unit(self.direction))
+
+
+@dataclass(frozen=True, eq=False)
+class SceneCurve:
+    """A curve drawn on a body, in that body's frame, mm; on the ground's x and y where `body` is ""."""
+
+    curve: AbstractCurve
+    role: Role
+    label: str = ""
+    body: str = ""
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRegion:
+    """An area of the ground that is shaded: what lies within an odd number of closed curves, mm."""
+
+    curves: tuple[AbstractCurve, ...]
+    role: Role
+    label: str = ""
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneMark:
+    """A point that is drawn at each frame.
+
+    sort: "pin" and "fixed pin" are small circles, "slide" a block along `direction`, "point" a dot; a point leaves a
+    trail of where it was, in dashes of equal steps of the drive, when `trail` is true. "vector" is an arrow from
+    `place` to `place + vector`, in mm that show what `label` says; "line" one without a head, "circle" one of radius
+    `radius` about `place`. place, vector: (frames,) complex, mm; direction: (frames,) of any length; radius: (frames,)
+    mm; nan where there is none.
+    """
+
+    sort: Literal["pin", "fixed pin", "slide", "point", "vector", "line", "circle"]
+    place: Complex
+    role: Role = "construction"
+    label: str = ""
+    trail: bool = False
+    vector: Complex | None = None
+    direction: Complex | None = None
+    radius: Real | None = None
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.direction is not None:
+            object.__setattr__(self, "direction", as_unit(self.direction))
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A line across a plot: the limit of a check."""
+
+    value: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Columns of the scene's table that are drawn in one plot, by their headers; all of one unit."""
+
+    title: str
+    columns: tuple[str, ...]
+    limits: tuple[Limit, ...] = ()
+
+    __repr__ = one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """What there was to choose from, and which row of it was made: a table of its own, whose first column rises."""
+
+    table: Table
+    chosen: int
+    plots: tuple[Plot, ...]
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_plots(self.plots, self.table)
+        rows = len(self.table.columns[0].values)
+        if not 0 <= self.chosen < rows:
+            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
+
+
+def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
+    known = table.to_columns()
+    for plot in plots:
+        if lacking := [name for name in plot.columns if name not in known]:
+            raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A mechanism moving.
+
+    table: what the plots show; a row for each frame, its first column what the slider drives. time: (frames,) s, at
+    the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
+    last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
+    as its other assembly mode; shown beside it, on the same drive. regions: areas that are shaded.
+    choice: what the mechanism was chosen from, where it was found among others.
+    """
+
+    table: Table
+    time: Real
+    closed: Mask
+    bodies: tuple[SceneBody, ...]
+    curves: tuple[SceneCurve, ...] = ()
+    marks: tuple[SceneMark, ...] = ()
+    plots: tuple[Plot, ...] = ()
+    cyclic: bool = True
+    others: dict[str, Scene] = field(default_factory=dict)
+    regions: tuple[SceneRegion, ...] = ()
+    choice: Choice | None = None
+
+    __repr__ = one_line
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        frames = len(self.drive.values)
+        rows: list[tuple[str, Array]] = [
+            (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.closed))
+        ]
+        rows += [(f"the other {label}", other.time) for label, other in self.others.items()]
+        rows += [(f"body {b.name}", row) for b in self.bodies for row in (b.origin, b.direction)]
+        rows += [
+            (f"mark {m.label or m.sort}", row)
+            for m in self.marks
+            for row in (m.place, m.vector, m.direction, m.radius)
+            if row is not None
+        ]
+        for what, row in rows:
+            if len(row) != frames:
+                problem = f"found {frames} rows, but {len(row)} frames of {what}"
+                raise DesignError("table", problem, "give as many of each")
+        _check_plots(self.plots, self.table)
+
+    @property
+    def drive(self) -> Column:
+        """What is driven: the table's first column."""
+        return self.table.columns[0]
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner, mm, of where all pins, slides, traced points and bodies' origins go."""
+        kept = [mark for mark in self.marks if mark.sort in ("pin", "fixed pin", "slide") or mark.trail]
+        rows = [mark.place for mark in kept] + [body.origin for body in self.bodies]
+        places = np.concatenate([*rows, np.zeros(1, dtype=complex)])
+        places = places[np.isfinite(places)]
+        return (
+            complex(places.real.min(), places.imag.min()),
+            complex(places.real.max(), places.imag.max()),
+        )
+
+
+def dimension(start: complex, end: complex, words: str, body: str = "") -> SceneCurve:
+    """A length on a body, mm in its frame; words: the number as it stands in the drawing, then what it is."""
+    return SceneCurve(Segment(start, end), "dimension", words, body)
+
+
+def mm(length: float) -> str:
+    """A length with its unit, to five digits."""
+    return f"{length:.5g} mm"
+
+
+def shown_columns(scene: Scene) -> list[Column]:
+    """The columns of the table that hold numbers."""
+    return [column for column in scene.table.columns if np.asarray(column.values).dtype.kind in "fiub"]

@@ -1,0 +1,1 @@
+"""The page of a scene: player, plots, checks and parts in one file."""

@@ -1,0 +1,148 @@
+"""A page over a folder of what recipes made: a card for each, found by its summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeGuard
+from urllib.parse import quote
+
+from ..core.errors import FileError, printable
+from ..core.names import file_name_flaw, folded
+from ..export.formats import tail_of
+from ..export.summary import files_told, told
+from ..export.text import text
+from .page import colours, head, tight_style, web_file
+
+NAME = "index.html"
+# What tells a page of ours from one that somebody wrote, within so many bytes of its start.
+OURS, WITHIN = b'<meta name="generator" content="geomkin">', 1000
+# Bytes of a picture that is shown, and of all of them: ours are far smaller, and a page is to open at once.
+LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
+# Folders that are looked into, cards, and files that a card names: more is no page for a reader.
+MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
+# Signs that a picture in the text of a page may have as they are.
+PLAIN = " !$'()*+,-./:;=?@[]^_`{|}~"
+
+
+def index(folder: Path) -> dict[str, bytes]:
+    """The page, of all folders within `folder` that a recipe was made into; it asks for nothing but itself.
+
+    FileError where there are none, or where somebody else's page has its name.
+    """
+    _refuse_foreign(folder / NAME)
+    cards, count, room = [], 0, ALL_PICTURES
+    for own in _folders(folder):
+        if not (summary := told(own)) or not isinstance(summary.get("recipe"), dict):
+            continue
+        count += 1
+        if count <= MOST_CARDS:
+            picture = _picture(own, room)
+            room -= len(picture)
+            cards.append(_card(own, summary, picture))
+    if not cards:
+        raise FileError(f"{printable(folder)}: no recipe was made into it; make some first")
+    more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
+    place = folder.resolve().name or "this folder"
+    style = tight_style(f"{colours()}{web_file('index.css')}")
+    page = f"""{head(f"Mechanisms in {place}", style, mark=OURS.decode())}<body>
+<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
+<main>
+<ul class="cards">
+{chr(10).join(cards)}
+</ul>{more}
+</main>
+</body>
+</html>
+"""
+    return {NAME: page.encode("utf-8", "replace")}
+
+
+def _refuse_foreign(path: Path) -> None:
+    try:
+        if path.is_file():
+            with path.open("rb") as file:
+                ours = OURS in file.read(WITHIN)
+        else:
+            ours = not path.exists()
+    except OSError:
+        ours = False
+    if not ours:
+        raise FileError(
+            f"{printable(path)}: it is not one of ours, and is left as it is; move it or choose another folder"
+        )
+
+
+def _folders(folder: Path) -> list[Path]:
+    """Those within, by name as a reader looks for it."""
+    try:
+        found = [own for own, _ in zip(folder.iterdir(), range(MOST_FOLDERS)) if own.is_dir()]
+    except OSError as error:
+        raise FileError(f"{printable(folder)}: cannot be read ({error.strerror}); give a folder") from error
+    return sorted((own for own in found if not file_name_flaw(own.name)), key=lambda own: (folded(own.name), own.name))
+
+
+def _card(own: Path, summary: dict[str, object], picture: str) -> str:
+    recipe = summary["recipe"]
+    kind = recipe.get("kind") if isinstance(recipe, dict) else ""
+    name = own.name
+    page = f"{name}{tail_of('page')}"
+    files = sorted(file for file in files_told(own) if _is_there(own / file))
+    title = f'<a href="{_link(own, page)}">{text(name)}</a>' if page in files else text(name)
+    image = f'<img alt="{text(name)}, assembled" src="{picture}">' if picture else '<div class="none"></div>'
+    rows = "".join(f'<li><a href="{_link(own, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
+    more = f"<li>and {len(files) - MOST_FILES:,} more</li>" if len(files) > MOST_FILES else ""
+    listed = (
+        f"<details><summary>{_counted(len(files), 'file')}</summary><ul>{rows}{more}</ul></details>" if files else ""
+    )
+    told_kind = f'<p class="kind">{text(kind)}</p>' if isinstance(kind, str) else ""
+    return f"<li>{image}<h2><bdi>{title}</bdi></h2>{told_kind}{_verdict(summary.get('checks'))}{listed}</li>"
+
+
+def _verdict(checks: object) -> str:
+    """How many checks hold, and which one fails first."""
+    if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
+        return ""
+    failing = [check for check in checks if _is_check(check) and not check["passed"]]
+    failing.sort(key=lambda check: "expected" in check)
+    failed = [check["name"] for check in failing]
+    if not failed:
+        told = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
+        return f'<p class="holds">{told}</p>'
+    fails = "fails" if len(failed) == 1 else "fail"
+    fails += " as expected" * all("expected" in check for check in failing)
+    told = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
+    return f'<p class="fails">{told}{" and others" if len(failed) > 1 else ""}.</p>'
+
+
+def _is_check(check: object) -> TypeGuard[dict[str, object]]:
+    return isinstance(check, dict) and isinstance(check.get("passed"), bool) and isinstance(check.get("name"), str)
+
+
+def _picture(own: Path, room: int) -> str:
+    """The assembly as an address that holds it: as an image it can neither run anything nor ask for anything."""
+    path = own / f"{own.name}{tail_of('assembly-svg')}"
+    try:
+        if not path.is_file() or path.stat().st_size > LARGEST_PICTURE:
+            return ""
+        with path.open("rb") as file:
+            content = file.read(LARGEST_PICTURE + 1)
+    except OSError:
+        return ""
+    address = f"data:image/svg+xml,{quote(content, safe=PLAIN)}"
+    return address if len(content) <= LARGEST_PICTURE and len(address) <= room else ""
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def _link(own: Path, file: str) -> str:
+    """An address beside the page, whatever signs the names have."""
+    return f"./{quote(own.name)}/{quote(file)}"
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count:,} {word}{'' if count == 1 else 's'}"

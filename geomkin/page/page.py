@@ -1,0 +1,155 @@
+"""A page that shows a mechanism moving: one HTML file that asks for nothing else, from a folder or a mail."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+
+from ..export.job import Job
+from ..export.still import MOST_FRAMES
+from ..export.text import capital, text
+from .scene_json import island
+from .sections import all_of, verdict
+
+# Of the player, in an order in which each may use those before it; the plot library stands first.
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
+START = (
+    'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
+)
+
+# The same where the mechanism was chosen among others, which are plotted too.
+CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
+
+
+def write_page(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    return {f"{job.name}.html": page(job)}
+
+
+def page(job: Job) -> bytes:
+    """The page: drawing and plots by the player, all else as tables that read without it."""
+    about = f"<p>{text(job.about)}</p>" if job.about else ""
+    if entries := "; ".join(job.title.told()):
+        about += f"<p>{text(capital(entries))}</p>"
+    frames = len(job.scene.time)
+    if frames > MOST_FRAMES:
+        about += f"<p>It shows {MOST_FRAMES} of {frames} frames, evenly chosen; the CSV file of the recipe has all.</p>"
+    body = (
+        '<section id="player" aria-label="The mechanism, moving, and its plots"></section>\n'
+        "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
+        f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
+    )
+    scripts: tuple[str, ...] = SCRIPTS
+    start = START
+    if job.scene.choice is not None:
+        scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
+    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), scripts, start)
+
+
+def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
+    """A page of one file. title: plain text; about, body: HTML; data: JSON that is safe in a script element.
+
+    scripts: files of `web`, the plot library first, and `start` what calls them. Its policy lets run what stands in it
+    and nothing else, whatever a recipe's texts hold.
+    """
+    script = _script(scripts, start)
+    told = f"""{head(title, tight_style(web_file("style.css")), script)}<body>
+<header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
+<main>
+{body}</main>
+<script type="application/json" id="scene">{data}</script>
+<script type="module">{script}</script>
+</body>
+</html>
+"""
+    return told.encode("utf-8", "replace")
+
+
+@cache
+def _script(scripts: tuple[str, ...], start: str) -> str:
+    """Scripts and what they use as one module: files without what ties them, comment lines and idle spaces."""
+    library, *own = (web_file(name) for name in scripts)
+    kept = [line for source in own for line in map(str.strip, source.splitlines())]
+    kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
+    told: list[str] = [""]
+    for line in (_tight(line.removeprefix("export ")) for line in kept):
+        if line.startswith("const") and _declares(told[-1]):
+            told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
+        else:
+            # The last statement of a block needs no end of its own.
+            told[-1] = told[-1].removesuffix(";") if line.startswith("}") else told[-1]
+            told.append(line)
+    # Where a line ends in one of these, nothing depends on its end: what a brace ends is a block.
+    joined = re.sub(r"(?<=[;,{(\[}])\n|\n(?=})", "", "\n".join([*told, start]))
+    return f"{library}{joined}\n"
+
+
+def _declares(line: str) -> bool:
+    """Whether a line is one whole declaration, which may go on with what the next line declares."""
+    closed = sum(map(line.count, "([{")) == sum(map(line.count, ")]}"))
+    return line.startswith("const") and closed and line.find(";") == len(line) - 1
+
+
+def _tight(line: str) -> str:
+    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts.
+
+    A slash begins a pattern where no space follows it, and divides where one does: so the player is written.
+    """
+    if line.count("`") > 2:
+        return line
+    pieces = re.split(r'("[^"]*"|`[^`]*`|/(?! )(?:\\.|\[[^]]*]|[^/\\[])+/)', line)
+    signs = (
+        r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?",
+        r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?",
+        r"(?<!\w)\((\w+)\)(?==>)",
+    )
+    for sign in signs:
+        pieces[::2] = (re.sub(sign, r"\1", piece) for piece in pieces[::2])
+    return "".join(pieces)
+
+
+@cache
+def tight_style(style: str) -> str:
+    """A style without comments and the spaces that nothing depends on."""
+    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL)).replace(
+        ";}", "}"
+    )
+
+
+def colours() -> str:
+    """The part of the style that gives colours their names, light and dark."""
+    return web_file("style.css").partition("\n* {")[0]
+
+
+def web_file(name: str) -> str:
+    """The text of a file of the player."""
+    return files("geomkin.page.player").joinpath(name).read_text("utf-8").strip()
+
+
+def head(title: str, style: str, script: str = "", mark: str = "") -> str:
+    """The head of a page of one file, whose policy lets it load nothing, and run no script but this one.
+
+    title: plain text. mark: a line of HTML near its start.
+    """
+    runs = f"script-src {_hashed(script)}; " if script else ""
+    line = f"{mark}\n" if mark else ""
+    policy = f"{runs}style-src {_hashed(style)}; img-src data:; base-uri 'none'; form-action 'none'"
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+{line}<meta http-equiv="Content-Security-Policy" content="default-src 'none'; {policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{text(title)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+"""
+
+
+def _hashed(content: str) -> str:
+    """How a policy names a script or a style that may be in its page."""
+    return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"

@@ -1,0 +1,1 @@
+"""The player of pages: plain JavaScript modules, a style, and the plot library that they use."""

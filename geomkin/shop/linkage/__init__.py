@@ -1,1 +1,0 @@
-"""Plates and pins of a linkage, and how they lie on each other."""

@@ -1,0 +1,1 @@
+"""Anything as the page that shows it moving."""

@@ -1,0 +1,243 @@
+"""Recipe of Burmester's curves of four poses, engraved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, AsWritten, check_sizes, entry, quantity
+from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Plot, Scene, SceneCurve, SceneMark
+from ...model.table import Column, Table, xy_columns
+from ...plane.curve import AbstractCurve, Moved, Stretch
+from ...plane.primitives import Circle
+from ...plane.vec import Complex, Pose, Real
+from ...recipe.recipe import AbstractRecipe
+from ...recipe.settings import Files
+from ..found import ten_digits
+from ..guidance.burmester import Burmester, BurmesterCurve, burmester_curves
+from ..guidance.poses import placed, poles
+
+# Reach of the drawing, in sizes of the poses, where it is left out: more, and the poses are a dot on the plate.
+REACH = 3.0
+# What a dyad of the table may miss of a pose, in sizes of the poses: far finer than any plate is cut. Derived here.
+MISSED = 1e-6
+# Length of the axes that a pose is drawn with, and of a dash, in reaches.
+AXIS, DASH = 0.06, 0.02
+# Places of a piece by which its length is told: dashes and rows are even to a thousandth.
+SEEN = 2000
+# Time that the wandering pivot is shown in, s: slow enough to follow by eye.
+WANDER = 12.0
+
+
+@dataclass(frozen=True)
+class FourWanted:
+    """Four poses of a body."""
+
+    poses: tuple[
+        tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()], Annotated[float, AsWritten()]], ...
+    ] = entry(
+        "places of the body's origin and its angle, [x, y, angle] in mm and deg, four of them",
+        example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0), (40.0, 90.0, 110.0)),
+        units=("mm", "mm", "deg"),
+    )
+    reach: float | None = quantity(
+        "how far from the middle of the poses the curves are drawn; three times the farthest pose if left out",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if len(self.poses) != 4:
+            raise DesignError("poses", f"found {len(self.poses)}", "give four")
+
+    @cached_property
+    def pairs(self) -> list[tuple[complex, float]]:
+        """As the library takes them."""
+        return [(complex(x, y), float(np.radians(angle))) for x, y, angle in self.poses]
+
+    @cached_property
+    def size(self) -> float:
+        """Farthest origin from the middle of all, mm."""
+        origins = placed(self.pairs, 4, 4)[0]
+        return float(np.abs(origins - origins.mean()).max())
+
+    @property
+    def middle(self) -> complex:
+        """Of the poses' origins, mm."""
+        return complex(np.mean([place for place, _ in self.pairs]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BurmesterCurvesRecipe(AbstractRecipe):
+    """Where the pivots and pins of four poses may lie: centre-point curve, and dashed the circle-point curve."""
+
+    can_be_scaled: ClassVar[bool] = True
+    kind: Literal["burmester-curves"] = "burmester-curves"
+    wanted: FourWanted
+    rows: int = quantity(
+        "dyads that the table lists, evenly along the centre-point curve",
+        default=200,
+        at_least=2,
+        at_most=20_000,
+        whole=True,
+    )
+    stock: PlateStock = entry("the plate", default=PlateStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+
+    @property
+    def reach(self) -> float:
+        """mm."""
+        wanted = self.wanted
+        if wanted.reach is None and not wanted.size:
+            raise DesignError("wanted.reach", "is missing where all poses have one origin", "give it, in mm")
+        return REACH * wanted.size if wanted.reach is None else wanted.reach
+
+    @cached_property
+    def design(self) -> Burmester:
+        curves = burmester_curves(self.wanted.pairs, self.reach)
+        if not curves.fixed:
+            raise DesignError("wanted.reach", f"found {self.reach:g} mm, within which no pivot lies", "give more")
+        return curves
+
+    @cached_property
+    def dyads(self) -> tuple[Real, Complex, Complex]:
+        """Piece of the curve (rows,), from 1, pivots and pins (rows,), the latter on the body, mm."""
+        pieces = self.design.fixed
+        lengths = np.array([_length(piece)[1][-1] for piece in pieces])
+        shares = np.maximum(1, np.rint(self.rows * lengths / lengths.sum())).astype(int)
+        told: list[tuple[Real, Complex, Complex]] = []
+        for k, (piece, count) in enumerate(zip(pieces, shares)):
+            t = _even(piece, np.linspace(0, 1, count, endpoint=not piece.closed))
+            told.append((np.full(count, k + 1), piece.point(t), piece.partner(t)))
+        number, fixed, moving = (np.concatenate(part) for part in zip(*told))
+        return number, fixed, moving
+
+    @cached_property
+    def pins(self) -> Complex:
+        """Places of the pins at each pose, (4, rows), mm."""
+        origins, directions = placed(self.wanted.pairs, 4, 4)
+        return origins[:, None] + directions[:, None] * self.dyads[2]
+
+    @cached_property
+    def table(self) -> Table:
+        number, fixed, moving = self.dyads
+        return Table(
+            (
+                Column("dyad", "", "number of the dyad", np.arange(1, len(number) + 1)),
+                Column("piece", "", "unbroken piece of the centre-point curve", number),
+                *xy_columns("fixed", "mm", "pivot on the ground", fixed),
+                *xy_columns("moving", "mm", "its pin in the body's own frame", moving),
+                *xy_columns("moving_at_first", "mm", "the pin at the first pose", self.pins[0]),
+                Column("length", "mm", "crank from pivot to pin", np.abs(self.pins[0] - fixed)),
+            )
+        )
+
+    @property
+    def judged(self) -> tuple[Check, ...]:
+        """Distances by themselves, as the curves were not found by them."""
+        lengths = np.abs(self.pins - self.dyads[1])
+        missed = float(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])))
+        advice = "poses so close together leave the curves to rounding; set them farther apart"
+        return (Check("largest miss of a pose by a dyad, to its length", missed, "at most", MISSED, "", advice),)
+
+    @property
+    def at_first(self) -> Pose:
+        """The body's frame at the first pose."""
+        place, angle = self.wanted.pairs[0]
+        return Pose(place, complex(np.exp(1j * angle)))
+
+    @property
+    def axes(self) -> list[AbstractCurve]:
+        """The poses as the body's axes."""
+        return pose_axes(self.wanted.pairs, AXIS * self.reach)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """A pivot that wanders along the centre-point curve, with its pin at each of the poses.
+
+        Pins beyond the reach, where the circle-point curve is not drawn, are not shown: they may be anywhere.
+        """
+        fixed, count = self.dyads[1], len(self.dyads[1])
+        origins, directions = placed(self.wanted.pairs, 4, 4)
+        # The curve is drawn so far from the middle of the poses' own as the body sees it.
+        middle = ((origins.mean() - origins) / directions).mean()
+        shown = np.where(np.abs(self.dyads[2] - middle) <= self.reach * (1 + 1e-9), self.pins, np.nan)
+        curves = [
+            SceneCurve(curve, "traced", "centre points" if not k else "") for k, curve in enumerate(self.design.fixed)
+        ]
+        moving = [Moved(piece, self.at_first) for piece in self.design.moving]
+        curves += [SceneCurve(c, "pitch", "circle points, at pose 1" if not k else "") for k, c in enumerate(moving)]
+        curves += [SceneCurve(curve, "wanted", f"pose {k + 1}") for k, curve in enumerate(self.axes)]
+        marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in shown]
+        marks += [SceneMark("pin", pins, "construction") for pins in shown]
+        marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
+        names = {column.name: column.header for column in self.table.columns}
+        plots = (
+            Plot("pivot on the ground", (names["fixed_x"], names["fixed_y"])),
+            Plot("length of the crank", (names["length"],)),
+        )
+        time, closed = np.linspace(0, WANDER, count), np.ones(count, dtype=bool)
+        return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        reach = self.reach
+        dashes = [dash for piece in self.design.moving for dash in _dashes(piece, DASH * reach)]
+        marks: list[AbstractCurve] = [*self.design.fixed, *(Moved(dash, self.at_first) for dash in dashes), *self.axes]
+        for pole in poles(self.wanted.pairs).values():
+            at = complex(pole.position)
+            if abs(at - self.wanted.middle) <= reach:
+                marks.append(Circle(at, self.stock.pin_diameter / 4))
+        return (engraved("burmester-curves", marks, self.stock),)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Poles, or where these are at infinity; and the pin that slides, or the pivot that is slid over."""
+        told: dict[str, object] = {}
+        for (j, k), pole in poles(self.wanted.pairs).items():
+            at = complex(pole.position)
+            far = {"at_infinity_deg": ten_digits(float(np.degrees(np.angle(complex(pole.direction)))))}
+            told[f"{j + 1} and {k + 1}"] = [ten_digits(at.real), ten_digits(at.imag)] if np.isfinite(at) else far
+        slides, listed = self.design.slides, {}
+        for k, far_out in enumerate(slides.fixed_far):
+            pin, way = (slides.moving, slides.fixed) if far_out else (slides.fixed, slides.moving)
+            listed["pin_that_slides" if far_out else "pivot_that_is_slid_over"] = {
+                "place_mm": [ten_digits(pin[k].real), ten_digits(pin[k].imag)],
+                "direction_deg": ten_digits(np.degrees(np.angle(way[k])) % 180),
+            }
+        return {"poles_mm": told, "slides": listed}
+
+
+def _length(piece: BurmesterCurve) -> tuple[Real, Real]:
+    """Parameters of a piece and its length up to each, mm."""
+    t = np.linspace(piece.start, piece.end, SEEN)
+    return t, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(piece.point(t))))])
+
+
+def _even(piece: BurmesterCurve, share: Real) -> Real:
+    """Parameters at shares of a piece's length."""
+    t, way = _length(piece)
+    at: Real = np.interp(share * way[-1], way, t)
+    return at
+
+
+def _dashes(piece: BurmesterCurve, length: float) -> Iterator[AbstractCurve]:
+    """Every other stretch of a piece."""
+    count = 2 * max(1, round(_length(piece)[1][-1] / (2 * length))) + 1
+    ends = _even(piece, np.linspace(0, 1, count + 1))
+    for start, end in zip(ends[::2], ends[1::2]):
+        yield Stretch(piece, np.array([start, end]))

@@ -1,0 +1,309 @@
+"""Recipes of linkages whose output follows a function of their input."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, check_sizes, entry, quantity
+from ...linkage.parts.stock import LinkStock
+from ...model.check import Check
+from ...model.scene import Limit, Plot
+from ...model.table import Column, Table
+from ...plane.vec import Real
+from ...recipe.settings import Drive, Files
+from ..function.function import (
+    AbstractFunctionGenerator,
+    FunctionGenerator,
+    SliderFunctionGenerator,
+    function_generator,
+    slider_function_generator,
+)
+from ..function.wanted import NAMED, Expression, Function, named_function
+from .linkage_goals import AbstractLinkageGoal, choose_entry
+
+Method = Literal["minimax", "least-squares", "points"]
+
+
+def _start_deg(what: str) -> Any:
+    return quantity(f"{what}; found if left out", "deg", default=None, at_least=-360, at_most=360)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """The function, its range, and how it is met."""
+
+    function: str = entry(
+        "y as a text in x, such as log10(x), angles in rad; or a name with coefficients; or table, with rows",
+        example="log10(x)",
+    )
+    coefficients: tuple[Annotated[float, AsWritten()], ...] = entry(
+        f"of a function by name: {', '.join(f'{name}: {told[0]}' for name, told in NAMED.items())}", default=()
+    )
+    rows: Rows = entry("[x, y] of rising x, joined by a cubic spline; with function = table", default=())
+    x_start: float = quantity("where the range starts", at_least=-FARTHEST, at_most=FARTHEST, example=1)
+    x_end: float = quantity("where it ends", at_least=-FARTHEST, at_most=FARTHEST, example=2)
+    input_deg: float = quantity(
+        "how far the crank turns from x_start to x_end, counterclockwise",
+        "deg",
+        default=60.0,
+        at_least=-359,
+        at_most=359,
+    )
+    input_start_deg: float | None = _start_deg("crank's angle from the ground line at x_start")
+    least_transmission_angle_deg: float = quantity(
+        "least transmission angle over the range", "deg", default=40.0, at_least=5, at_most=85
+    )
+    largest_ratio: float = quantity("longest link over the shortest", default=10.0, at_least=1.1, at_most=100)
+    method: Method = entry(
+        "minimax: least largest error; least-squares: least mean square error; points: none at precision points",
+        default="minimax",
+    )
+    points: int = quantity("precision points in Chebyshev's spacing", default=3, at_least=3, at_most=5, whole=True)
+    points_at: tuple[Annotated[float, AsWritten()], ...] = entry(
+        "places x of the precision points instead, three to five", default=()
+    )
+
+    def __post_init__(self) -> None:
+        check_sizes(self)
+        if not self.x_start < self.x_end:
+            raise DesignError("x_end", f"found {self.x_end:g}", f"give more than {self.x_start:g}, the start")
+        if bool(self.rows) != (self.function == "table"):
+            given = "is given" if self.rows else "is missing"
+            raise DesignError(
+                "rows", f"{given}, with function = {self.function!r}", "give rows with function = 'table'"
+            )
+        if self.coefficients and self.function not in NAMED:
+            raise DesignError(
+                "coefficients", f"is given, with function = {self.function!r}", f"give them with {', '.join(NAMED)}"
+            )
+        if (self.points != 3 or self.points_at) and self.method != "points":
+            raise DesignError(
+                "method", f"found {self.method}, with precision points", "give points, or leave those out"
+            )
+        if self.points_at and not 3 <= len(self.points_at) <= 5:
+            raise DesignError("points_at", f"found {len(self.points_at)}", "give three to five")
+        # What cannot be read is told when the recipe is.
+        _ = self.read
+
+    @cached_property
+    def read(self) -> Function:
+        """What the library takes."""
+        if self.function in NAMED:
+            return named_function(self.function, self.coefficients)
+        return self.rows if self.function == "table" else Expression(self.function)
+
+    @property
+    def given(self) -> Mapping[str, Any]:
+        """Arguments of both searches."""
+        return {
+            "function": self.read,
+            "span": (self.x_start, self.x_end),
+            "input_deg": self.input_deg,
+            "input_start_deg": self.input_start_deg,
+            "least_transmission_angle_deg": self.least_transmission_angle_deg,
+            "largest_ratio": self.largest_ratio,
+            "method": self.method,
+            "points": self.points_at or self.points,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class WantedAngle(Wanted):
+    """The same with an angle for the output."""
+
+    output_deg: float = quantity(
+        "how far the rocker turns from y(x_start) to y(x_end), counterclockwise",
+        "deg",
+        default=90.0,
+        at_least=-359,
+        at_most=359,
+    )
+    output_start_deg: float | None = _start_deg("rocker's angle from the ground line at x_start")
+    ground: float = quantity(
+        "distance between the two ground pivots", "mm", default=100.0, at_least=SMALLEST, at_most=FARTHEST
+    )
+    largest_error_deg: float | None = quantity(
+        "error of the output that is not too large; a hundredth of its way if left out",
+        "deg",
+        default=None,
+        above=0,
+        at_most=360,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class WantedPlace(Wanted):
+    """The same with the slider's place for the output."""
+
+    output_mm: float = quantity(
+        "how far the slider goes from y(x_start) to y(x_end), along +x",
+        "mm",
+        default=50.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    output_start_mm: float | None = quantity(
+        "slider's x at x_start, from the crank pivot; found if left out",
+        "mm",
+        default=None,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+    largest_error_mm: float | None = quantity(
+        "error of the output that is not too large; a hundredth of its way if left out",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
+    """What the recipes of function generators have in common."""
+
+    kind: str
+    wanted: Wanted
+    choose: int = choose_entry()
+    drive: Drive = entry("how the crank turns", default=Drive())
+    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    files: Files = entry("what is written", default=Files())
+
+    def __post_init__(self) -> None:
+        # Before any search.
+        self.drive.check_rows(abs(self.wanted.input_deg) / 360)
+
+    @property
+    @abstractmethod
+    def best(self) -> AbstractFunctionGenerator:
+        """What the search found."""
+
+    @property
+    @abstractmethod
+    def reached(self) -> Real:
+        """Output over the frames: deg, the turns of the wanted one, or mm."""
+
+    @property
+    @abstractmethod
+    def most_error(self) -> float:
+        """An error that is not too large, deg or mm."""
+
+    @property
+    @abstractmethod
+    def unit(self) -> str:
+        """Of the output."""
+
+    @property
+    def ranked(self) -> Sequence[AbstractFunctionGenerator]:
+        return (self.best, *self.best.others)
+
+    @cached_property
+    def x(self) -> Real:
+        """x over the frames."""
+        first, last = self.found.drive
+        share = np.clip((self.design.way.frames - first) / (last - first), 0, 1)
+        return np.asarray(self.wanted.x_start + (self.wanted.x_end - self.wanted.x_start) * share)
+
+    @cached_property
+    def table(self) -> Table:
+        wanted = self.found.wanted_at(self.x)
+        return Table(
+            (
+                *self.design.table.columns,
+                Column("x", "", "the function's x", self.x),
+                Column("wanted", self.unit, "output that is wanted", wanted),
+                Column("reached", self.unit, "output that is reached, in the turn of the wanted one", self.reached),
+                Column("error", self.unit, "output reached less wanted", self.reached - wanted, float(np.ptp(wanted))),
+            )
+        )
+
+    @property
+    def plotted(self) -> Sequence[Plot]:
+        names = {column.name: column.header for column in self.table.columns}
+        limits = tuple(Limit(side * self.most_error, "largest error allowed") for side in (1, -1))
+        return (
+            Plot("error of the output", (names["error"],), limits),
+            Plot("output", (names["wanted"], names["reached"])),
+        )
+
+    @property
+    def size_bounds(self) -> Mapping[str, tuple[float, float]]:
+        names = ("ground", "input_start_deg", "output_start_deg", "output_start_mm")
+        given = {name: getattr(self.wanted, name, None) for name in names}
+        return {name: (size, size) for name, size in given.items() if size is not None}
+
+    @property
+    def search_limits(self) -> tuple[float, float]:
+        return self.wanted.least_transmission_angle_deg, self.wanted.largest_ratio
+
+    def met_by(self, found: AbstractFunctionGenerator) -> tuple[Check, ...]:
+        advice = "give other swings, a shorter range, or leave the starts free"
+        return (Check("largest error of the output", found.largest, "at most", self.most_error, self.unit, advice),)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {**super().notes, **self.found.proof()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FunctionGeneratorRecipe(AbstractFunctionRecipe):
+    """The four-bar whose rocker follows a function of its crank's angle, its plates and its error."""
+
+    kind: Literal["function-generator"] = "function-generator"
+    wanted: WantedAngle
+    unit = "deg"
+
+    @cached_property
+    def best(self) -> FunctionGenerator:
+        wanted = self.wanted
+        return function_generator(
+            **wanted.given,
+            output_deg=wanted.output_deg,
+            output_start_deg=wanted.output_start_deg,
+            ground=wanted.ground,
+        )
+
+    @cached_property
+    def reached(self) -> Real:
+        turned = np.degrees(np.angle(self.design.motion.bodies["rocker"].direction))
+        wanted = self.found.wanted_at(self.x)
+        return np.asarray(turned + 360 * np.round((wanted - turned) / 360))
+
+    @property
+    def most_error(self) -> float:
+        return self.wanted.largest_error_deg or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_deg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
+    """The slider-crank whose slider follows a function of its crank's angle, its plates and its error."""
+
+    kind: Literal["slider-function-generator"] = "slider-function-generator"
+    wanted: WantedPlace
+    unit = "mm"
+
+    @cached_property
+    def best(self) -> SliderFunctionGenerator:
+        wanted = self.wanted
+        return slider_function_generator(
+            **wanted.given, output_mm=wanted.output_mm, output_start_mm=wanted.output_start_mm
+        )
+
+    @cached_property
+    def reached(self) -> Real:
+        return np.real(self.design.motion.bodies["slider"].origin.position)
+
+    @property
+    def most_error(self) -> float:
+        return self.wanted.largest_error_mm or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_mm)
+
+
+# Of the output's way. A larger error shows on any scale that a function generator moves over; derived here.
+MOST_ERROR_OF_FUNCTION = 0.01
