@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from .core.arguments import Sort, checked
 from .core.errors import DesignError, Problem, RecipeError, printable
 from .core.names import file_name_flaw
-from .core.reprs import one_line
+from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, Loose, Source
@@ -33,7 +33,7 @@ LONGEST_NAME = 200
 Readable = str | Path | Annotated[Mapping[str, Any], Sort(lambda value: isinstance(value, Mapping), "a table")]
 
 
-@dataclasses.dataclass(frozen=True)
+@record
 class Made:
     """What became of a recipe. files: path to size in bytes, empty when nothing was to be written.
 
@@ -46,8 +46,6 @@ class Made:
     files: Mapping[Path, int]
     facts: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
-
-    __repr__ = one_line
 
 
 @checked

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .extrema import exceeds, largest, samples
@@ -33,7 +33,7 @@ SMALLEST, FAR = 1e-5, 1e3
 Limit = Literal["pressure angle", "undercut", "reach", "nothing"]
 
 
-@dataclass(frozen=True)
+@record
 class BaseCircle:
     """The least base circle within limits. radius, mm: larger ones keep them too, up to `largest`.
 
@@ -46,8 +46,6 @@ class BaseCircle:
     largest: float
     limit: Limit
     cam_angle: float
-
-    __repr__ = one_line
 
 
 @checked

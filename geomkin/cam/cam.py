@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, check_sizes, entry, quantity
-from ..core.reprs import moving, one_line
+from ..core.fields import FARTHEST, entry, quantity
+from ..core.records import record
+from ..core.reprs import moving
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Pose, Real
 from .followers.follower import AbstractFollower, Contact, Follower
@@ -24,7 +24,7 @@ MOST_STRETCHES = 500
 Direction = Literal["counterclockwise", "clockwise"]
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Cam:
     """A disk cam about the origin, drawn at cam angle 0, and the follower that rides on it.
 
@@ -45,7 +45,6 @@ class Cam:
     can_be_scaled: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         check_lifts(self.follower, self.program)
         stretches = len(self.program.breaks) - 1
         if stretches > MOST_STRETCHES:
@@ -56,7 +55,6 @@ class Cam:
             )
         self.follower.check(self.program, self.base_radius, self.sense)
 
-    __repr__ = one_line
     _repr_html_ = moving
 
     @property
@@ -104,7 +102,7 @@ class Cam:
         return self.follower.place(self.program.motion(np.asarray(angle, dtype=float)).lift, self.base_radius)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Profile(AbstractCurve):
     """Where a follower touches its cam, seen from the cam: E z with E = exp(-i sgn t) from ground to cam."""
 
@@ -112,8 +110,6 @@ class Profile(AbstractCurve):
     program: Program
     base_radius: float
     sense: int
-
-    __repr__ = one_line
 
     def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import Positive, RealRow, Reals, checked
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real, Whole
@@ -29,7 +28,7 @@ JOINT = 1e-9
 ROUNDING = 1e-14
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SegmentLimits:
     """The worst of each smooth stretch of a cam's programme, (stretches,), and the cam angle, rad, where it is.
 
@@ -45,8 +44,6 @@ class SegmentLimits:
     pressure_angle_at: Real
     convex_radius: Real
     convex_radius_at: Real
-
-    __repr__ = one_line
 
 
 @checked

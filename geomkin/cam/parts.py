@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_down
-from ..core.reprs import one_line
+from ..core.records import record
 from ..making.assembly import Assembling, Assembly, collar_across, pin_bill, seated
 from ..making.bases import BaseOpening, BaseStock, standing_plate
 from ..making.bores import bore, fits_of, shaft
@@ -121,7 +121,7 @@ LINE, ARROW = (0.2, 0.9), 0.55
 SWEEP, HEAD = np.pi / 4, 0.15
 
 
-@dataclass(frozen=True)
+@record
 class CamStock(AbstractBored):
     """What a cam and its follower are cut from, and what they turn on; all lengths in mm.
 
@@ -149,8 +149,6 @@ class CamStock(AbstractBored):
         at_most=FARTHEST,
     )
     pivot_bore: float = shaft("an arm's pivot, or of the pin in a stem", 6.0)
-
-    __repr__ = one_line
 
     @property
     def bars(self) -> Bars:

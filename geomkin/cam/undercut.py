@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole
@@ -38,7 +37,7 @@ TIED = 1e-9
 Interval = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Undercut:
     """What undercut does to a cam.
 
@@ -52,8 +51,6 @@ class Undercut:
     outline: AbstractCurve
     spans: Real
     corners: Complex
-
-    __repr__ = one_line
 
     @property
     def found(self) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ..core.records import record
 from ..plane.curve import AbstractCurve, Stretch, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Pose, Real, Whole, cross
@@ -39,7 +39,7 @@ THIN = 1e-11
 BLOCK = 1_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class UntrimmedOutline:
     """What a follower touches all the way round: the profile and, where it jumps, what joins its ends.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.vec import Real, Whole, rounded
 from .job import Job
 from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box, style, transform
@@ -60,7 +60,7 @@ def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:
     return run[kept_frames(len(run))], cyclic and bool(closed.all())
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Film:
     """Items of a still and how they move: each motion once, whatever follows it.
 
@@ -71,8 +71,6 @@ class Film:
     frames: Whole
     time: Real
     motions: dict[str, str] = field(default_factory=dict)
-
-    __repr__ = one_line
 
     def shown(self) -> Iterator[str]:
         """All items, each in a group that moves."""

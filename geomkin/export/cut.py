@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..core.errors import DesignError
 from ..core.fields import WIDEST, rounded_up
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
@@ -25,7 +23,7 @@ from .lettering import lettered
 FINEST = 1e-7
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Loop:
     """One cut or mark. shape: a Circle, or a Polyline whose vertices are rounded; layer: its operation.
 
@@ -36,8 +34,6 @@ class Loop:
     shape: Circle | Polyline
     points: Complex
     layer: str
-
-    __repr__ = one_line
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -65,7 +61,7 @@ class Loop:
         return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Cut:
     """A part ready for its files.
 
@@ -79,8 +75,6 @@ class Cut:
     digits: int
     tolerance: float
     label: str = ""
-
-    __repr__ = one_line
 
     @property
     def area(self) -> float:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import harmless
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .cut import Cut, Loop
@@ -40,7 +40,7 @@ Shape = tuple[str, Circle | Polyline]
 NUMBERED = "hole "
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Drawing:
     """Shapes with their layers and texts, mm on paper, from the origin to (width, height)."""
 
@@ -49,10 +49,8 @@ class Drawing:
     width: float
     height: float
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _Hole:
     """A hole by its letter or number, its size in words, and its middle where it is round."""
 
@@ -61,7 +59,7 @@ class _Hole:
     centre: complex | None
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _Cell:
     """A part with its sizes about its own origin, on paper, and the box that they take."""
 

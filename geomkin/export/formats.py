@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Literal
+
+from ..core.records import record
 
 if TYPE_CHECKING:
     from .job import Job
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 Contents = Mapping[str, bytes]
 
 
-@dataclass(frozen=True)
+@record
 class Writer:
     """A format.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Protocol
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.check import Check
 from ..model.part import Bought, Part
 from ..model.scene import Scene
@@ -47,7 +47,7 @@ class Source(Protocol):
     def steps(self) -> tuple[str, ...]: ...
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Loose:
     """What comes of no recipe."""
 
@@ -61,7 +61,7 @@ class Loose:
     steps: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Job:
     """Files to be written, worked out no further than writers ask.
 
@@ -85,8 +85,6 @@ class Job:
     assembly_at: float | None = None
     sheet: tuple[float, float] | None = None
     title: Title = field(default_factory=Title)
-
-    __repr__ = one_line
 
     @property
     def table(self) -> Table:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.scene import SceneBody
 from ..plane.vec import Complex, Mask, Real
 from .still import Still, some_points
@@ -30,7 +29,7 @@ ON_NAME, ON_PIN, COVERED, BESIDE, ON_PATH, AWAY = 40.0, 6.0, 2.5, 0.5, 1.0, 1.5
 AROUND = np.exp(1j * np.radians([45, 135, -45, -135, 0, 180, 90, -90]))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Name:
     """A name in a picture. place: the middle of its letters, mm; half: half its width and height; role: "" a body's."""
 
@@ -38,8 +37,6 @@ class Name:
     place: complex
     half: complex
     role: str = ""
-
-    __repr__ = one_line
 
 
 def stand(still: Still) -> tuple[Name, ...]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Mask, Real, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
@@ -30,7 +30,7 @@ DECIMALS = 6
 NEVER = np.iinfo(np.int64).max
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Place:
     """Where a copy lies: turned about the origin of its frame, unit complex, then shifted, complex mm.
 
@@ -41,10 +41,8 @@ class Place:
     shift: complex
     corner: complex
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Lie:
     """A way in which a part can lie.
 
@@ -58,8 +56,6 @@ class Lie:
     cells: Mask
     inset: complex
     spectrum: Complex
-
-    __repr__ = one_line
 
 
 def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[list[tuple[int, Place]]]:
@@ -243,15 +239,13 @@ GAP = 5.0
 SPARE = 1.1
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Placed:
     """One copy of a part, and what takes its own frame to the sheet: a turn, unit complex, then a shift, complex mm."""
 
     cut: Cut
     shift: complex
     turn: complex = 1 + 0j
-
-    __repr__ = one_line
 
     @property
     def loops(self) -> tuple[Loop, ...]:
@@ -264,15 +258,13 @@ class Placed:
         return tuple(loop.moved(self.shift, self.cut.digits, self.turn) for loop in (*inner, *self.cut.marks, outline))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Sheet:
     """All copies; the sheet reaches from the origin to (width, height), mm, margins included."""
 
     placed: tuple[Placed, ...]
     width: float
     height: float
-
-    __repr__ = one_line
 
     @property
     def extents(self) -> tuple[complex, complex]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from html import escape
 
 import numpy as np
 
 from ..core.errors import harmless
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.scene import SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
@@ -33,7 +33,7 @@ TURN_DIGITS = 3
 SCALE_DIGITS = 5
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Item:
     """Something drawn, in a frame of its own, y up, mm.
 
@@ -48,8 +48,6 @@ class Item:
     scale: Real | None = None
     body: str = ""
     reach: float = 0.0
-
-    __repr__ = one_line
 
 
 def document(

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import Part
 from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
@@ -72,14 +71,12 @@ def frame_at(scene: Scene, at: float | None) -> int:
     return nearest
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Still:
     """What a picture shows. frames: those that it has to have room for; the first is the one that is drawn."""
 
     scene: Scene
     frames: Whole
-
-    __repr__ = one_line
 
     @property
     def frame(self) -> int:
@@ -214,7 +211,7 @@ def _box(rows: Sequence[Complex]) -> tuple[complex, complex]:
     return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class InPlace:
     """A part where it stands.
 
@@ -228,8 +225,6 @@ class InPlace:
     origin: complex
     direction: complex
     height: float
-
-    __repr__ = one_line
 
 
 def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:

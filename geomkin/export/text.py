@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from html import escape
 from unicodedata import east_asian_width
 
 import numpy as np
 
 from ..core.errors import DesignError, harmless, shown
-from ..core.fields import check_sizes, entry
+from ..core.fields import entry
 from ..core.names import is_letter
-from ..core.reprs import one_line
+from ..core.records import record
 
 # Significant digits of a number in a text.
 DIGITS = 4
@@ -25,7 +25,7 @@ SIGNS = "°±µ²³Øøß§"
 CODES = "\\^"
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Title:
     """Entries of the title of the drawing with sizes; what is left out is not in it."""
 
@@ -37,10 +37,7 @@ class Title:
     drawn_by: str = entry("who drew it", default="")
     date: str = entry("when it was drawn, as it is to stand there", default="")
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         for field in fields(self):
             value = getattr(self, field.name)
             if flaw := _flaw(value):
@@ -74,7 +71,7 @@ def _flaw(text: str) -> str:
 WIDE, WIDEST = 1.0, 1.5
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Text:
     """A line of text; place: its middle, or its left end at half its height where it starts there, mm.
 
@@ -86,8 +83,6 @@ class Text:
     place: complex
     height: float
     starts: bool = False
-
-    __repr__ = one_line
 
     @property
     def box(self) -> tuple[complex, complex]:

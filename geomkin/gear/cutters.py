@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
 from ..core.arguments import Count, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, quantity, rounded_down
+from ..core.fields import quantity, rounded_down
+from ..core.records import record
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function, roll_at
 
@@ -22,7 +22,7 @@ HelixAngle = Annotated[float, between(0, STEEPEST, "deg")]
 Total = Annotated[float, between(-20, 20, "modules")]
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class RackCutter:
     """A straight-flanked cutting rack, lengths in modules; the defaults are basic rack profile A of ISO 53.
 
@@ -45,7 +45,6 @@ class RackCutter:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         slope = np.radians(self.pressure_angle_deg)
         # The rounding grows until the two corners of a tip meet in its middle.
         narrowest = np.pi / 4 - self.dedendum * np.tan(slope)

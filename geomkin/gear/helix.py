@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, quantity
-from ..core.reprs import one_line
+from ..core.fields import entry, quantity
+from ..core.records import record
 from .contract import AbstractInvoluteGear
 from .cutters import STEEPEST
 
@@ -28,7 +28,7 @@ def helix_angle() -> Any:
     )
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Helix:
     """How the teeth of a gear lie along its face: on helices about its axis, or on two halves as a herringbone.
 
@@ -43,10 +43,7 @@ class Helix:
     hand: Hand = entry("hand of the helices; what it meshes with has the one that fits", default="right")
     herringbone: bool = entry("lower half of this hand, upper half of the other", default=False)
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         if self.herringbone and self.helix_angle_deg == 0:
             raise DesignError(
                 "herringbone", "found true with straight teeth", "give a helix_angle_deg, 30 being usual, or false"

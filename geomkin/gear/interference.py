@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.records import record
 from ..plane.roulettes import involute_function, roll_at
 from ..plane.vec import Pose, Real
 from .contract import AbstractInvoluteGear
@@ -57,7 +57,7 @@ def tip_margin(
     return float(beside[within].min()) if within.any() else float("inf")
 
 
-@dataclass(frozen=True)
+@record
 class InternalMesh:
     """A pinion, or a cutter, in a ring: numbers of teeth, distance of the axes, tip and base radii, all in one unit.
 

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..core.fields import Length, rounded_down, rounded_up
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.table import Column, Table, xy_columns
 from ..plane.flatten import flatten
 from ..plane.roulettes import inverse_involute, roll_at
 from .contract import AbstractInvoluteGear
 
 
-@dataclass(frozen=True)
+@record
 class SpanMeasure:
     """length: mm, between flat jaws over `teeth` teeth; radius: of the circle on which they touch, mm."""
 
@@ -24,10 +22,8 @@ class SpanMeasure:
     length: float
     radius: float
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class PinMeasure:
     """What two pins in opposite spaces measure.
 
@@ -40,10 +36,8 @@ class PinMeasure:
     radius: float
     contact: float
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class ChordMeasure:
     """Of a tooth at a circle: thickness along the arc and the chord, mm, half its angle, rad, height of the tip, mm."""
 
@@ -51,8 +45,6 @@ class ChordMeasure:
     chord: float
     half_angle: float
     height: float
-
-    __repr__ = one_line
 
 
 @checked

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ..core.arguments import RealsOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
-from ..core.reprs import moving, one_line
+from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
+from ..core.records import record
+from ..core.reprs import moving
 from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
@@ -25,7 +26,7 @@ from .spur import SpurGear
 SEEN = 1e-5
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class GearPair:
     """A spur gear, and a spur gear or a ring gear that it drives.
 
@@ -42,11 +43,9 @@ class GearPair:
     second: SpurGear | RingGear = entry("the driven gear", example=SpurGear(40, 2))
     centre_distance: Settled = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
-    __repr__ = one_line
     _repr_html_ = moving
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         first, second = self.first, self.second
         tool = "cutter" if self.is_internal else "rack"
         check_alike(first, second.module, second.pressure_angle, "second", tool)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, quantity, rounded_down, rounded_up
+from ..core.fields import quantity, rounded_down, rounded_up
+from ..core.records import record
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.joined import Ring
 from ..plane.primitives import Arc, Segment
@@ -19,7 +19,7 @@ from .cutters import HelixAngle, transverse_factors
 from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class PinionCutter:
     """An involute gear with cutting edges that cuts internal gears, lengths in modules.
 
@@ -41,7 +41,6 @@ class PinionCutter:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
             raise DesignError(
                 "addendum",

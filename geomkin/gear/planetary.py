@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ..core.arguments import NUMBER, RealsOrNan, checked, refused
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, quantity
-from ..core.reprs import moving, one_line
+from ..core.fields import entry, quantity
+from ..core.records import record
+from ..core.reprs import moving
 from ..plane.vec import Pose, Real
 from .cutters import HelixAngle
 from .pair import GearPair
@@ -18,7 +19,7 @@ from .ring import RingGear
 from .spur import SpurGear
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class PlanetarySet:
     """A sun about the origin, equal planets evenly around it, and a ring around them.
 
@@ -31,11 +32,9 @@ class PlanetarySet:
     ring: RingGear = entry("the ring around them", example=RingGear(60, 2, addendum=0.8))
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
-    __repr__ = one_line
     _repr_html_ = moving
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         inner, outer = self.inner.centre_distance, self._outer_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..core.arguments import RealsOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, quantity, rounded_down, rounded_up
-from ..core.reprs import moving, one_line
+from ..core.fields import entry, quantity, rounded_down, rounded_up
+from ..core.records import record
+from ..core.reprs import moving
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
@@ -24,7 +25,7 @@ CORNER = 0.5
 TOUCH = 1e-3
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class GearRack(AbstractGear):
     """A straight bar with teeth on top; its reference line is the x axis, a tooth is centred on +y.
 
@@ -48,10 +49,7 @@ class GearRack(AbstractGear):
     )
     diametral_pitch: float | None = diametral_pitch()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         if self.height <= self.rack.dedendum:
             raise DesignError(
@@ -160,7 +158,7 @@ class GearRack(AbstractGear):
         return Polyline(m * vertices[::-1], -np.roll(bulges[::-1], -1))
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class RackPair:
     """A spur gear and the rack it drives.
 
@@ -179,11 +177,9 @@ class RackPair:
         "distance of the gear's axis from the rack's reference line", "mm", default=None, above=0, at_most=1e9
     )
 
-    __repr__ = one_line
     _repr_html_ = moving
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         pinion = self.pinion
         if self.distance is None:
             object.__setattr__(self, "distance", self._tight_distance)

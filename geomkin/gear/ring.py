@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import NoReturn
 
@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, last_fit, quantity, rounded_down, rounded_up
-from ..core.reprs import one_line
+from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
+from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Ring
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
@@ -25,7 +25,7 @@ from .pinion_cutter import PinionCutter
 from .tooth import envelope_end, toothed, with_land
 
 
-@dataclass(frozen=True)
+@record
 class RingTooth(AbstractTooth):
     """A tooth of a ring as a pinion cutter leaves it; the sizes are those of `RingGear`, unchecked."""
 
@@ -35,8 +35,6 @@ class RingTooth(AbstractTooth):
     cutter: PinionCutter
     addendum: float
     thinning: float
-
-    __repr__ = one_line
 
     @property
     def stands(self) -> bool:
@@ -214,7 +212,7 @@ class RingTooth(AbstractTooth):
         return (self._base - self.cutter.base_radius) / float(np.cos(self.cutting_angle))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class RingTrochoid(Traced):
     """The envelope of a small circle on a wheel that rolls inside a ring: derived here from the law of gearing.
 
@@ -236,8 +234,6 @@ class RingTrochoid(Traced):
     rounding: float
     start: float
     end: float
-
-    __repr__ = one_line
 
     def _away(self, t: Real) -> tuple[Real, Real]:
         """d, and q = d + w cos(psi), in the form that keeps the digits of a small reach."""
@@ -280,7 +276,7 @@ class RingTrochoid(Traced):
 FARTHEST_SHIFT = 10
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class RingGear(AbstractInvoluteGear):
     """An internal gear about the origin, a tooth centred on +y, pointing inwards.
 
@@ -309,10 +305,7 @@ class RingGear(AbstractInvoluteGear):
     )
     diametral_pitch: float | None = diametral_pitch()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:

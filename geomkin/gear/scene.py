@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.arguments import checked
+from ..core.records import record
 from ..making.motors import apart, on_motor
 from ..model.part import Part
 from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
@@ -36,7 +36,7 @@ PITCH_TIME = 1.0
 ALIKE = 1e-6
 
 
-@dataclass(frozen=True)
+@record
 class Meshing:
     """Frames of a mesh, in equal steps of a driver's turn.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
+from ..core.records import record
 from ..making.motors import apart, on_motor
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneCurve, SceneMark
@@ -97,7 +97,7 @@ def conjugate_scene(
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _Touching:
     """When and where the places on a tooth's flank touch that a table tells, (places,), and what lies between them."""
 
@@ -160,7 +160,7 @@ class _Touching:
                 yield Polyline(self.place[start:end], is_closed=False)
 
 
-@dataclass(frozen=True)
+@record
 class LineOfAction:
     """That of a pair whose driver turns counterclockwise about the origin.
 

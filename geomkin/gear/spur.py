@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal, NoReturn
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import check_sizes, entry, last_fit, quantity, rounded_down
-from ..core.reprs import one_line
+from ..core.fields import entry, last_fit, quantity, rounded_down
+from ..core.records import record
 from ..plane.joined import Ring
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
@@ -27,7 +27,7 @@ TOOL_TEETH = 7
 SMALLEST_CHAMFER = 1e-6
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class SpurGear(AbstractInvoluteGear):
     """An external spur gear about the origin, a tooth centred on +y.
 
@@ -66,10 +66,7 @@ class SpurGear(AbstractInvoluteGear):
     )
     diametral_pitch: float | None = diametral_pitch()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         if not self._is_whole(self._sharp):
             self._refuse()

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ..core.fields import last_fit
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, Ring
 from ..plane.primitives import Arc, Segment
@@ -18,7 +18,7 @@ from ..plane.vec import Pose
 from .contract import NARROW, AbstractTooth
 
 
-@dataclass(frozen=True)
+@record
 class TipRounding:
     """The arc that rounds a tooth's tip.
 
@@ -81,7 +81,7 @@ def envelope_end(
     return _root(inside, 0.0, cusp) if inside(cusp) < 0 else end
 
 
-@dataclass(frozen=True)
+@record
 class Tooth(AbstractTooth):
     """A tooth as a rack leaves it; the place of the rack's rounded corners is measured from the rolling pitch line."""
 
@@ -103,8 +103,6 @@ class Tooth(AbstractTooth):
     fillet_height: float = 0.0
     fillet_side: float = 0.0
     flank_height: float = 0.0
-
-    __repr__ = one_line
 
     @cached_property
     def stands(self) -> bool:

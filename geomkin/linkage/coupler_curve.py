@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Literal
@@ -11,10 +11,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Points, Reals, check_fields, checked
+from ..core.arguments import Points, Reals, checked
 from ..core.errors import DesignError, shown
 from ..core.fields import rounded_up
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross, direction_deg, unit
 from .linkage import AbstractLinkage, Linkage, OneLinkage
@@ -51,7 +51,7 @@ def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: floa
     return move(linkage, np.append(start, drive.ravel()[order]), branch), frames.reshape(drive.shape)
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class CouplerCurve(AbstractCurve):
     """The path of the point named `point_name`; t is the driver's angle, rad, or place, mm, over `span`.
 
@@ -65,10 +65,7 @@ class CouplerCurve(AbstractCurve):
     branch: Branch = 1
     span: tuple[float, float] | None = None
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
         if self.point_name not in named:
             raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
@@ -264,7 +261,7 @@ LEFT: Mapping[Link, Link] = MappingProxyType({"crank": "coupler", "coupler": "cr
 RIGHT: Mapping[Link, Link] = MappingProxyType({"crank": "crank", "coupler": "rocker", "rocker": "coupler"})
 
 
-@dataclass(frozen=True)
+@record
 class Cognate:
     """One of the three four-bars of a coupler curve, and how it moves to be at the same point at the same moment.
 
@@ -276,8 +273,6 @@ class Cognate:
     drive_offset: float
     branch: int
     turns_with: Mapping[Link, Link]
-
-    __repr__ = one_line
 
 
 @checked

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.vec import Real, dot
 from .motion import Motion, goes_without_turning
 
@@ -20,7 +19,7 @@ BETWEEN, LOOKS = 16, 20_000
 CLOSED = 1e-9
 
 
-@dataclass(frozen=True)
+@record
 class OutputDwell:
     """The longest dwell of a body. start, end: drives, rad or mm; low, high: rad, or mm of a body that slides.
 
@@ -31,8 +30,6 @@ class OutputDwell:
     end: float
     low: float
     high: float
-
-    __repr__ = one_line
 
     @property
     def range(self) -> float:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..core.arguments import LARGEST, PLAIN, Place, Sort, check_fields, is_place
+from ..core.arguments import LARGEST, PLAIN, Place, Sort, is_place
 from ..core.errors import DesignError, shown
 from ..core.fields import KindTable
 from ..core.names import check_names
+from ..core.records import record
 from ..core.reprs import LONGEST, moving, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
@@ -75,7 +76,7 @@ OneLinkage = Annotated[
 ]
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Slider:
     """A sliding joint: `body` slides along a straight line of the body `along`, without turning against it.
 
@@ -91,11 +92,6 @@ class Slider:
     direction_deg: float = 0.0
     angle_deg: float = 0.0
 
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
     @property
     def direction(self) -> Complex:
         """The line's direction in the frame of `along`, unit complex."""
@@ -110,7 +106,7 @@ class Slider:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Linkage(AbstractLinkage):
     """Rigid bodies with named points: where two bodies name the same point, a pin joins them there.
 
@@ -130,10 +126,7 @@ class Linkage(AbstractLinkage):
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         names = list(self.bodies)
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")

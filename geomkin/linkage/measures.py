@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations, islice
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, printable
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.vec import Mask, Real, Whole, dot
 from .linkage import OneLinkage
 from .motion import Motion, goes_without_turning
@@ -334,7 +333,7 @@ LACKS = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class Opening:
     """The first frame of a motion that is open, and the first dyad, in the order they are placed, that opens there.
 
@@ -352,8 +351,6 @@ class Opening:
     branch: Mapping[str, int] | None
     text: str
     remedy: str
-
-    __repr__ = one_line
 
     def __str__(self) -> str:
         return self.text

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
-from ..core.reprs import clipped, moving, one_line, short
+from ..core.records import record
+from ..core.reprs import clipped, moving, short
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from .linkage import Linkage, Slider
@@ -18,7 +19,7 @@ from .solve.formulas import Timing, Worked, first_of, second_of
 from .solve.solution import LinkageSolution
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class PointMotion:
     """A point of a body over the frames; all (frames,) complex, nan where the linkage is open."""
 
@@ -93,14 +94,12 @@ class PointMotion:
         return self.body.timing.gain(self.first, second)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Body:
     """A rigid body over the frames; all (frames,), angles counterclockwise, nan where the linkage is open."""
 
     name: str
     solution: LinkageSolution = field(repr=False)
-
-    __repr__ = one_line
 
     @property
     def timing(self) -> Timing:
@@ -142,7 +141,7 @@ class Body:
         return PointMotion(self, local)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SlideMotion:
     """How a sliding joint slides; all (frames,), positive along the line's direction.
 
@@ -158,8 +157,6 @@ class SlideMotion:
     first: Real
     second: Real
 
-    __repr__ = one_line
-
 
 # Turning over the linkage's size as a share of sliding: what is less is rounding of a body that only slides, what
 # is more a body that turns.
@@ -169,7 +166,7 @@ STILL = 1e-9
 ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Motion:
     """What a linkage does over its frames: `motion.coupler.direction`, `motion.point("coupler_point")`.
 

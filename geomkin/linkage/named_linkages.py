@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, PointsXY, PointXY, Sizes, check_sizes, entry, quantity
+from ..core.fields import FARTHEST, PointsXY, PointXY, Sizes, entry, quantity
+from ..core.records import record
 from ..plane.vec import Array
 from .linkage import AbstractLinkage, Linkage, Slider
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class SliderCrank(AbstractLinkage):
     """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
 
@@ -39,7 +39,6 @@ class SliderCrank(AbstractLinkage):
     ground_angle_deg: float = quantity("direction of the slide line", "deg", default=0.0, at_least=-360, at_most=360)
 
     def __post_init__(self) -> None:
-        check_sizes(self, many=True)
         if np.ndim(self.crank + self.coupler + self.offset):
             return
         if np.abs(self.offset) >= self.crank + self.coupler:
@@ -67,7 +66,7 @@ class SliderCrank(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class InvertedSliderCrank(AbstractLinkage):
     """A crank whose pin slides along a rocker, or whose coupler slides through a rocking block; lengths in mm.
 
@@ -100,7 +99,6 @@ class InvertedSliderCrank(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self, many=True)
         reach = self.ground + self.crank
         if np.ndim(reach + self.offset) == 0 and np.abs(self.offset) >= reach:
             raise DesignError(
@@ -132,7 +130,7 @@ class InvertedSliderCrank(AbstractLinkage):
         return Linkage(bodies, self.driver, (slide,), self.origin, self.ground_angle_deg)
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class EllipticTrammel(AbstractLinkage):
     """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
 
@@ -150,9 +148,6 @@ class EllipticTrammel(AbstractLinkage):
     driver: Literal["rod", "shuttle"] = entry("what is driven: the rod's angle or the first shuttle", default="rod")
     origin: Annotated[complex, PointXY()] = entry("where the slots cross, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the first slot", "deg", default=0.0, at_least=-360, at_most=360)
-
-    def __post_init__(self) -> None:
-        check_sizes(self, many=True)
 
     @cached_property
     def linkage(self) -> Linkage:
@@ -174,7 +169,7 @@ class EllipticTrammel(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class ScotchYoke(AbstractLinkage):
     """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
 
@@ -190,9 +185,6 @@ class ScotchYoke(AbstractLinkage):
     )
     origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the yoke's way", "deg", default=0.0, at_least=-360, at_most=360)
-
-    def __post_init__(self) -> None:
-        check_sizes(self, many=True)
 
     @cached_property
     def linkage(self) -> Linkage:
@@ -214,7 +206,7 @@ class ScotchYoke(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class OldhamCoupling(AbstractLinkage):
     """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
 
@@ -227,9 +219,6 @@ class OldhamCoupling(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction from driving to driven shaft", "deg", default=0.0, at_least=-360, at_most=360
     )
-
-    def __post_init__(self) -> None:
-        check_sizes(self, many=True)
 
     @cached_property
     def linkage(self) -> Linkage:
@@ -251,7 +240,7 @@ class OldhamCoupling(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True)
 class Shaper(AbstractLinkage):
     """A crank pin in the slot of a lever, whose tip moves a ram through a connecting rod; lengths in mm.
 
@@ -274,7 +263,6 @@ class Shaper(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         if self.crank >= self.ground:
             raise DesignError(
                 "crank",
@@ -304,7 +292,7 @@ class Shaper(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True, arrays=True)
 class FourBar(AbstractLinkage):
     """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
 
@@ -330,7 +318,6 @@ class FourBar(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self, many=True)
         if np.ndim(self.ground + self.crank + self.coupler + self.rocker):
             return
         lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
@@ -360,7 +347,7 @@ class FourBar(AbstractLinkage):
         )
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True)
 class StephensonSixBar(AbstractLinkage):
     """A four-bar whose coupler point moves an output link through a connecting link; lengths in mm.
 
@@ -378,16 +365,13 @@ class StephensonSixBar(AbstractLinkage):
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=100 + 100j
     )
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
     @cached_property
     def linkage(self) -> Linkage:
         """The general linkage: bodies of the four-bar, then link and output."""
         return _with_dyad(self.four_bar, "coupler_point", "coupler", self.four_bar.coupler_point, self)
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True)
 class WattSixBar(AbstractLinkage):
     """Two four-bars in a row: a point of the first one's rocker moves an output link; lengths in mm.
 
@@ -407,9 +391,6 @@ class WattSixBar(AbstractLinkage):
     output_pivot: Annotated[complex, PointXY()] = entry(
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=180 + 0j
     )
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @cached_property
     def linkage(self) -> Linkage:

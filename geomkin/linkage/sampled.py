@@ -7,14 +7,13 @@ the formula misses falls with a power of h, so that there is a best step, and sm
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
 
 from ..core.arguments import Places, Positive, Sort, checked, is_real
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.vec import Array, Real
 
 # Rounding of a number as a share of it: what samples are off at least.
@@ -22,7 +21,7 @@ ROUNDING = 2.0**-53
 Inexact = Annotated[float, Sort(lambda value: is_real(value) and value >= 0, "a number from 0 on")]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SampledRates:
     """Numbers found from samples. interval: of the samples.
 
@@ -34,8 +33,6 @@ class SampledRates:
     times: Real
     values: Array
     error: Real
-
-    __repr__ = one_line
 
 
 @checked

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import ceil
 
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import Bought
 from .bases import BaseStock
 from .bores import PARALLEL_KEYS, key_of
@@ -97,14 +96,12 @@ FREE = 2.0
 PLAY = 0.5
 
 
-@dataclass(frozen=True)
+@record
 class Assembly:
     """What a mechanism takes besides its parts, and how all of it is put together, a line for each layer."""
 
     bought: tuple[Bought, ...]
     steps: tuple[str, ...]
-
-    __repr__ = one_line
 
 
 class Assembling:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, check_sizes, quantity
-from ..core.reprs import one_line
+from ..core.fields import FARTHEST, quantity
+from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.measure import separation
@@ -20,7 +19,7 @@ from .bores import SMALLEST, clearance, widened
 from .motors import MOTORS, MotorName
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class BaseStock:
     """The plate under a mechanism: as thick as the first of its parts, and as large as all that moves over it."""
 
@@ -36,11 +35,8 @@ class BaseStock:
     )
     clearance: float = clearance(0.2)
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
-
-@dataclass(frozen=True)
+@record
 class RackBaseStock(BaseStock):
     """The plate under a pinion and its rack, which two pins in a slot of the plate guide."""
 
@@ -49,7 +45,7 @@ class RackBaseStock(BaseStock):
     )
 
 
-@dataclass(frozen=True)
+@record
 class BaseOpening:
     """A hole for a shaft, pin or screw, or a slot in which pins slide.
 
@@ -65,8 +61,6 @@ class BaseOpening:
     letter: str = ""
     head: float = 0.0
     motor: MotorName | None = None
-
-    __repr__ = one_line
 
     @property
     def face(self) -> Complex:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, quantity, rounded_down
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import HoleFit
 from ..plane.primitives import Circle, Polyline
 
@@ -129,7 +128,7 @@ def flattened_bore(
     return (Polyline(np.array([corner, np.conj(corner)]) * towards, np.array([np.tan(sweep / 4), 0])),)
 
 
-@dataclass(frozen=True)
+@record
 class ParallelKey:
     """A key of one section; all in mm.
 
@@ -144,8 +143,6 @@ class ParallelKey:
     shaft_depth: float
     hub_depth: float
     lengths: tuple[float, float]
-
-    __repr__ = one_line
 
     def bill(self, room: float) -> str:
         """What is bought for a part so thick, mm: the longest key that is sold and fits, or a piece of bar."""

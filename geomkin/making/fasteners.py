@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import Bought
 
 
-@dataclass(frozen=True)
+@record
 class Size:
     """A metric thread; all in mm.
 
@@ -27,8 +26,6 @@ class Size:
     height: float
     pitch: float
     washer: tuple[float, float]
-
-    __repr__ = one_line
 
     @property
     def across(self) -> float:
@@ -55,7 +52,7 @@ MOST_SHEETS = 20
 LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
 
 
-@dataclass(frozen=True)
+@record
 class Fastener:
     """How pins of one diameter are held.
 
@@ -69,8 +66,6 @@ class Fastener:
     sort: Literal["screw", "rod"]
     play: float
     head_height: float | None = None
-
-    __repr__ = one_line
 
     @property
     def size(self) -> Size | None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, check_sizes, entry, quantity, rounded_down
-from ..core.reprs import one_line
+from ..core.fields import FARTHEST, entry, quantity, rounded_down
+from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .bores import (
@@ -73,7 +72,7 @@ def interference() -> Any:
     return quantity(words, "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class AbstractBored:
     """What stock tables of parts on a shaft have in common; all lengths in mm."""
 
@@ -92,10 +91,7 @@ class AbstractBored:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         self._check_bore()
-
-    __repr__ = one_line
 
     @property
     def motor_parts(self) -> tuple[Part, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..core.fields import Length
-from ..core.reprs import one_line
+from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
@@ -21,7 +21,7 @@ from .fasteners import LENGTHS, SIZES
 MotorName = Literal["nema17"]
 
 
-@dataclass(frozen=True)
+@record
 class Motor:
     """The face of a motor; all in mm.
 
@@ -39,8 +39,6 @@ class Motor:
     thread: float
     hole: float
     reach: tuple[float, float]
-
-    __repr__ = one_line
 
     def screw(self, thickness: float, sunk: bool = False) -> str:
         """The screw through a plate so thick, mm. sunk: its head lies in the plate, and its length is told with it."""

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
-from ..core.arguments import Found, check_fields
+from ..core.arguments import Found
 from ..core.errors import harmless
+from ..core.records import record
 from ..core.reprs import clipped
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Check:
     """One quality of a design against its limit.
 
@@ -25,9 +25,6 @@ class Check:
     unit: str = ""
     advice: str = ""
     expected: str = ""
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def passed(self) -> bool:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ..core.arguments import Positive, RealsOrNan, check_fields, checked
+from ..core.arguments import Positive, RealsOrNan, checked
 from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.names import check_names
-from ..core.reprs import one_line, still
+from ..core.records import record
+from ..core.reprs import still
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Pose
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Twist:
     """How the section of a solid moves from its bottom, which the drawing shows, to its top.
 
@@ -30,11 +30,6 @@ class Twist:
     herringbone: bool = False
     moves: Literal["outline", "holes"] = "outline"
 
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
     @checked
     def at(self, share: RealsOrNan) -> Pose:
         """Where what moves stands at shares of the height, 0 at the bottom and 1 at the top, any shape."""
@@ -43,7 +38,7 @@ class Twist:
         return Pose(self.shift * way + 0j, np.exp(1j * self.turn * way))
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class HoleFit:
     """What goes through a hole, and how it sits there; all in mm.
 
@@ -59,13 +54,8 @@ class HoleFit:
     keyway: tuple[Length, Length] = (0.0, 0.0)
     travel: Length = 0.0
 
-    __repr__ = one_line
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Part:
     """A plate, flat or with a section that moves as it goes up.
 
@@ -89,10 +79,7 @@ class Part:
     twist: Twist | None = None
     fits: tuple[HoleFit | None, ...] = ()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         check_names("name", [self.name], "a part")
         if len(self.fits) > len(self.holes):
             raise DesignError("fits", f"found {len(self.fits)} for {len(self.holes)} holes", "give one for each hole")
@@ -101,7 +88,7 @@ class Part:
         return still(self, (self.outline, *self.holes), self.marks)
 
 
-@dataclass(frozen=True)
+@record
 class Bought:
     """A line of the bill: what is bought, or cut from a rod, how many, and what for.
 
@@ -111,8 +98,6 @@ class Bought:
     name: str
     count: int
     joints: tuple[str, ...]
-
-    __repr__ = one_line
 
     @property
     def told(self) -> dict[str, object]:

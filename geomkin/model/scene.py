@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
 
-from ..core.arguments import check_fields
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
 from ..plane.vec import Array, Complex, Mask, Real, as_unit
@@ -35,7 +34,7 @@ Role = Literal[
 ]
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class SceneBody:
     """A body: the very parts that are cut of it, and its frame at each frame of the scene.
 
@@ -53,14 +52,11 @@ class SceneBody:
     fixed: bool = False
     named: bool = True
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         object.__setattr__(self, "direction", as_unit(self.direction))
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class SceneCurve:
     """A curve drawn on a body, in that body's frame, mm; on the ground's x and y where `body` is ""."""
 
@@ -69,13 +65,8 @@ class SceneCurve:
     label: str = ""
     body: str = ""
 
-    __repr__ = one_line
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class SceneRegion:
     """An area of the ground that is shaded: what lies within an odd number of closed curves, mm."""
 
@@ -83,13 +74,8 @@ class SceneRegion:
     role: Role
     label: str = ""
 
-    __repr__ = one_line
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class SceneMark:
     """A point that is drawn at each frame.
 
@@ -109,15 +95,12 @@ class SceneMark:
     direction: Complex | None = None
     radius: Real | None = None
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         if self.direction is not None:
             object.__setattr__(self, "direction", as_unit(self.direction))
 
 
-@dataclass(frozen=True)
+@record
 class Limit:
     """A line across a plot: the limit of a check."""
 
@@ -125,7 +108,7 @@ class Limit:
     label: str
 
 
-@dataclass(frozen=True)
+@record
 class Plot:
     """Columns of the scene's table that are drawn in one plot, by their headers; all of one unit."""
 
@@ -133,10 +116,8 @@ class Plot:
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Choice:
     """What there was to choose from, and which row of it was made: a table of its own, whose first column rises."""
 
@@ -144,10 +125,7 @@ class Choice:
     chosen: int
     plots: tuple[Plot, ...]
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         _check_plots(self.plots, self.table)
         rows = len(self.table.columns[0].values)
         if not 0 <= self.chosen < rows:
@@ -161,7 +139,7 @@ def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
             raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Scene:
     """A mechanism moving.
 
@@ -184,10 +162,7 @@ class Scene:
     regions: tuple[SceneRegion, ...] = ()
     choice: Choice | None = None
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         frames = len(self.drive.values)
         rows: list[tuple[str, Array]] = [
             (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.closed))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Annotated, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.arguments import Sort, check_fields
+from ..core.arguments import Sort
 from ..core.errors import DesignError, shown
-from ..core.reprs import clipped, one_line
+from ..core.records import record
+from ..core.reprs import clipped
 from ..plane.vec import Array, Complex, Real, known, rounded
 
 Number = TypeVar("Number", np.floating, np.complexfloating)
@@ -28,7 +28,7 @@ DIGITS = 10
 NOISE_DIGITS, DECIMALS = 15, 9
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Column:
     """One quantity over the frames.
 
@@ -47,10 +47,8 @@ class Column:
     meaning: str
     values: Frames
     scale: float | Sizes = 0.0
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if np.shape(self.scale) not in ((), np.shape(self.values)):
             raise DesignError("scale", f"found {len(self.scale)} numbers", f"give one, or {len(self.values)}")  # type: ignore[arg-type]
 
@@ -67,7 +65,7 @@ class Column:
         return f"{self.name}_{unit}" if unit else self.name
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Table:
     """Columns of equal length; the first one rises.
 
@@ -78,7 +76,6 @@ class Table:
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
-        check_fields(self)
         lengths = {len(c.values) for c in self.columns}
         if len(lengths) != 1:
             raise DesignError("columns", f"found lengths {sorted(lengths)}", "give columns of one length")

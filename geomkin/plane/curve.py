@@ -7,12 +7,11 @@ curve uses this contract alone, so a cam profile, a gear tooth and a bar are tre
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import check_fields
+from ..core.records import record
 from ..core.reprs import one_line, still
 from .vec import Complex, Pose, Real, cross, unit
 
@@ -99,14 +98,11 @@ def reach(curve: AbstractCurve) -> float:
     return float(np.abs(sample - sample[0]).max())
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Derived(AbstractCurve):
     """What is made from one curve: over the same parameters, unless it says otherwise."""
 
     curve: AbstractCurve
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def breaks(self) -> Real:
@@ -117,7 +113,7 @@ class Derived(AbstractCurve):
         return self.curve.closed
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Moved(Derived):
     """A curve seen from outside when its own frame stands at `pose`."""
 
@@ -133,7 +129,7 @@ class Moved(Derived):
         return self.curve.curvature(t)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Reversed(Derived):
     """The same points the other way round: t runs over the negated domain."""
 
@@ -152,7 +148,7 @@ class Reversed(Derived):
         return -self.curve.breaks[::-1]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Mirrored(Derived):
     """The mirror image of a curve in the y axis."""
 
@@ -166,7 +162,7 @@ class Mirrored(Derived):
         return -self.curve.curvature(t)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Stretch(Derived):
     """The part of a curve over `run`, rising parameters of it; the curve may jump at the last."""
 
@@ -196,7 +192,7 @@ class Stretch(Derived):
         return False
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(eq=False)
 class Offset(Derived):
     """The parallel curve at a signed distance, mm, to the right of a curve.
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.arguments import Count, check_fields
+from ..core.arguments import Count
 from ..core.errors import DesignError
+from ..core.records import record
 from .curve import AbstractCurve, Mirrored, Reversed
 from .vec import Complex, Real, Whole
 
@@ -24,14 +24,13 @@ _SHARES = np.array([0.0, 0.5, 1.0])
 Number = TypeVar("Number", np.complex128, np.float64)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Path(AbstractCurve):
     """Pieces end to end; piece k runs over k <= t <= k + 1, whatever its own parameter."""
 
     pieces: tuple[AbstractCurve, ...]
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if not len(self.pieces):
             raise DesignError("pieces", "found none", "give at least one")
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
@@ -127,7 +126,7 @@ class Path(AbstractCurve):
         return np.arange(1.0, len(self.pieces)), np.array(first), np.array(last)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Ring(AbstractCurve):
     """`count` copies of a piece, each turned about the origin by one count-th of a turn more.
 
@@ -139,7 +138,6 @@ class Ring(AbstractCurve):
     count: Count
 
     def __post_init__(self) -> None:
-        check_fields(self)
         start, _, end = _start_middle_end(self.piece).tolist()
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Points, Positive, RealRow, Row, check_fields, checked
+from ..core.arguments import Points, Positive, RealRow, Row, checked
 from ..core.errors import DesignError
+from ..core.records import record
 from .curve import AbstractCurve, Moved
 from .joined import Path
 from .vec import Complex, Pose, Real, Whole, cross
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Segment(AbstractCurve):
     """The straight line from `start` to `end`, mm, over 0 <= t <= 1."""
 
     start: complex
     end: complex
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
@@ -44,7 +41,7 @@ class Segment(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Arc(AbstractCurve):
     """The circular arc about `centre` from the point `start` over `sweep` rad, counterclockwise positive.
 
@@ -54,9 +51,6 @@ class Arc(AbstractCurve):
     centre: complex
     start: complex
     sweep: float
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def point(self, t: ArrayLike) -> Complex:
         return self.centre + (self.start - self.centre) * np.exp(1j * self.sweep * np.asarray(t))
@@ -77,7 +71,7 @@ class Arc(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Circle(AbstractCurve):
     """A whole circle, counterclockwise from its rightmost point; t is the angle in rad."""
 
@@ -85,7 +79,6 @@ class Circle(AbstractCurve):
     radius: float
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
             raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
 
@@ -112,7 +105,7 @@ class Circle(AbstractCurve):
 FLAT = 0.02
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Polyline(AbstractCurve):
     """Straight edges and arcs through `vertices`; edge k runs over k <= t <= k + 1.
 
@@ -126,7 +119,6 @@ class Polyline(AbstractCurve):
     is_closed: bool = True
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if len(self.vertices) < 2:
             raise DesignError("vertices", "found fewer than two points", "give at least two")
         edges = len(self.vertices) - (not self.is_closed)

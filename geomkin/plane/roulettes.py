@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Positive, check_fields
+from ..core.arguments import Positive
 from ..core.errors import DesignError
+from ..core.records import record
 from .curve import AbstractCurve
 from .vec import Complex, Real
 
@@ -32,7 +31,7 @@ class Traced(AbstractCurve):
         return False
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Involute(Traced):
     """The path of the end of a taut string unwound counterclockwise from a circle about the origin.
 
@@ -43,9 +42,6 @@ class Involute(Traced):
     base_radius: Positive
     start: float
     end: float
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
@@ -86,7 +82,7 @@ def roll_at(radius: float, base_radius: float) -> float:
     return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Trochoid(Traced):
     """What the rounded corner of a rolling rack leaves: the envelope of a small circle on a rolling line.
 
@@ -107,9 +103,6 @@ class Trochoid(Traced):
     rounding: float
     start: float
     end: float
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
@@ -141,7 +134,7 @@ class Trochoid(Traced):
             return (1 + self._turning(t)) / np.abs(self._speed(t))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Cycloid(Traced):
     """The path of a rim point of a circle that rolls counterclockwise round a circle about the origin.
 
@@ -156,7 +149,6 @@ class Cycloid(Traced):
     end: float
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if not self.rolling:
             raise DesignError("rolling", "found 0", "give a radius above 0 to roll outside, below 0 to roll inside")
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Row, check_fields
+from ..core.arguments import Row
 from ..core.errors import DesignError
+from ..core.records import record
 from .curve import AbstractCurve, bend
 from .vec import Complex, Real
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class Spline(AbstractCurve):
     """The cubic spline through `points` (n,) complex, mm, two or more: open, with continuous curvature.
 
@@ -27,7 +27,6 @@ class Spline(AbstractCurve):
     points: Row
 
     def __post_init__(self) -> None:
-        check_fields(self)
         z = np.asarray(self.points)
         if len(z) < 2:
             raise DesignError("points", "found fewer than two points", "give a list of at least two")

@@ -5,14 +5,13 @@ A pose is where a body is: the place of its origin and the direction of its x ax
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.arguments import Numbers, check_fields, checked
-from ..core.reprs import one_line
+from ..core.arguments import Numbers, checked
+from ..core.records import record
 
 # Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no. They hold float64,
 # complex128, intp and bool; the wider names are what NumPy's own annotations give for `1j * x` or `abs(z)`.
@@ -96,16 +95,14 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
     return even + 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Pose:
     """A rigid placement: origin, mm, and direction, of any length, kept as a unit one; arrays of one shape."""
 
     origin: Complex | complex = 0j
     direction: Complex | complex = 1 + 0j
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
-        check_fields(self)
         object.__setattr__(self, "direction", as_unit(self.direction))
 
     def place(self, z: ArrayLike) -> Complex:

@@ -6,12 +6,13 @@ import copy
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
-from ..core.reprs import moving, one_line
+from ..core.records import record
+from ..core.reprs import moving
 from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.part import Bought, Part
@@ -24,7 +25,7 @@ from .settings import Files
 UNSCALED = ("stock", "base", "files")
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class _Shared:
     """Keys of every kind."""
 
@@ -59,12 +60,6 @@ class AbstractRecipe(_Shared, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving
-
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        # A dataclass writes a repr of its own, of many lines, into a class that has none.
-        if "__repr__" not in vars(cls):
-            cls.__repr__ = one_line  # type: ignore[method-assign]
 
     @property
     @abstractmethod

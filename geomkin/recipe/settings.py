@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import Sort, between
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, WIDEST, AsWritten, check_sizes, entry, quantity, rounded_up
-from ..core.reprs import one_line
+from ..core.fields import FARTHEST, WIDEST, AsWritten, entry, quantity, rounded_up
+from ..core.records import record
 from ..export.formats import USUAL, WRITERS
 from ..export.text import Title
 from ..model.check import Check
@@ -76,7 +75,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
         )
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Files:
     """What is written, and how true to the exact curves."""
 
@@ -110,11 +109,6 @@ class Files:
         at_least=-FARTHEST,
         at_most=FARTHEST,
     )
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def wants_all(self) -> bool:
@@ -156,7 +150,7 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
     raise DesignError(key, problem, f"give {side} than {start:g}, the start, or a {other} {speed_key}")
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Drive:
     """How a crank, a cam or a gear turns, and how finely its motion is told."""
 
@@ -167,7 +161,6 @@ class Drive:
     acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
 
     def check_rows(self, turns: float = 1.0) -> None:
@@ -185,7 +178,7 @@ class Drive:
         return np.linspace(0, 2 * np.pi, int(np.ceil(360 / self.step_deg - 1e-9)) + 1)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Turn:
     """How a linkage's driver turns, and how finely its motion is told."""
 
@@ -206,7 +199,6 @@ class Turn:
     acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
         if self.end_deg is None:
             object.__setattr__(self, "end_deg", float(np.copysign(360, self.speed_rpm)))
@@ -270,7 +262,7 @@ class Turn:
         return np.linspace(start, end, int(np.ceil(self.turn_deg / step - 1e-9)) + 1)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Stroke:
     """How a sliding driver moves, and how finely its motion is told."""
 
@@ -291,7 +283,6 @@ class Stroke:
     acceleration_mm_per_s2: float = _acceleration("mm/s2")
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         _check_speed("speed", self.speed, SLOWEST)
         _check_end("end", self.start, self.end, "speed", self.speed)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial, singledispatch
 from html import escape
 from pathlib import Path
@@ -17,6 +17,7 @@ from ..cam.kinds.disk_cam import DiskCamRecipe
 from ..cam.parts import CamStock
 from ..core.arguments import Sort, checked, refused
 from ..core.errors import DesignError, GeomkinError, printable
+from ..core.records import record
 from ..export.files import write_whole
 from ..export.job import Job, Loose
 from ..gear.checks import mesh_checks
@@ -61,7 +62,7 @@ SHORT = 1e-3
 FINE, FINEST = 1e-3, 2e-7
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Shown:
     """A page that shows something moving, as a notebook shows it at the end of a cell. name: its title."""
 

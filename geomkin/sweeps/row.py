@@ -9,7 +9,6 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context, Decimal
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import numpy as np
 from ..build import naming
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.progress import shown as told_to
+from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
 from ..recipe.kinds import KINDS
@@ -163,7 +163,7 @@ LARGEST_NUMBER = 1e300
 LARGEST = 10_000_000
 
 
-@dataclass(frozen=True)
+@record
 class Task:
     """What is the same for all combinations. recipe: its table as TOML gives it; folder: where files it names lie."""
 

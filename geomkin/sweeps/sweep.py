@@ -8,7 +8,7 @@ import os
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..core.arguments import Sort, checked
 from ..core.errors import DesignError, GeomkinError, RecipeError, printable
 from ..core.processes import each
 from ..core.progress import tell as tell_progress
-from ..core.reprs import one_line
+from ..core.records import record
 from ..core.version import __version__
 from ..export.csv import csv
 from ..export.files import naming, write_whole
@@ -126,7 +126,7 @@ Names = Annotated[
 ]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SweepRow:
     """One combination. values: by key; refused: why there is no such mechanism, "" where there is one.
 
@@ -138,10 +138,8 @@ class SweepRow:
     checks: tuple[Check, ...]
     told: Mapping[str, Any]
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Sweep:
     """What came of a sweep: a row for each combination, the last key's values running fastest.
 
@@ -155,8 +153,6 @@ class Sweep:
     kept: int = 0
     anew: bool = False
     files: Mapping[Path, int] = field(default_factory=dict)
-
-    __repr__ = one_line
 
     @property
     def table(self) -> Table:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
 
-from ..core.reprs import moving, one_line
+from ..core.records import record
+from ..core.reprs import moving
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import least_transmission_angle
 from ..linkage.moving import move
@@ -19,7 +20,7 @@ from .rounding import Rounding, lengths_of
 FRAMES = 361
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Found:
     """A linkage that a search found.
 
@@ -37,7 +38,6 @@ class Found:
     transmission_angle_deg: float
     defects: tuple[str, ...] = ()
 
-    __repr__ = one_line
     _repr_html_ = moving
 
     @property

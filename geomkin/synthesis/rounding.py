@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import degrees, floor, log10
 from typing import TypeVar
 
-from ..core.reprs import one_line
+from ..core.records import record
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 
@@ -17,7 +17,7 @@ L = TypeVar("L", bound=AbstractLinkage)
 BESIDE_HALF = 1e-12
 
 
-@dataclass(frozen=True)
+@record
 class Rounding:
     """How sizes are rounded to decimals.
 
@@ -37,8 +37,6 @@ class Rounding:
     size: float
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     longer: tuple[str, int] = ("", 0)
-
-    __repr__ = one_line
 
     def length(self, name: str, value: float) -> float:
         """A length, mm."""

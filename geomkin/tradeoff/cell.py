@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 
 # Arithmetic of the reference. The second derivative near a change point loses four digits for one of distance, and more
 # than 50 have to be left at 1e-15 of it.
@@ -24,7 +23,7 @@ SLACK = 1.7
 Sizes = tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Cell:
     """A result of a family at a place where methods fail.
 
@@ -47,8 +46,6 @@ class Cell:
     condition: Callable[..., Any] | None = None
     share: float = 2.0**-53
 
-    __repr__ = one_line
-
     @property
     def name(self) -> str:
         """Of the cell among all."""
@@ -67,7 +64,7 @@ ANSWERS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Digits:
     """Decimal digits of a cell's result at a distance, 16 at most.
 
@@ -82,8 +79,6 @@ class Digits:
     allowed: float
     refused: bool
     condition: float = np.nan
-
-    __repr__ = one_line
 
     @property
     def outcome(self) -> str:

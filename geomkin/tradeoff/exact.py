@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
 import numpy as np
 
+from ..core.records import record
 from ..linkage.linkage import AnyLinkage
 from ..plane.vec import Array, Complex, Real
 
@@ -28,7 +28,7 @@ def many_digits() -> Iterator[None]:
         yield
 
 
-@dataclass(frozen=True)
+@record
 class Vector:
     """A vector in decimals."""
 
@@ -59,7 +59,7 @@ class Vector:
 ZERO = Vector(Decimal(0), Decimal(0))
 
 
-@dataclass(frozen=True)
+@record
 class Place:
     """Where a point is, and the first and second derivative of that by the drive."""
 
@@ -190,7 +190,7 @@ def _places(drive: Real, count: int) -> tuple[Array, Real]:
 FRAMES = 360
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Track:
     """A linkage, its crank's angles, rad, and the right values there, (frames,)."""
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 
-from ..core.arguments import check_fields
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, Pose, Real, Whole, unit
 
@@ -25,7 +23,7 @@ AT_ONCE = 256
 SHARES = np.array([0.25, 0.5, 0.75])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Tool:
     """A convex polygon grown by `rounding`, mm, that moves in the frame of what it cuts.
 
@@ -36,8 +34,6 @@ class Tool:
     rounding: float
     pose: Callable[[Real], Pose]
     span: tuple[float, float]
-
-    __repr__ = one_line
 
     def clearance(self, points: Complex) -> Real:
         """Least distance (n,) of points from the tool over all its positions, mm, below 0 where it has cut deeper.
@@ -119,7 +115,7 @@ P = TypeVar("P")
 R = TypeVar("R")
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Method(Generic[P, R]):
     """One way to a family's results.
 
@@ -140,10 +136,7 @@ class Method(Generic[P, R]):
     despite: str = ""
     slow: bool = False
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         if bool(self.setting) != bool(len(self.settings)):
             raise DesignError("settings", f"found {len(self.settings)} of {self.setting!r}", "give both or neither")
 
@@ -153,7 +146,7 @@ class Method(Generic[P, R]):
         return bool(self.because)
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class MethodFamily(Generic[P, R]):
     """All ways to one thing, with a problem to try them on and a reference to judge them by.
 
@@ -180,10 +173,7 @@ class MethodFamily(Generic[P, R]):
     weighed: str = ""
     weigh: Callable[[P, R], float] | None = None
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         names = [method.name for method in self.methods]
         if len(set(names)) < len(names):
             raise DesignError("methods", f"found twins among {', '.join(names)}", "give each method its own name")

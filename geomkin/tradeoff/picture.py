@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.records import record
 from ..export.text import text
 from .family import Method
 from .results import FamilyChart, Measurement
@@ -62,7 +62,7 @@ def drawing(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str
     )
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _View:
     """The points with what is drawn across: seconds, or weights."""
 
@@ -78,7 +78,7 @@ class _View:
         return zip(self.one.points, (self.one.on_weight_front if self.weighed else self.one.on_front).tolist())
 
 
-@dataclass(frozen=True)
+@record
 class _Axes:
     """Decades shown, across and upwards: from the first to the last of each pair."""
 

@@ -6,7 +6,6 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ import numpy as np
 from ..core.arguments import Extended, checked
 from ..core.errors import DesignError, shown
 from ..core.progress import Watch
-from ..core.reprs import one_line
+from ..core.records import record
 from ..core.version import __version__
 from ..plane.vec import Mask
 from .families import FAMILIES
@@ -34,7 +33,7 @@ LEAST = 3
 LONG = 0.3
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Measurement:
     """One point of the chart: a method at a setting.
 
@@ -56,8 +55,6 @@ class Measurement:
     batches: int
     spread: float
     weight: float = np.nan
-
-    __repr__ = one_line
 
 
 class _Trial:
@@ -159,14 +156,12 @@ def to_six_digits(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class FamilyChart:
     """One family's measured points. on_front: of each point, whether no other beats it; on_weight_front: by weight."""
 
     family: MethodFamily[Any, Any]
     points: tuple[Measurement, ...]
-
-    __repr__ = one_line
 
     @cached_property
     def on_front(self) -> Mask:
@@ -192,7 +187,7 @@ class FamilyChart:
         return tuple((p, bool(on)) for p, on in zip(self.points, self.on_front) if p.method in names)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Chart:
     """Time per result against error, of every method of some families, on one machine.
 
@@ -203,8 +198,6 @@ class Chart:
     quick: bool
     versions: Mapping[str, str]
     processor: str
-
-    __repr__ = one_line
 
 
 @checked

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from ..core.arguments import Reals, checked
 from ..core.errors import DesignError
-from ..core.reprs import one_line
+from ..core.records import record
 from .breaking import cams as cams
 from .breaking import gears as gears
 from .breaking import linkages as instants
@@ -29,13 +28,11 @@ KINDS = ("library", "textbook", "allowed")
 SHOWN = (1e-4, 1e-8, 1e-12, 1e-15)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Stability:
     """What was found: for each cell its digits by falling distance."""
 
     found: tuple[tuple[Digits, ...], ...]
-
-    __repr__ = one_line
 
     @cached_property
     def answers(self) -> tuple[str, ...]:

@@ -158,7 +158,7 @@ def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longe
 def test_no_force_has_no_arrow_and_any_other_is_drawn_at_one_scale():
     motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 13))
     plain = gk.linkage.linkage_scene(motion, gk.linkage.motion_table(motion))
-    plots = (Plot("angle", (plain.drive.header,)),)
+    plots = (gk.model.scene.Plot("angle", (plain.drive.header,)),)
     what = {"velocity": "one", "wanted": "other"}
     none = gk.linkage.force_scene(plain, 5 + 5j, {"velocity": np.zeros(13, complex)}, what, plots)
     assert none.marks == plain.marks and none.plots == plots

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import fsum
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Pose, Real, dot
 from ..extrema import highest, largest
@@ -103,7 +103,7 @@ def straight_face_base_radius(program: Program, least_radius: float, tilt_deg: f
     return least_radius + float(np.cos(np.radians(tilt_deg))) * largest(program.breaks, below)[0]
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class TranslatingFlat(AbstractFace):
     """A flat face that moves along y. At lift 0 it touches the base circle.
 
@@ -117,11 +117,6 @@ class TranslatingFlat(AbstractFace):
     )
     kind: Literal["translating-flat"] = "translating-flat"
     oscillates = False
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def tilt(self) -> float:
@@ -171,7 +166,7 @@ class TranslatingFlat(AbstractFace):
         return (replace(follower, holes=guide_holes(bars, 1j * np.exp(-1j * self.tilt))),)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class OscillatingFlat(AbstractFace):
     """A flat face on an arm that swings about a pivot at (pivot_distance, 0).
 
@@ -196,11 +191,6 @@ class OscillatingFlat(AbstractFace):
     oscillates = True
     # A smaller cam is undercut.
     example_base_radius: ClassVar[float] = 60.0
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def size(self) -> float:

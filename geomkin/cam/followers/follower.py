@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from ...core.arguments import Sort
 from ...core.errors import DesignError
 from ...core.fields import KindTable, OneOfKinds, rounded_up
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
@@ -25,7 +24,7 @@ CORNER = 1.0
 APART = 2.0
 
 
-@dataclass(frozen=True)
+@record
 class Bars:
     """What followers are cut from, mm: `CamStock` in shop tells what each is."""
 
@@ -35,10 +34,8 @@ class Bars:
     pivot_bore: float
     roller_bore: float
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class Hole:
     """A round hole for a pin or shaft of a diameter, mm, 0 for none.
 
@@ -50,18 +47,14 @@ class Hole:
     widest: float
     centre: complex = 0j
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Plate:
     """One plate of a follower: outline, mm, in the follower's own frame or, for a roller, about its centre."""
 
     name: str
     outline: AbstractCurve
     holes: tuple[Hole, ...] = ()
-
-    __repr__ = one_line
 
 
 def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
@@ -177,7 +170,7 @@ FOLLOWERS: KindTable[AbstractFollower] = KindTable()
 Side = Literal["above", "below"]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Contact:
     """Cam and follower where they touch, over cam angles; arrays of one shape, in the ground's frame.
 
@@ -196,8 +189,6 @@ class Contact:
     turn: Real
     advance: Real
     pressure_angle: Real
-
-    __repr__ = one_line
 
 
 class AbstractFollower(ABC):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import fsum, prod
 from typing import Literal, Self
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
 from ..extrema import highest, largest
@@ -19,7 +19,7 @@ from ..program.program import FollowerMotion, Program
 from .follower import AbstractFollower, Bars, Contact, Hole, Plate, Side, arm_direction, guide_holes, side_sign
 
 
-@dataclass(frozen=True)
+@record
 class AbstractRoller(AbstractFollower):
     """A follower that touches the cam with a roller; radius 0 is a knife edge.
 
@@ -95,7 +95,7 @@ def on_roller(
     return Contact(centre - radius * normal, normal, turn, speed + sense * radius * turn, pressure_angle)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class TranslatingRoller(AbstractRoller):
     """A roller that moves along a straight line parallel to y; radius 0 is a knife edge.
 
@@ -114,11 +114,6 @@ class TranslatingRoller(AbstractRoller):
     )
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def size(self) -> float:
@@ -169,7 +164,7 @@ class TranslatingRoller(AbstractRoller):
         return np.where(np.isfinite(lift), lift, -np.inf)
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class OscillatingRoller(AbstractRoller):
     """A roller on an arm that swings about a pivot at (pivot_distance, 0); radius 0 is a knife edge.
 
@@ -188,11 +183,6 @@ class OscillatingRoller(AbstractRoller):
     side: Side = entry("side of the line from cam axis to pivot on which the roller rides", default="above")
     kind: Literal["oscillating-roller"] = "oscillating-roller"
     oscillates = True
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def size(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import entry
+from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
 from ...model.check import Check
@@ -57,7 +58,7 @@ LIFTS: dict[str, Segment] = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class DiskCamRecipe(AbstractAssembledRecipe):
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
 

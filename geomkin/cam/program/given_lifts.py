@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
 from ...core.names import csv_cells, text_beside
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Real, Whole
 from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
@@ -108,7 +107,7 @@ def _number(line: list[str], column: int, place: str) -> float:
         raise DesignError("file", f"{place} holds {printable(repr(cell), 20)}", "give a number there") from None
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class TableFit:
     """Lifts (n,), mm or deg, at rising x (n,) from 0 to 1, and how far a curve may stay from them.
 
@@ -121,8 +120,6 @@ class TableFit:
     lifts: Real
     ends: Ends
     within: float
-
-    __repr__ = one_line
 
     @cached_property
     def law(self) -> Law:

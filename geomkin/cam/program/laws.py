@@ -10,7 +10,6 @@ Manufacturing Handbook, on double-dwell cams, most also in VDI 2143 Blatt 1 (198
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -19,6 +18,7 @@ from numpy.polynomial import Polynomial, chebyshev
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.records import record
 from ...plane.vec import Real
 
 Law = Callable[[Real], Real]
@@ -61,7 +61,7 @@ def harmonic(x: Real) -> Real:
     return 0.5 * np.stack([lift, np.pi * np.sin(turn), np.pi**2 * np.cos(turn), -(np.pi**3) * np.sin(turn)])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class PolynomialLaw:
     """A law whose lift is a polynomial. rows (4, n): its coefficients and its derivatives', the highest power first."""
 
@@ -85,7 +85,7 @@ polynomial_345 = _polynomial([0, 0, 0, 10, -15, 6])
 polynomial_4567 = _polynomial([0, 0, 0, 0, 35, -84, 70, -20])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Waves:
     """A law in pieces, each f = c0 + c1 u + c2 u^2 / 2 + p sin(w u + q) with u = x - start of the piece.
 
@@ -220,7 +220,7 @@ def law_of(law: LawName | Law) -> Law:
     return law
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ChebyshevLaw:
     """A law as one polynomial. rows (degree + 1, 4): Chebyshev coefficients over 0 <= x <= 1 of f, f', f'', f'''.
 
@@ -268,7 +268,7 @@ def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> Chebyshev
     return chebyshev_law([derive(f, k) for k in range(4)])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class PiecewisePolynomial:
     """A law in polynomial pieces. knots (n + 1,) over x; coefficients (degree + 1, n) of the powers of x - knot.
 

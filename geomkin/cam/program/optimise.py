@@ -6,14 +6,13 @@ rows c the accelerations that count, limited c the jerks as a share of their lim
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Real
 from .laws import Law, PiecewisePolynomial, chebyshev_law, condition_row, derive
 
@@ -78,7 +77,7 @@ def bound(equal: Real, values: Real, rows: Real, weights: Real, limited: Real, s
     return max(float(m @ values - np.abs(shares).sum() - missed) / total, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class LevelPeaks:
     """coefficients (n,); places of the peaks that count and their multipliers, as `bound` takes them."""
 
@@ -183,7 +182,7 @@ ROUNDS = 40
 NOTHING = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Optimum:
     """A motion of least peak acceleration within its family, over an angle.
 
@@ -197,8 +196,6 @@ class Optimum:
     bound: float
     rise: float
     angle: float = 1.0
-
-    __repr__ = one_line
 
     @property
     def gap(self) -> float:

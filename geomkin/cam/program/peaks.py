@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SegmentPeaks:
     """Largest sizes of a segment's velocity, acceleration and jerk by cam angle, its joints included.
 
@@ -35,8 +33,6 @@ class SegmentPeaks:
     jerk: float
     rise: float
     angle: float
-
-    __repr__ = one_line
 
     @property
     def factors(self) -> tuple[float, float, float]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
 from ...core.fields import check_quantities
+from ...core.records import record
 from ...plane.vec import Real
 from .given_lifts import MOST_ROWS, checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
@@ -22,7 +23,7 @@ SLIP = 1e-7
 MOST_SEGMENTS = 10_000
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class PlacedSegment:
     """A segment in its place. start, end: deg; lift, end_lift: mm, or deg where `oscillates`.
 

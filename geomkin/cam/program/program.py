@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
-from ...core.reprs import one_line
+from ...core.records import record
 from ...core.scaling import with_lengths
 from ...plane.vec import Real, Whole
 from ..extrema import highest
@@ -38,7 +38,7 @@ State = tuple[float, float, float]
 REST: State = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SolvedSegment:
     """Lift = placed.lift + scale law(x), with x from 0 to 1 over the segment; law None where it rests.
 
@@ -158,7 +158,7 @@ ARM_LIFTS = ("rise_deg", "end_lift_deg")
 DIP = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class FollowerMotion:
     """The follower over cam angles: lift mm and its derivatives by angle, mm/rad, mm/rad2, mm/rad3.
 
@@ -173,10 +173,8 @@ class FollowerMotion:
     acceleration: Real
     jerk: Real
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class Program:
     """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0.
 
@@ -188,8 +186,6 @@ class Program:
     segments: Sequence[Segment]
     # Where a text lay is no part of what it says: the same recipe read from two folders is equal.
     folder: str | Path | None = field(default=None, compare=False)
-
-    __repr__ = one_line
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:

@@ -9,12 +9,10 @@ speed in rad/s it is a velocity; by the degree a jerk would be 190000 times smal
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
-from ...core.arguments import check_fields
 from ...core.fields import FARTHEST, OneOfKinds, Rows, entry, quantity
-from ...core.reprs import one_line
+from ...core.records import record
 from .laws import Law, LawName, NamedLaw
 
 AnyLaw = Annotated[LawName | Law, NamedLaw()]
@@ -34,7 +32,7 @@ def _derivative(meaning: str, unit: str) -> Any:
     return quantity(meaning, unit, default=None, at_least=-FARTHEST, at_most=FARTHEST)
 
 
-@dataclass(frozen=True)
+@record
 class Dwell:
     """The follower rests. Give two of start, end and duration; the start may be left to the segment before.
 
@@ -46,10 +44,8 @@ class Dwell:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class Rise:
     """The follower moves away, by `rise` or to `end_lift`; give one of the two.
 
@@ -69,10 +65,8 @@ class Rise:
     rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class Return:
     """The follower moves back to `end_lift`, 0 unless given. `law` as for a rise.
 
@@ -89,10 +83,8 @@ class Return:
     duration_deg: float | None = _angle("cam angle it takes")
     end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class LiftPolynomial:
     """The polynomial of least degree that meets the conditions given, and no others.
 
@@ -120,10 +112,8 @@ class LiftPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class LiftSpline:
     """The smoothest curve through given values, from the first to the last: a quintic spline, without jumps in jerk.
 
@@ -140,10 +130,8 @@ class LiftSpline:
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class LiftTable:
     """Many values from measurement or another program, in the recipe or in a CSV file.
 
@@ -185,10 +173,8 @@ class LiftTable:
     )
     kind: Literal["table"] = "table"
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record(checked=True)
 class OptimisedPolynomial:
     """Of all polynomials of a degree that meet the neighbours' lift, slope and curvature, the one of least
     peak acceleration.
@@ -216,13 +202,8 @@ class OptimisedPolynomial:
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
 
-    __repr__ = one_line
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True)
+@record
 class OptimisedSpline:
     """Of all motions with an acceleration straight over each of equal intervals that meet the neighbours' lift,
     slope and curvature, the one of least peak acceleration.
@@ -248,8 +229,6 @@ class OptimisedSpline:
     start_deg: float | None = _angle("cam angle where it starts")
     end_deg: float | None = _angle("cam angle where it ends")
     duration_deg: float | None = _angle("cam angle it takes")
-
-    __repr__ = one_line
 
 
 # Those that move to a lift, those whose start and end are given as angles, those that bring their own points.

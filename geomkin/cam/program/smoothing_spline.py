@@ -10,10 +10,9 @@ Everything is plain sums in a fixed order, so that the same rows give the same d
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
 from .laws import Ends, PiecewisePolynomial
 
@@ -165,7 +164,7 @@ class _Basis:
         return None
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _Rows:
     """Rows of six neighbouring B-splines each: numbers (6, n) of them, basis (6, n) their values."""
 
@@ -209,7 +208,7 @@ def _basis(knots: Real, at: Whole, x: Real, order: int) -> Real:
     return np.array(found)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class BandMatrix:
     """bands (BAND + 1, n): entry (i + k) mod n, i at [k, i]. free (n,): unknowns that are; the others stay 0."""
 

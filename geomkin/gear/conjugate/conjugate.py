@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated
 
@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arguments import RealsOrNan, checked, whole_between
 from ...core.errors import DesignError
 from ...core.fields import Length, Size
-from ...core.reprs import one_line
+from ...core.records import record
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Reversed
 from ...plane.joined import Path, Ring
@@ -31,7 +31,7 @@ TRIMMED = "another part of the tooth cuts away what it would touch"
 BEYOND = "the mate's teeth end before it"
 
 
-@dataclass(frozen=True)
+@record
 class Untouched:
     """A stretch of a tooth that never touches its mate.
 
@@ -45,10 +45,8 @@ class Untouched:
     outer_radius: float
     why: str
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Conjugate(AbstractGear):
     """A mate cut by the law of gearing (Litvin and Fuentes, Gear Geometry and Applied Theory, on conjugate profiles).
 
@@ -70,8 +68,6 @@ class Conjugate(AbstractGear):
     pose: Pose
     steps: tuple[BoundaryPiece, ...]
     untouched: tuple[Untouched, ...]
-
-    __repr__ = one_line
 
     @property
     def module(self) -> float:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.curve import AbstractCurve, Stretch
 from ...plane.vec import Complex, Mask, Real, unit
 
@@ -36,7 +35,7 @@ class TangentPoint(NamedTuple):
     turning: Real
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ToothRun:
     """A stretch of a tooth without a corner."""
 
@@ -61,15 +60,13 @@ class ToothRun:
         return TangentPoint(self.curve.point(t), unit(v), speed, self.curve.curvature(inner) * speed)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ToothCorner:
     """A convex corner: one point, whose tangent turns left from `tangent` by `sweep`, rad."""
 
     place: complex
     tangent: complex
     sweep: float
-
-    __repr__ = one_line
 
     @property
     def breaks(self) -> Real:
@@ -82,7 +79,7 @@ class ToothCorner:
         return TangentPoint(np.full(one.shape, self.place), self.tangent * np.exp(1j * t), 0 * one, one)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ToothContact:
     """Where points of a tooth touch its mate. All (...,), nan where they never do.
 
@@ -99,8 +96,6 @@ class ToothContact:
     sliding: Real
     pressure_angle: Real
 
-    __repr__ = one_line
-
 
 class Meeting(NamedTuple):
     """A point of the tooth, and the pitch point that its normal passes when it touches.
@@ -115,7 +110,7 @@ class Meeting(NamedTuple):
     direction: Complex
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ConjugateCurve(AbstractCurve):
     """What a piece of a tooth leaves in its mate, in the mate's frame.
 
@@ -144,8 +139,6 @@ class ConjugateCurve(AbstractCurve):
     turn: complex = 1 + 0j
     start: float = 0.0
     end: float = 1.0
-
-    __repr__ = one_line
 
     @property
     def k(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.curve import AbstractCurve, Stretch
 from ...plane.flatten import smooth_runs
 from ...plane.subdivision import CORNER, direction
@@ -40,7 +40,7 @@ SHARES = np.linspace(0, 1, 33)
 MOST_CURVES = 400
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class BoundaryPiece:
     """A conjugate curve from one of its parameters to another, in the direction walked."""
 
@@ -48,10 +48,8 @@ class BoundaryPiece:
     start: float
     end: float
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Swept:
     """What one tooth, the material to its left, sweeps in its mate.
 
@@ -64,8 +62,6 @@ class Swept:
     points: list[Complex]
     grids: list[Real]
     size: float
-
-    __repr__ = one_line
 
     def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
         """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.

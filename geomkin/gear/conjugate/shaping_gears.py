@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
@@ -11,8 +10,8 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Length, PointXY, check_sizes, entry, quantity, rounded_down, rounded_up
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, Length, PointXY, entry, quantity, rounded_down, rounded_up
+from ...core.records import record
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import flatten
 from ...plane.joined import Path, Ring
@@ -149,7 +148,7 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             )
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class FlankGear(AbstractFlankGear):
     """A gear about the origin, its tooth on +y symmetric, with lands about the axis at tips and bottoms.
 
@@ -162,10 +161,7 @@ class FlankGear(AbstractFlankGear):
     teeth: int = quantity("number of teeth", whole=True, at_least=2, at_most=10_000)
     pitch_radius: float = quantity("radius of the circle that rolls on the mate's", "mm", above=0, at_most=FARTHEST)
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         self._check_flank()
 
     @property
@@ -174,7 +170,7 @@ class FlankGear(AbstractFlankGear):
         return 2 * self.pitch_radius / self.teeth
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class StraightSidedGear(AbstractFlankGear):
     """A gear whose teeth have straight flanks, about the origin, a tooth on +y; heights in modules.
 
@@ -192,10 +188,7 @@ class StraightSidedGear(AbstractFlankGear):
     dedendum: float = quantity("depth of the spaces below the pitch circle", "modules", default=1.2, above=0, at_most=5)
     diametral_pitch: float | None = diametral_pitch()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
@@ -256,7 +249,7 @@ class StraightSidedGear(AbstractFlankGear):
         return Segment(root, complex(self.tip_thickness / 2, r + self.addendum * m))
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class PointToothGear(AbstractFlankGear):
     """A gear about the origin whose tooth on +y has a flank through given points and its mirror image.
 
@@ -272,10 +265,7 @@ class PointToothGear(AbstractFlankGear):
     )
     diametral_pitch: float | None = diametral_pitch()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         self._check_points()
         try:
@@ -315,7 +305,7 @@ class PointToothGear(AbstractFlankGear):
         return Spline(np.array(self.points, dtype=complex))
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class LanternPinion(AbstractShaper):
     """Round pins on a circle about the origin, one of them on +y, held between two discs.
 
@@ -328,7 +318,6 @@ class LanternPinion(AbstractShaper):
     diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         settle_module(self)
         if self.pin_diameter is None:
             raise DesignError("pin_diameter", "is missing", f"give it in mm, about {1.25 * self.module:.3g}")

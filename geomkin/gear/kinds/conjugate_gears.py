@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
 from ...model.check import Check
@@ -33,7 +33,7 @@ from ..scene_pairs import conjugate_scene
 from .helical import boss_checks, check_tooth_points
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Mate:
     """The gear that is to run with the one given."""
 
@@ -52,9 +52,6 @@ class Mate:
         at_least=0,
         at_most=FARTHEST,
     )
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
 
 # What `conjugate` and the cutters call them, and the keys that give them here.
@@ -142,7 +139,7 @@ def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:
     return min(gear.most_backlash, mate.tip_thickness * mate.pitch_radius / mate.tip_radius)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class ToothedRecipe(AbstractShapedRecipe):
     """A gear with flanks of some form and the mate that they shape."""
 
@@ -185,7 +182,7 @@ class ToothedRecipe(AbstractShapedRecipe):
         return conjugate_scene(self.design, self.table, self.parts)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class StraightSidedGearsRecipe(ToothedRecipe):
     """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
 
@@ -193,7 +190,7 @@ class StraightSidedGearsRecipe(ToothedRecipe):
     gear: StraightSidedGear
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class PointToothGearsRecipe(ToothedRecipe):
     """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
 
@@ -201,7 +198,7 @@ class PointToothGearsRecipe(ToothedRecipe):
     gear: PointToothGear
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class LanternGearsRecipe(AbstractShapedRecipe):
     """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins shape."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
+from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock, RackBaseStock
 from ...model.check import Check
@@ -40,7 +41,7 @@ from .helical import (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class GearPairRecipe(AbstractHelicalRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
@@ -156,7 +157,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         }
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class RackAndPinionRecipe(AbstractHelicalRecipe):
     """A pinion and the rack it drives."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import WIDEST, check_sizes, entry
+from ...core.fields import WIDEST, entry
+from ...core.records import record
 from ...making.bases import BaseStock
 from ...making.motors import MOTORS, MotorName
 from ...model.check import Check
@@ -41,7 +41,7 @@ WIDER, LOOKS = 1.25, 31
 STRAIGHT = Helix()
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """What recipes of involute gears have in common."""
 
@@ -61,7 +61,6 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         self.helix  # noqa: B018  refuses a herringbone of straight teeth
 
     @property

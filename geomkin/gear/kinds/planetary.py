@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import entry
+from ...core.records import record
 from ...making.assembly import Assembly, collar_across
 from ...making.bases import BaseStock
 from ...making.motors import plate_radius
@@ -38,7 +39,7 @@ from .helical import (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class PlanetaryRecipe(AbstractHelicalRecipe):
     """A sun, planets and a ring: all gears and the carrier that holds the planets; the sun drives, the ring stands."""
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
 from ...core.fields import entry
+from ...core.records import record
 from ...making.assembly import Assembly
 from ...model.check import Check
 from ...model.part import Part
@@ -25,7 +26,7 @@ from ..spur import SpurGear
 from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, helix_notes
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SpurGearRecipe(AbstractHelicalRecipe):
     """A spur gear with the root curve its rack leaves: gear plate and tooth coordinates."""
 
@@ -76,7 +77,7 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         return {**helix, "measures_mm": measures, **self.joined}
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class RingGearRecipe(AbstractHelicalRecipe):
     """An internal gear as its pinion cutter leaves it: ring plate and tooth coordinates."""
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...core.records import record
 from ...making.assembly import PLAY, Assembling, Assembly, collar_width, pin_bill, seated
 from ...making.bases import BaseStock, RackBaseStock
 from ...making.fits import AbstractBored
@@ -36,7 +35,7 @@ def clear(stock: AbstractBored, plate: str = "") -> str:
 MESH = "any tooth in any space"
 
 
-@dataclass(frozen=True)
+@record
 class Wheel:
     """A gear on its shaft: name, letter at its bore, and stock; a ring has none."""
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, quantity
-from ...core.reprs import one_line
+from ...core.records import record
 from ...making.bores import clearance, fits_of, shaft
 from ...making.fits import AbstractBored, BoreForm, Fit, fit, flat_across, form, keyway_depth, keyway_width
 from ...model.part import Part
@@ -25,7 +25,7 @@ from .gears import plate_of
 OWN = re.compile(r"\b(bore_form|bore|keyway_width|keyway_depth|flat)\b")
 
 
-@dataclass(frozen=True)
+@record
 class AbstractMated(AbstractBored):
     """What stock tables of a gear and its mate have in common; all lengths in mm.
 
@@ -40,8 +40,6 @@ class AbstractMated(AbstractBored):
     mate_keyway_depth: float = keyway_depth("the mate's bore")
     mate_fit: Fit = fit("the mate's bore")
     rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
-
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -81,14 +79,12 @@ def _of_mate() -> Iterator[None]:
         raise DesignError(f"{table}{dot}{field}", problem, remedy) from None
 
 
-@dataclass(frozen=True)
+@record
 class PairStock(AbstractMated):
     """What a gear and its mate are cut from, and how they sit on their shafts."""
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class LanternStock(AbstractMated):
     """What a lantern pinion's discs and its wheel are cut from, and how they sit on their shafts; the pins are rods.
 
@@ -98,8 +94,6 @@ class LanternStock(AbstractMated):
     bore: float = shaft("the pinion's shaft", 8.0, fitted=True)
     clearance: float = clearance(0.1)
     edge: float = quantity("width of a disc outside its pins", "mm", default=4.0, at_least=0.01, at_most=FARTHEST)
-
-    __repr__ = one_line
 
 
 @checked

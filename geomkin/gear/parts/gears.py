@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from ...core.arguments import Count, Positive, checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...making.fits import AbstractBored
 from ...model.part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
@@ -20,7 +20,7 @@ from ..contract import AbstractGear
 from ..helix import Helix
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Web:
     """Openings between the hub and the rim, one between each two spokes; a spoke stands on +y."""
 
@@ -32,17 +32,12 @@ class Web:
         "width of the spokes, or least width between holes", "mm", default=4.0, at_least=0.01, at_most=FARTHEST
     )
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
-
-@dataclass(frozen=True)
+@record
 class GearStock(AbstractBored):
     """What a gear is cut from, and how it sits on its shaft."""
 
     web: Web | None = entry("openings between hub and rim; left out, none", default=None)
-
-    __repr__ = one_line
 
     def rim_under(self, gear: AbstractGear) -> float:
         """What holds a gear's teeth: the thickness under them, mm."""
@@ -66,15 +61,12 @@ class GearStock(AbstractBored):
         return self.fits if gear.hole_room else ()
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class RingStock:
     """What a ring gear is cut from."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     def rim_under(self, gear: AbstractGear) -> float:
         """What holds a ring's teeth: the thickness outside them, mm."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from typing import Annotated
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, PointXY, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...core.records import record
 from ...plane.vec import Complex, Real, cross
 from ..motion import Motion
 from ..moving import move
@@ -35,7 +35,7 @@ SETTLED = 1e-12
 ROUNDS = 100
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class SliderCrankMasses:
     """Masses of a slider-crank and where they are, each in its body's own frame.
 
@@ -55,11 +55,8 @@ class SliderCrankMasses:
         "rod's centre of mass, from the crank pin, x to the slider pin, [x, y] in mm", default=0j, example=30 + 0j
     )
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
-
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Counterbalance:
     """A counterbalance and the largest shaking force it leaves, over the whole turn.
 
@@ -71,8 +68,6 @@ class Counterbalance:
     product: complex
     largest: float
     angles: Real
-
-    __repr__ = one_line
 
 
 @checked

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 
 import numpy as np
 
-from ...core.arguments import check_fields, checked
+from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
@@ -21,7 +20,7 @@ from ..motion import Motion
 FAR = 1e12
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class InstantCentre:
     """A point that may lie at infinity, without loss of digits near it: `reference` + `arm` / `weight`, mm.
 
@@ -32,11 +31,6 @@ class InstantCentre:
     reference: Complex
     arm: Complex
     weight: Real
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def position(self) -> Complex:

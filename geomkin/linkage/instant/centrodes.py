@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import check_fields
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, dot
 from ..coupler_curve import moved_at
@@ -28,7 +26,7 @@ LEAP = 4.0
 ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class Centrodes:
     """Path of a body's instant centre on the ground and on the body, over the frames; the second rolls on the first.
 
@@ -38,11 +36,6 @@ class Centrodes:
 
     motion: Motion
     body: str
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @cached_property
     def centre(self) -> InstantCentre:
@@ -104,7 +97,7 @@ class Centrodes:
         return [slice(int(start), int(end) + 1) for start, end in zip(edges[::2], edges[1::2])]
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class CentrodeCurve(AbstractCurve):
     """The centrode of `body` on the ground, or where `moving` on the body itself; t is the drive over `span`.
 
@@ -120,10 +113,7 @@ class CentrodeCurve(AbstractCurve):
     branch: Branch = 1
     start: float = 0.0
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         if not self.span[0] < self.span[1]:
             raise DesignError("span", f"found {self.span}", "give a rising pair")
         bodies = self.linkage.linkage.bodies

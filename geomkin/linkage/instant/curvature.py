@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from ...core.arguments import Extended, Place, Places, check_fields, checked
+from ...core.arguments import Extended, Place, Places, checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
@@ -31,7 +30,7 @@ TURNING_BACK = 1e-10
 SIGN = {"point": 1, "centre": -1, "inflection": -1}
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class PathCurvature:
     """A point on its path to second order; any shape.
 
@@ -43,10 +42,7 @@ class PathCurvature:
     tangent: Complex
     curvature: Real
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         object.__setattr__(self, "tangent", as_unit(self.tangent))
 
     @property
@@ -206,7 +202,7 @@ def _instant_centres(point: Real, centre: Real, inflection: Real) -> Real:
     return np.stack(np.broadcast_arrays(point + root, second))
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class DirectContact:
     """A turning body that drives a follower by rolling and sliding contact: a cam, a roller, two curved levers.
 
@@ -232,10 +228,7 @@ class DirectContact:
     follower_pivot: Place | None = None
     follower_direction: Place | None = None
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         if (self.follower_pivot is None) == (self.follower_direction is None):
             found = "neither" if self.follower_pivot is None else "both"
             raise DesignError("follower_pivot", f"of it and follower_direction found {found}", "give one of them")

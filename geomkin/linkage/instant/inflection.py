@@ -12,7 +12,6 @@ their vector product, at infinity too.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ...core.arguments import Places, checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
 from .centres import InstantCentre, settled
@@ -31,7 +30,7 @@ from .curvature import PathCurvature, path_in, second_order
 ROUNDING = 1e-13
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class InflectionCircle:
     """A body's motion to second order, and its inflection circle; every part (frames,).
 
@@ -51,8 +50,6 @@ class InflectionCircle:
     acceleration: Complex
     turn: Real
     turn_rate: Real
-
-    __repr__ = one_line
 
     # With s from the reference, V = f + i h s and A = f' + (i h' - h^2) s give, with p = h A_I,
     # V x A = c + Re(conj(k) s) + h^3 |s|^2, which is 0 on the circle, and the diameter J = p / h^3.
@@ -177,7 +174,7 @@ def inflection_circle_of_cranks(one: PathCurvature, two: PathCurvature) -> Infle
     )
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Bobillier:
     """What the construction draws, any shape: points mm, directions unit complex, either way along their line.
 
@@ -193,8 +190,6 @@ class Bobillier:
     axis_foot: Complex
     tangent: Complex
     tangent_foot: Complex
-
-    __repr__ = one_line
 
 
 @checked

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex
 from ..linkage import Slider
 from ..motion import Motion
 
 
-@dataclass(frozen=True)
+@record
 class Vector:
     """One vector of a polygon.
 
@@ -34,10 +33,8 @@ class Vector:
     tip: complex
     value: complex
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class VectorPolygon:
     """Velocities or accelerations of all named points, drawn from the pole at 0.
 
@@ -51,8 +48,6 @@ class VectorPolygon:
     points: Mapping[str, complex]
     vectors: tuple[Vector, ...]
     images: Mapping[str, tuple[str, ...]]
-
-    __repr__ = one_line
 
 
 # Name of the pole, where everything at rest is.

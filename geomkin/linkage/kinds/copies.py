@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import entry, quantity
+from ...core.records import record
 from ...making.fasteners import gathered
 from ...model.part import Bought, Part
 from ...model.scene import Scene, SceneBody, SceneMark
@@ -25,7 +25,7 @@ from ..scene import placed_bodies, traced_points
 from ..solve.branch import Branch
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Copied:
     """Where a copy is.
 
@@ -83,7 +83,7 @@ MOST = 23
 WHOLE = 1e-9
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Copy:
     """A further one of the same linkage, whose crank is on the same shaft."""
 
@@ -91,9 +91,6 @@ class Copy:
         "its crank's angle ahead of the first one's", "deg", default=0.0, at_least=-360, at_most=360, example=180.0
     )
     mirrored: bool = entry("it is turned over, left for right, about the shaft", default=False)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     def __str__(self) -> str:
         return f"crank {self.phase_deg:g} deg ahead{', turned over' if self.mirrored else ''}"
@@ -152,7 +149,7 @@ def _led(wanted: Real, frames: Real) -> Real:
     return np.concatenate([before, later])
 
 
-@dataclass(frozen=True)
+@record
 class Shared:
     """A rod that two neighbouring copies share, glued into the cranks of both instead of a screw in each.
 
@@ -162,8 +159,6 @@ class Shared:
     pin: str
     length: float
     words: str
-
-    __repr__ = one_line
 
 
 def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack, thickness: float) -> Iterator[Shared]:

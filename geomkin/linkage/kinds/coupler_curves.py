@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity, rounded_up
+from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity, rounded_up
+from ...core.records import record
 from ...model.check import Check
 from ...model.part import Bought, Part
 from ...model.scene import Scene, SceneMark
@@ -37,7 +38,7 @@ MOST_DASHES = 5_000
 NAMES = ("given", "left", "right")
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Grid:
     """Coupler points, evenly over a rectangle in the coupler's frame: origin at the crank pin, x to the other pin."""
 
@@ -54,7 +55,6 @@ class Grid:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         for row, column in self.chosen:
             if not (1 <= row <= self.rows and 1 <= column <= self.columns):
                 raise DesignError(
@@ -81,7 +81,7 @@ class Grid:
         drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class AbstractAtlasRecipe(AbstractMovedRecipe):
     """What recipes of an atlas have in common."""
 
@@ -149,7 +149,7 @@ def _named(grid: Grid) -> Iterator[tuple[str, str, complex]]:
             yield f"r{row + 1}c{column + 1}", name, complex(grid.points[row, column])
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class FourBarAtlasRecipe(AbstractAtlasRecipe):
     """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate."""
 
@@ -158,7 +158,7 @@ class FourBarAtlasRecipe(AbstractAtlasRecipe):
     branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
     """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate."""
 
@@ -172,7 +172,7 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
         super().__post_init__()
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class CognatesRecipe(AbstractMovedRecipe):
     """Three four-bars that draw one coupler curve, as plates of Roberts' ten-bar figure and as an engraved drawing."""
 

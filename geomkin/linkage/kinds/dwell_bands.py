@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ..dwell import longest_dwell
 from ..linkage import Linkage
 from ..motion import Motion, goes_without_turning, on_ground
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class DwellBand:
     """How far an output may move and still count as standing still."""
 
@@ -36,11 +35,6 @@ class DwellBand:
         example=0.5,
     )
     output: str = entry("the body; the last one on the ground that does not drive where left out", default="")
-
-    __repr__ = one_line
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     def body(self, linkage: Linkage) -> str:
         """The output's name. DesignError for one that does not move, and where there is none."""

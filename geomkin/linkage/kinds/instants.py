@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
 from typing import Annotated, Literal
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...core.records import record
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene
@@ -41,7 +42,7 @@ ARC = 0.15
 MISSED = 1e-6
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class InflectionCircleRecipe(AbstractBodyRecipe):
     """A linkage at one position with a body's instant centre, inflection circle and centres of curvature."""
 
@@ -200,7 +201,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         return [curve] if missed <= MISSED * self.longest else []
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class CentrodesRecipe(AbstractBodyRecipe):
     """Fixed and moving centrode of a linkage's body on two plates: the second curve rolls on the first."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import entry
+from ...core.records import record
 from ...model.check import Check
 from ...model.part import Bought, Part
 from ...model.scene import Limit, Scene
@@ -197,7 +197,7 @@ def _told(value: float | np.floating[Any]) -> float:
     return float(f"{value:.10g}")
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class TurnedRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
 
@@ -214,7 +214,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
     files: Files = entry("what is written", default=Files())
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SlidRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns or slides."""
 
@@ -241,7 +241,7 @@ class SlidRecipe(AbstractLinkageRecipe):
         return {**none, **cls.sliding} if "stroke" in asked else super().fit(asked)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class FourBarRecipe(TurnedRecipe):
     """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
 
@@ -256,7 +256,7 @@ class FourBarRecipe(TurnedRecipe):
         return {"grashof_type": found.type, "grashof": links | {name: _told(mm) for name, mm in sums.items()}}
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SliderCrankRecipe(SlidRecipe):
     """A slider-crank, driven by crank, connecting rod or slider."""
 
@@ -266,7 +266,7 @@ class SliderCrankRecipe(SlidRecipe):
     sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class InvertedSliderCrankRecipe(TurnedRecipe):
     """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
 
@@ -274,7 +274,7 @@ class InvertedSliderCrankRecipe(TurnedRecipe):
     linkage: InvertedSliderCrank
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class StephensonSixBarRecipe(TurnedRecipe):
     """A four-bar whose coupler point drives an output, which can dwell."""
 
@@ -282,7 +282,7 @@ class StephensonSixBarRecipe(TurnedRecipe):
     linkage: StephensonSixBar
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class WattSixBarRecipe(TurnedRecipe):
     """Two four-bars in a row: the first one's rocker drives the second."""
 
@@ -290,7 +290,7 @@ class WattSixBarRecipe(TurnedRecipe):
     linkage: WattSixBar
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class ShaperRecipe(TurnedRecipe):
     """A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."""
 
@@ -298,7 +298,7 @@ class ShaperRecipe(TurnedRecipe):
     linkage: Shaper
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class EllipticTrammelRecipe(SlidRecipe):
     """A rod whose pins run in two crossing slots: its points draw ellipses."""
 
@@ -307,7 +307,7 @@ class EllipticTrammelRecipe(SlidRecipe):
     sliding: ClassVar = {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)}
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class ScotchYokeRecipe(TurnedRecipe):
     """A crank pin in a slotted yoke: straight harmonic motion."""
 
@@ -315,7 +315,7 @@ class ScotchYokeRecipe(TurnedRecipe):
     linkage: ScotchYoke
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class OldhamCouplingRecipe(TurnedRecipe):
     """Two slotted hubs and a disc between: shafts apart that turn alike."""
 
@@ -323,7 +323,7 @@ class OldhamCouplingRecipe(TurnedRecipe):
     linkage: OldhamCoupling
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class LinkageRecipe(SlidRecipe):
     """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal
@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
 from ...core.names import check_names
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
@@ -141,7 +141,7 @@ def both_modes_entry() -> Any:
     )
 
 
-@dataclass(frozen=True)
+@record
 class TriangleCorner:
     """A point of a body by its distances from two other points of it."""
 
@@ -153,10 +153,8 @@ class TriangleCorner:
     )
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record(checked=True)
 class SliderTable:
     """A sliding joint."""
 
@@ -170,13 +168,8 @@ class SliderTable:
     )
     angle_deg: float = quantity("the body's x axis from the line", "deg", default=0.0, at_least=-360, at_most=360)
 
-    __repr__ = one_line
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
-
-@dataclass(frozen=True)
+@record(checked=True)
 class BodyList(AbstractLinkage):
     """Any linkage: bodies with their points, mm, each in a frame of its own; the first one is fixed.
 
@@ -211,10 +204,7 @@ class BodyList(AbstractLinkage):
         "direction of the fixed body's x axis", "deg", default=0.0, at_least=-360, at_most=360
     )
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         self.linkage  # noqa: B018  every error of the joints at once, while the recipe is read
 
     @cached_property

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, Literal, Self
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene
@@ -36,7 +37,7 @@ REACH = 2.0
 STEP_DEG = 2
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class PolygonsRecipe(AbstractRecipe):
     """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
@@ -58,9 +59,6 @@ class PolygonsRecipe(AbstractRecipe):
     branches: Branches = branches_entry()
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     def at_scale(self, scale: float) -> Self:
         if self.linkage.linkage.driven_slider is None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import check_sizes, entry, quantity
+from ...core.fields import entry, quantity
+from ...core.records import record
 from ...model.check import Check
 from ...model.part import HoleFit, Part
 from ...model.scene import Limit, Plot, Role, Scene
@@ -37,7 +37,7 @@ from .moved import Side
 ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class ShakingForceRecipe(AbstractLinkageRecipe):
     """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
 
@@ -65,7 +65,6 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.records import record
 from ...plane.measure import separation
 from ...plane.vec import Array, Complex, Mask, Real, Whole, dot
 from ..motion import Motion
@@ -18,7 +19,7 @@ from ..motion import Motion
 AT_ONCE = 1 << 15
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Sweep:
     """Paths of points from frame to frame: a step leads from each closed frame to the next, if that is closed.
 
@@ -117,7 +118,7 @@ HAIR = 1e-9
 POINT = 1e-300
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Pair:
     """Two plates, a plate and a pin, or two pins, and how near, mm, they may come.
 
@@ -132,7 +133,7 @@ class Pair:
     near: float
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Poses:
     """Where bodies are at the frames, at an unknown one before the first, and at two after the last."""
 

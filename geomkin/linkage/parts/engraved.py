@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import check_sizes, quantity
+from ...core.fields import quantity
+from ...core.records import record
 from ...model.part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Polyline, Segment, rounded_hull
@@ -23,16 +23,13 @@ HEAD = 3.0
 SHORTER = 0.5
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class PlateStock:
     """The plate a drawing is engraved on."""
 
     thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
     margin: float = quantity("clear edge around the drawing", "mm", default=8.0, at_least=3, at_most=1000)
     pin_diameter: float = quantity("diameter of the circles drawn for pins", "mm", default=4.0, above=0, at_most=1000)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
 
 @checked

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import combinations, compress
 
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Whole
 from ..motion import Motion
 from .collisions import Pair, meeting, path_in
@@ -23,7 +24,7 @@ PLAY = 2.0
 Run = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Meetings:
     """What would meet if it were in one layer, seen from above: edges nearer than the play count as meeting.
 
@@ -108,7 +109,7 @@ def runs(motion: Motion, pair: Pair) -> list[Run]:
     return found
 
 
-@dataclass(frozen=True)
+@record
 class Passing:
     """A pin as the layers see it; plates are bits of whole numbers, plate k the bit 1 << k.
 
@@ -128,7 +129,7 @@ class Passing:
         return passes
 
 
-@dataclass(frozen=True)
+@record
 class Order:
     """Plates of each layer as bits, from below. collisions: of pins; length: of all pins, in layers."""
 
@@ -192,7 +193,7 @@ ROUNDS = 100
 Key = tuple[str, str]
 
 
-@dataclass(frozen=True)
+@record
 class Reach:
     """A pin in its layers: the lowest and the highest that it joins."""
 
@@ -201,7 +202,7 @@ class Reach:
     last: int
 
 
-@dataclass(frozen=True)
+@record
 class Disc:
     """What is round about a pin beside its plates, and the heights between which it stands, in layers from below."""
 
@@ -211,7 +212,7 @@ class Disc:
     high: float
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Heads:
     """Heads and nuts of a stack, and what they would meet.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import combinations
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...making.motors import CORNER, MOTORS
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
@@ -85,7 +85,7 @@ def _clear(places: Complex, taken: Sequence[Complex], width: float) -> Mask:
     return clear
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Seat:
     """What a motor has of a plate, in the frame of the plate's body.
 
@@ -99,8 +99,6 @@ class Seat:
     corners: Complex
     radius: float
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
-
-    __repr__ = one_line
 
 
 def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: LinkStock) -> dict[str, Seat]:
@@ -155,7 +153,7 @@ def _moved(hole: Circle | Polyline, place: complex) -> AbstractCurve:
 EQUAL = 8 * np.finfo(float).eps
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Plate:
     """A plate in the frame of a body.
 
@@ -165,8 +163,6 @@ class Plate:
     body: str
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
     seat: Seat | None = None
-
-    __repr__ = one_line
 
     @property
     def centres(self) -> Complex:
@@ -244,7 +240,7 @@ class Plate:
         return Part(name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=told, fits=tuple(fits))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Pin:
     """A pin that moves as the point `place`, mm, of a body. holes: plates it turns in; slots: plates it runs in.
 
@@ -260,15 +256,13 @@ class Pin:
     slots: tuple[str, ...]
     shaft: float = 0.0
 
-    __repr__ = one_line
-
     @property
     def plates(self) -> tuple[str, ...]:
         """All plates that it joins."""
         return self.holes + self.slots
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Assembly:
     """Plates by name, in the order of the linkage's bodies, and the pins that join them."""
 

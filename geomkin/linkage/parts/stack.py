@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations, product
 from string import ascii_uppercase
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...making.assembly import Bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
@@ -77,7 +77,7 @@ def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[comple
 LARGEST = 15
 
 
-@dataclass(frozen=True)
+@record
 class PinSpan:
     """A pin of a stack.
 
@@ -95,10 +95,8 @@ class PinSpan:
     spacers: tuple[int, ...] = ()
     motor: Bill = ()
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True)
+@record
 class Collision:
     """A pin that meets a plate, or a head that meets something, while the driver goes from `first` to `last`.
 
@@ -111,13 +109,11 @@ class Collision:
     last: float
     unit: str
 
-    __repr__ = one_line
-
     def __str__(self) -> str:
         return f"pin {self.pin} meets {self.plate} from {self.first:.4g} to {self.last:.4g} {self.unit}"
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Stack:
     """How plates lie on each other.
 
@@ -132,8 +128,6 @@ class Stack:
     collisions: tuple[Collision, ...]
     plates: Mapping[str, Plate]
     fastener: Fastener
-
-    __repr__ = one_line
 
     @property
     def spacers(self) -> int:

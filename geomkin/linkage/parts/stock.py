@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
-from ...core.reprs import one_line
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, fastener_of
 from ...making.fits import AbstractBored, Fit, fit, interference
 from ...making.motors import MOTORS, MotorName
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class LinkStock:
     """What links are cut from, and the pins that join them."""
 
@@ -37,10 +36,7 @@ class LinkStock:
     fit: Fit = fit("the crank's bore on a motor")
     interference: float = interference()
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_sizes(self)
         # Refuses a screw that there is none of.
         _ = self.fastener_used
         self._check_motor()

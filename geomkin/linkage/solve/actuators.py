@@ -7,13 +7,13 @@ is in closed form by the place x of the rod: no angle of the drive is needed.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot
 from .closing_roots import StrokeRoot, gap_of
 from .dyads import RRP, RRR
@@ -21,7 +21,7 @@ from .input_dyads import Driven, DriverPoints
 from .placement import Coefficients, Placement, Poses
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Stroked:
     """A bar of driven length in the frame of the body at its outer pin: `start` + q `along`, along unit complex.
 
@@ -42,7 +42,7 @@ class Stroked:
         return cross(self.along, np.asarray(self.start))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ActuatedRRR(Driven):
     """An actuator and a bar pinned to it, on two points that stand still: a triangle with one driven side.
 
@@ -132,7 +132,7 @@ class ActuatedRRR(Driven):
         return self._sizes[0] + bar, bar
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ActuatedRRP(Driven):
     """An actuator on a point that stands still, pinned to a body that slides on a rail that does.
 

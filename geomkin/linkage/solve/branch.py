@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
+from ...core.records import record
 from ...plane.vec import Real, Whole
 from ..linkage import Linkage
 
@@ -19,7 +19,7 @@ BESIDE = 1e-3
 Start = int | Mapping[str, int | complex]
 
 
-@dataclass(frozen=True)
+@record
 class Follow:
     """Branches that run smoothly on from the first frame, also through change points.
 
@@ -33,7 +33,7 @@ class Follow:
         _told(self.start, "start", True)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Chosen:
     """A branch as asked for.
 
@@ -100,7 +100,7 @@ def _is_sign(value: object) -> bool:
     return bool(real and value in (1, -1))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class FollowedBranch:
     """The sign of a dyad whose branch is followed: `start` at the drive `first`, the other beyond each meeting.
 

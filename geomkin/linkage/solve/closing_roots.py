@@ -5,13 +5,12 @@ Real where it closes, zero where its two branches meet: a limit of the driver, o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
 from .placement import plus, times
 
@@ -24,7 +23,7 @@ class ClosingRoot(Protocol):
         """nan where the loop cannot close, zero at a limit and at a change point; its sign is the branch."""
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Gaps:
     """What a loop's two roots are made of: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
 
@@ -45,7 +44,7 @@ class Gaps:
         return cls(d1, d2, k, changes[0], changes[1])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Roots:
     """The two roots over the frames. x = k cos v, y = k sin v; r = branch f1 f2, nan where the loop cannot close."""
 
@@ -53,8 +52,6 @@ class Roots:
     x: Real
     y: Real
     branch: Whole | int
-
-    __repr__ = one_line
 
     @cached_property
     def square_1(self) -> Real:
@@ -107,7 +104,7 @@ class Roots:
         return one - two
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class StrokeRoot:
     """r = branch f1 f2 of an actuator's dyad, f1^2 = most - x^2 and f2^2 = x^2 - least; most may be infinite.
 

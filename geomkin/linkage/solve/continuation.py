@@ -7,14 +7,13 @@ bifurcation and nonlinear eigenvalue problems, 1977).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arguments import Extended, checked
 from ...core.errors import DesignError, shown
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Mask, Real
 
 # From points (k, n + 1), n unknowns and the drive, to conditions (k, n) and their slopes (k, n, n + 1).
@@ -52,7 +51,7 @@ NEAR = 1e-2
 SHORTEST_SHARE = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Root:
     """Where the iteration stopped. value: (n,); converged; residual: largest |f| there; path: (steps + 1, n)."""
 
@@ -60,8 +59,6 @@ class Root:
     converged: bool
     residual: float
     path: Real
-
-    __repr__ = one_line
 
 
 @checked

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
 from ..linkage import Linkage
 from .branch import BESIDE, FollowedBranch
@@ -37,7 +37,7 @@ APART, AT = 1e-4, 1e-7
 ORIGIN, AHEAD, STILL = (np.broadcast_to(number, ()) for number in (0j, 1 + 0j, 0.0))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class DriveRange:
     """A linkage's placements at any drives of a range that holds `drive`, with the branches found so far, by joint.
 

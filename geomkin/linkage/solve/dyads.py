@@ -7,12 +7,12 @@ linear equations, whatever its joints. Positions are solved in closed form.
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
 from .placement import Anchor, Coefficients, Placement, Poses, Rail, times
 
@@ -25,7 +25,7 @@ PARALLEL = 1e-14
 MEETING, WORST = 1e-14, 1e8
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Dyad(Placement):
     """A placement that can close on either of two branches. joint: its inner joint's name; leader: a body it turns."""
 
@@ -43,7 +43,7 @@ class Dyad(Placement):
         return p0.turn[self.leader]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class RRR(Dyad):
     """Two bars pinned together: circle meets circle.
 
@@ -94,7 +94,7 @@ class RRR(Dyad):
         return p0.turn[self.bodies[0]] * unit(self.arms[0]), p0.turn[self.bodies[1]] * unit(self.arms[1])
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class RRP(Dyad):
     """A bar pinned to a body that slides: circle meets line.
 
@@ -150,7 +150,7 @@ class RRP(Dyad):
         return 1j * p0.turn[self.body] * unit(self.arm), self.rail.at(p0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class RPR(Dyad):
     """Two bodies, each pinned, that slide on each other: a line through one point at a distance from another.
 
@@ -211,7 +211,7 @@ class RPR(Dyad):
         return 1j * self._apart(p0), self._rail(p0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Crossed(Placement):
     """A body of known direction whose origin lies on two lines: start_1 + x g1 = start_2 + y g2 = origin."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from importlib.util import find_spec
 from math import prod
@@ -12,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array, Complex, Real, Whole
 from ..linkage import Linkage
 from .branch import FollowedBranch
@@ -23,14 +22,12 @@ from .program import NOTHING, Batch, Formulas, Group, Program
 from .tape import Recorded, Tape
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Timing:
     """The driver's speed and acceleration: rad/s and rad/s2, or mm/s and mm/s2 where a slider drives."""
 
     speed: Real
     acceleration: Real
-
-    __repr__ = one_line
 
     def elapsed(self, drive: Real) -> Real:
         """Time since the first of the drives, s, (frames,); nan where the speed is 0 or changes."""
@@ -128,7 +125,7 @@ def _rates(timing: Timing, turn: Any, turn_2: Any) -> tuple[Any, Any]:
     return turn if none else timing.rate(turn), turn_2 if even else timing.gain(turn, turn_2)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Moved:
     """How bodies move, by their names, as values on a tape: directions, origins, derivatives of both by the drive."""
 
@@ -138,8 +135,6 @@ class Moved:
     first: Mapping[str, Any]
     second: Mapping[str, Any]
     timing: Timing
-
-    __repr__ = one_line
 
     def named(self, body: str, name: str) -> dict[str, Any]:
         """Of a point that the linkage names, all that a `PointMotion` tells of it."""

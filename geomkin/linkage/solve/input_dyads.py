@@ -9,20 +9,19 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
 from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, paired, plus, scaled, times
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Driven(Dyad):
     """A dyad that the driver alone moves. `follow`: run smoothly through change points.
 
@@ -51,7 +50,7 @@ class Driven(Dyad):
         return np.where(np.isfinite(start) & (start != 0), start, 1) * sign
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class CrankDriven(Driven):
     """Of a dyad between points of the ground and of a driver that turns: its second base from its first.
 
@@ -73,7 +72,7 @@ class CrankDriven(Driven):
         return self.dyad.meeting(p0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class DrivenRRR(CrankDriven):
     """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
 
@@ -83,8 +82,6 @@ class DrivenRRR(CrankDriven):
     """
 
     dyad: RRR
-
-    __repr__ = one_line
 
     @cached_property
     def _sizes(self) -> _Sizes:
@@ -153,7 +150,7 @@ class DrivenRRR(CrankDriven):
         p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - times(1 - p, rate), plus(p * rate, shared)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class _Sizes:
     """Of a four-bar, exact where they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
 
@@ -173,7 +170,7 @@ class _Sizes:
     kite: Mask | bool
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class DrivenRRP(CrankDriven):
     """A bar from a point of the driver to a slide on the ground: the slider-crank of that driver.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage, Slider
 from .placement import Coefficients, Poses
@@ -20,7 +20,7 @@ Ends = tuple[Complex, Complex]
 Places = slice | Whole
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class LoopEquations:
     """Conditions of the joints of `waiting` bodies, and the unknowns that meet them.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage
 from .continuation import Equations, Trace, approached, polished, solved
@@ -20,7 +20,7 @@ from .placement import Coefficients, Placement, Poses
 FARTHEST = 80 * np.pi
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Loops(Placement):
     """`waiting` bodies by their joints to each other and to `placed` ones.
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
 from . import tape as tape
 from .tape import Recorded
@@ -22,7 +22,7 @@ from .tape import Recorded
 Numbers = TypeVar("Numbers", Real, Complex)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Coefficients:
     """Kinematic coefficients of one order over a row of frames, in the fixed body's frame.
 
@@ -33,7 +33,7 @@ class Coefficients:
     turn: dict[str, Real] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Poses:
     """Where bodies are over a row of frames, in the fixed body's frame.
 
@@ -48,8 +48,6 @@ class Poses:
     kept: dict[Placement, Any] = field(default_factory=dict)
     elsewhere: Callable[[Real], tuple[Poses, Coefficients]] | None = None
 
-    __repr__ = one_line
-
     @cached_property
     def half(self) -> tuple[Real, Real]:
         """Cosine and sine of q/2: the dearest numbers of a frame, worked out once."""
@@ -57,7 +55,7 @@ class Poses:
         return np.cos(half), np.sin(half)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Anchor:
     """A point of a placed body, then along arms that turn with bodies: origin + turn place + sum(turn arm)."""
 
@@ -129,7 +127,7 @@ def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
     return times(z, factor) if used else z * factor
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Rail:
     """A direction that turns with a body."""
 
@@ -170,7 +168,7 @@ class Placement(ABC):
         return None if ways is None else np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways)))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Turned(Placement):
     """The driver where it is a body's angle: its direction is e^{iq}."""
 
@@ -187,7 +185,7 @@ class Turned(Placement):
         p2.turn[self.body] = np.zeros(())
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Slid(Placement):
     """The driver where it slides: a body of known direction whose `local` point is q beyond `through` along `rail`."""
 
@@ -214,7 +212,7 @@ class Slid(Placement):
         p2.origin[self.body] = self._anchor.second(p0, p1, p2) + gain * self.rail.at(p0)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Drawn(Placement):
     """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
 
@@ -230,7 +228,7 @@ class Drawn(Placement):
         p2.origin[self.name], p2.turn[self.name] = np.zeros((), dtype=complex), np.zeros(())
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Oriented(Placement):
     """A body that turns with another: `turn` from its x axis."""
 
@@ -248,7 +246,7 @@ class Oriented(Placement):
         p2.turn[self.body] = p2.turn[self.with_body]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Carried(Placement):
     """A body whose direction is known, pinned at a point that is: its own `local` on `pin`."""
 

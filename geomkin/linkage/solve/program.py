@@ -5,14 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from contextvars import Context
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import prod
 from operator import itemgetter
 from typing import Any, Protocol
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array
 from .tape import VIEWS, Operation, Step, Tape
 
@@ -47,7 +47,7 @@ class Points(Protocol):
         """What is known of a body's point, as values on the tape."""
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Formulas:
     """A tape with names for its results, in groups, and programs for batches of these.
 
@@ -61,8 +61,6 @@ class Formulas:
     programs: dict[tuple[Batch, ...], Program] = field(default_factory=dict)
     asked: dict[str, set[Group]] = field(default_factory=dict)
     usual: dict[str, Batch] = field(default_factory=dict)
-
-    __repr__ = one_line
 
     def start(self, of: str) -> tuple[Batch, set[Group]]:
         """What was asked for the last time, and where what is asked for from now on is noted."""
@@ -108,7 +106,7 @@ class Formulas:
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Program:
     """Some steps of a tape with a place for everything: constants, what is given, what is kept, what is written over.
 
@@ -126,8 +124,6 @@ class Program:
     views: list[tuple[int, Operation]]
     calls: list[tuple[Operation, Any]]
     prepared: dict[Any, Any] = field(default_factory=dict)
-
-    __repr__ = one_line
 
     @classmethod
     def of(cls, tape: Tape, steps: list[int], keeping: set[int]) -> Program:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from math import prod
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
 from .branch import Chosen, FollowedBranch
@@ -112,7 +112,7 @@ def _kept_by(branch: tuple[str, Whole | int | FollowedBranch]) -> tuple[str, byt
     return joint, b"" if isinstance(sign, FollowedBranch) else np.asarray(sign).tobytes()
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class LinkageSolution:
     """Where all bodies are, and the derivatives of that by the drive, each worked out when first asked for.
 
@@ -127,8 +127,6 @@ class LinkageSolution:
     timing: Timing
     # What was asked for so far, where it had to be made from what formulas tell.
     _kept: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
-
-    __repr__ = one_line
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -7,13 +7,13 @@ each formula has one source, whoever runs it, and what does not depend on the dr
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real
 
 # An operation takes its arguments and, last, the array that it writes.
@@ -53,7 +53,7 @@ INSTEAD: dict[Operation, Operation] = {np.maximum: larger}
 VIEWS = {real_part, imag_part}
 
 
-@dataclass(frozen=True)
+@record
 class Step:
     """An operation on values by their numbers on the tape; kind: of the result, float, complex or bool.
 
@@ -66,7 +66,7 @@ class Step:
     extent: int
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Tape:
     """Operations in the order in which they ran, what they start from, and the constants among them, all by number."""
 
@@ -74,8 +74,6 @@ class Tape:
     constants: dict[int, Array] = field(default_factory=dict)
     given: dict[str, int] = field(default_factory=dict)
     known: dict[tuple[Any, ...], int] = field(default_factory=dict)
-
-    __repr__ = one_line
 
     def start(self, name: str, kind: type = float, extent: int = 1) -> Any:
         """What stands for a value that is to be given; who works with it takes it for an array."""

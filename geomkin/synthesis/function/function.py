@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from ...core.arguments import Count, Reals, Sort, are_reals, between, checked, is_real, is_whole, numbers
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST, Size, rounded_down
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Real
@@ -39,7 +39,7 @@ class Peak(NamedTuple):
     multiplier: float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class AbstractFunctionGenerator(Found):
     """What function generators have in common.
 
@@ -58,7 +58,6 @@ class AbstractFunctionGenerator(Found):
     wanted: WantedFunction = field(repr=False)
     task: AbstractGenerator = field(repr=False)
     unknowns: Real = field(repr=False)
-    __repr__ = one_line
 
     @property
     @abstractmethod
@@ -125,7 +124,7 @@ class AbstractFunctionGenerator(Found):
         return self._error(s.reshape(1, -1)).reshape(s.shape)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class FunctionGenerator(AbstractFunctionGenerator):
     """A four-bar whose rocker follows a function of its crank's angle.
 
@@ -137,7 +136,6 @@ class FunctionGenerator(AbstractFunctionGenerator):
     starts_deg: tuple[float, float]
     largest_error_deg: float
     task: FourBarGenerator = field(repr=False)
-    __repr__ = one_line
 
     @property
     def _output(self) -> tuple[float, float]:
@@ -159,7 +157,7 @@ class FunctionGenerator(AbstractFunctionGenerator):
         return {"largest_error_deg": ten_digits(self.largest_error_deg), "starts_deg": starts, **super().summary()}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class SliderFunctionGenerator(AbstractFunctionGenerator):
     """A slider-crank whose slider follows a function of its crank's angle.
 
@@ -172,7 +170,6 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
     start_mm: float
     largest_error: float
     task: SliderGenerator = field(repr=False)
-    __repr__ = one_line
 
     @property
     def _output(self) -> tuple[float, float]:

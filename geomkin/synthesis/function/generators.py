@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Mask, Real
 from .minimax import AbstractTask
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class AbstractGenerator(AbstractTask):
     """A task of function generation. Unknowns: three of its sizes, start of the input, start of the output, branch.
 
@@ -136,7 +135,7 @@ TINY = 1e-14
 FLATTEST = 1e-2
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class SliderGenerator(AbstractGenerator):
     """Unknowns: logarithms of crank and connecting rod, offset, start of crank, rad, and of slider, branch.
 
@@ -146,7 +145,6 @@ class SliderGenerator(AbstractGenerator):
 
     sense: float
     length: float
-    __repr__ = one_line
     angles: ClassVar[list[int]] = [3]
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + 2 * ["ratio"]
 
@@ -272,7 +270,7 @@ class SliderGenerator(AbstractGenerator):
 PAIRS = [(i, j) for i in range(4) for j in range(4) if i != j]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class FourBarGenerator(AbstractGenerator):
     """Unknowns: logarithms of crank, coupler and rocker over the ground, start of crank and of rocker, rad, branch.
 
@@ -282,7 +280,6 @@ class FourBarGenerator(AbstractGenerator):
 
     out: float
     ground: float
-    __repr__ = one_line
     angles: ClassVar[list[int]] = [3, 4]
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + len(PAIRS) * ["ratio"]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
 
 # A rate below which a row counts as not approached. Larger, and rows are passed through; smaller, and a row that is
@@ -288,7 +288,7 @@ def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, 
     return 0.5 * (found + np.swapaxes(found, 1, 2))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Certificate:
     """Multipliers of peaks (peaks,), their sum 1, and of limits (limits,), all 0 and more; what their sum leaves."""
 

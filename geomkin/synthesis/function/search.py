@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...core.records import record
 from ...plane.vec import Mask, Real
 from .generators import AbstractGenerator
 from .minimax import DIFFERENCE, AbstractTask, descend, settled
@@ -106,7 +105,7 @@ def peaks(task: AbstractTask, p: Real, most: int, looks: int) -> tuple[Real, Rea
     return best, task.error(p, best), real
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class AtPeaks(AbstractTask):
     """A task that is looked at on its peaks, which move with the candidate; the first `fixed` places stay.
 
@@ -173,7 +172,7 @@ EXACT = 1e-11
 KEPT = 1e-7
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Optimum:
     """A candidate p (unknowns,) that no small step makes better.
 

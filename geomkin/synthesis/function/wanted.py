@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Reals, Sort, are_reals, check_fields, checked, numbers
+from ...core.arguments import Reals, Sort, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.spline import Spline
 from ...plane.vec import Real
 
@@ -31,7 +30,7 @@ TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|(
 Value = Callable[[Real], Real]
 
 
-@dataclass(frozen=True, repr=False)
+@record(checked=True)
 class Expression:
     """A function of x from its text, such as `log10(x)` or `2*x**1.5 - 1`: numbers, x, + - * / **, brackets.
 
@@ -41,10 +40,8 @@ class Expression:
     """
 
     text: Annotated[str, Sort(lambda value: isinstance(value, str), "a text such as log10(x)")]
-    __repr__ = one_line
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if len(self.text) > LONGEST:
             raise DesignError("function", f"found {len(self.text):,} characters", f"give at most {LONGEST}")
         _ = self._value  # read now, or the fault would be told when it is first called
@@ -228,7 +225,7 @@ TALL = 100.0
 NO_RANGE = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class WantedFunction:
     """y = f(x) from x0 to x1, as a share of the way: of the output's, over that of the input's.
 
@@ -240,7 +237,6 @@ class WantedFunction:
     x1: float
     y0: float
     y1: float
-    __repr__ = one_line
 
     def x(self, s: Real) -> Real:
         """x (...,) at shares of the input's way."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Positive, check_fields, checked
+from ...core.arguments import Positive, checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Mask, Real
 from .circular_cubic import Cubic, Loop, crossings
@@ -28,7 +27,7 @@ MISSED = 1e-5
 LOOKED_AT = 2000
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class FourPoses:
     """Four poses (n,) and the cubic of the places that are pivots, in unit sizes about their middle.
 
@@ -39,8 +38,6 @@ class FourPoses:
     origins: Complex
     directions: Complex
     partner_origin: complex = 0j
-
-    __repr__ = one_line
 
     @cached_property
     def scaled(self) -> tuple[Complex, complex, float]:
@@ -111,7 +108,7 @@ class FourPoses:
         return pin
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(checked=True, eq=False)
 class BurmesterCurve(AbstractCurve):
     """A piece of a centre-point or circle-point curve; t from `start` to `end`, whose unit has no meaning.
 
@@ -124,9 +121,6 @@ class BurmesterCurve(AbstractCurve):
     loop: Loop
     start: float
     end: float
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def point(self, t: ArrayLike) -> Complex:
         place, weight, _, _ = self._run(t)
@@ -161,7 +155,7 @@ class BurmesterCurve(AbstractCurve):
         return self.end - self.start >= 2 * np.pi
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Burmester:
     """Both curves of four poses, whole within their reach, and the two slides, which have one end at infinity.
 
@@ -174,8 +168,6 @@ class Burmester:
     fixed: tuple[BurmesterCurve, ...]
     moving: tuple[BurmesterCurve, ...]
     slides: Pairs
-
-    __repr__ = one_line
 
 
 @checked

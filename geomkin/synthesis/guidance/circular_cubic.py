@@ -12,12 +12,11 @@ poses, the axis of symmetry), it is taken out, which leaves L, Q and C of one de
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Real
 
 # Share of the other coefficients below which those of highest degree are rounding: the cubic is then a conic and the
@@ -33,7 +32,7 @@ CROSSING = 1e-8
 FLAT = 1e-2
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Loop:
     """One real branch: `point` and its rate in homogeneous numbers, over 0 <= t <= 2 pi, where it closes.
 
@@ -47,8 +46,6 @@ class Loop:
     rest: Real
     sign: float = 1.0
     turning: float = 0.5
-
-    __repr__ = one_line
 
     def way(self, t: Real) -> tuple[Real, Real, Real, Real]:
         """psi, its rate, the square root, and its rate, by t."""
@@ -83,13 +80,11 @@ class Loop:
         return float(psi - np.pi * np.rint((psi - self.middle) / np.pi))
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Cubic:
     """K(v) = T(v, v, v) = 0 with v = (x, y, 1); tensor: (3, 3, 3), symmetric, circular: (x^2 + y^2)(l x + m y) + ..."""
 
     tensor: Real
-
-    __repr__ = one_line
 
     @cached_property
     def axis(self) -> complex:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole, unit
 
 # Newton's steps: from a root of the quartic two or three are enough; a double root halves its error a step.
@@ -263,7 +262,7 @@ RANK = 1e-11
 PARALLEL_SLIDES = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Pairs:
     """Dyads of any shape in homogeneous form, each a place on the ground and one on the body.
 
@@ -275,8 +274,6 @@ class Pairs:
     moving: Complex
     fixed_far: Mask
     moving_far: Mask
-
-    __repr__ = one_line
 
     def at(self, kept: Mask | Whole) -> Pairs:
         """Those that are kept, in one row."""
@@ -330,7 +327,7 @@ def normalised(z: Complex) -> tuple[Complex, Complex, Real]:
     return (z - middle) / size, middle, size
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Relations:
     """What poses (..., n) ask of the eight coefficients, in unit sizes: singular values, greatest first, and vectors.
 
@@ -341,8 +338,6 @@ class Relations:
     size: Real
     values: Real
     vectors: Real
-
-    __repr__ = one_line
 
     @property
     def freedom(self) -> int:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, cross
 
 # Share of the linkage's size by which a limit of the driver may miss a change point and still count as one. Smaller,
@@ -15,7 +14,7 @@ from ...plane.vec import Complex, Mask, Real, Whole, cross
 MEETS = 1e-9
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Defects:
     """What keeps linkages from going through places in their order, in one drive of one sense; arrays (linkages,).
 
@@ -33,8 +32,6 @@ class Defects:
     drive: Real
     sign: Whole
     margin: Real
-
-    __repr__ = one_line
 
     @property
     def none(self) -> Mask:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import combinations, islice
 from typing import Annotated
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import Points, checked, whole_between
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole
 from .burmester import both_ways, slides_of
 from .constraint import (
@@ -231,7 +230,7 @@ MISSED = 1e-5
 ROUNDING = 1e-5
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Dyads:
     """Dyads that guide a body through poses; every part (dyads,).
 
@@ -251,8 +250,6 @@ class Dyads:
     residual: Real
     exact: Mask
     converged: Mask
-
-    __repr__ = one_line
 
     def __len__(self) -> int:
         return len(self.fixed)

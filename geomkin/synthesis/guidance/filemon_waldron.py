@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from ...core.arguments import Points, between, checked
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
@@ -26,7 +25,7 @@ STRAIGHT = 1e-9
 NEAR = 5e-4
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Rectification:
     """Regions of a body's points, as it stands at the first of three poses, mm on the ground.
 
@@ -42,8 +41,6 @@ class Rectification:
     driven: complex | None
     lines: tuple[AbstractCurve, ...]
     ways: Complex
-
-    __repr__ = one_line
 
     @checked
     def drivable(self, points: Points) -> Mask:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arguments import Sort, between, checked, is_complex, whole_between
 from ...core.errors import DesignError
 from ...core.progress import Watch
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
@@ -40,7 +40,7 @@ Pair = Annotated[
 ]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class BodyGuide(Found):
     """A linkage whose coupler carries a body through poses.
 
@@ -58,8 +58,6 @@ class BodyGuide(Found):
     angle_error_deg: float
     cut_short: bool = False
     poses: tuple[Complex, Complex] = field(repr=False)
-
-    __repr__ = one_line
 
     def rounded(self, rounding: Rounding) -> BodyGuide:
         turned = rounding.angle("", self.body_angle_deg)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.progress import Watch
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
 from .dyads import Dyads, dyads_through
 from .guide_search import DEFECTIVE, DISTINCT, Displacements, Search, distinct, pair_of
@@ -25,7 +24,7 @@ ALONG, PAIRED, NEAREST_PINS = 4000, 300, 40
 STARTS = 24
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class HeldPins:
     """Dyads with a pin on the body: its places, (poses, dyads), pivots, and directions of slides, (dyads,).
 
@@ -35,8 +34,6 @@ class HeldPins:
     pins: Complex
     pivots: Complex
     rails: Complex
-
-    __repr__ = one_line
 
     @property
     def cranks(self) -> Whole:
@@ -145,7 +142,7 @@ NEAREST = 8
 KINDS: tuple[Kind, ...] = tuple(get_args(one)[0] for one in get_args(Kind))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Asked:
     """What is asked of the search."""
 
@@ -159,8 +156,6 @@ class Asked:
     largest_ratio: float | None
     rng: np.random.Generator
     watch: Watch
-
-    __repr__ = one_line
 
     def slides(self, kind: Kind) -> bool:
         """Whether a slide drives."""

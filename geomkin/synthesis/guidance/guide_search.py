@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ...core.progress import Watch
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, cross, unit
 from .guides import AbstractGuides, guides_of, usable
 
@@ -35,14 +34,12 @@ DISTINCT = 0.04
 DEFECTIVE = 5
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Displacements:
     """Poses of a body by where they carry its points, which are told by their places at the first pose: p + s z."""
 
     origins: Complex
     directions: Complex
-
-    __repr__ = one_line
 
     @cached_property
     def turns(self) -> Complex:
@@ -138,7 +135,7 @@ def pair_of(kind: str, slides: bool, body: Displacements, pairs: Complex) -> Abs
     return guides_of(kind, slides, first(pairs[:, 0]), second(pairs[:, 1]))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Search:
     """A search through three poses. low, high: corners of the region; least_angle: rad; body: the poses."""
 
@@ -149,8 +146,6 @@ class Search:
     high: complex
     least_angle: float
     largest_ratio: float
-
-    __repr__ = one_line
 
     @property
     def size(self) -> float:

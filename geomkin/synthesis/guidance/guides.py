@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...plane.vec import Complex, Mask, Real, dot, unit
@@ -19,7 +18,7 @@ from .defects import Defects, four_bar_defects, slider_crank_defects, trammel_de
 LEAST_SLOTS_DEG = 10
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class AbstractGuides(ABC):
     """Linkages whose coupler stands with two pins where a body's two points are.
 
@@ -29,8 +28,6 @@ class AbstractGuides(ABC):
 
     first: Complex
     second: Complex
-
-    __repr__ = one_line
 
     @property
     def bar(self) -> Complex:
@@ -82,7 +79,7 @@ class AbstractGuides(ABC):
         return (origin - complex(self.first[0, k])) * back, float(np.angle(direction * back))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+@record(eq=False, kw_only=True)
 class FourBars(AbstractGuides):
     """Four-bars. pivots: crank's and rocker's, (linkages,)."""
 
@@ -125,7 +122,7 @@ class FourBars(AbstractGuides):
         )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+@record(eq=False, kw_only=True)
 class SliderCranks(AbstractGuides):
     """Slider-cranks, driven by the crank or by the slider. pivot: the crank's; rail: direction of the slide line."""
 
@@ -176,7 +173,7 @@ class SliderCranks(AbstractGuides):
         )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+@record(eq=False, kw_only=True)
 class Trammels(AbstractGuides):
     """Elliptic trammels, driven by the rod or by the first shuttle. slots: directions of the two slots."""
 

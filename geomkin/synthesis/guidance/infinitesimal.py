@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Points, Reals, check_fields, checked
+from ...core.arguments import Points, Reals, checked
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
 from ...linkage.instant.inflection import InflectionCircle
 from ...linkage.named_linkages import FourBar
@@ -22,7 +20,7 @@ IN_LINE = 1e-9
 FAR = 1e9
 
 
-@dataclass(frozen=True, eq=False)
+@record(checked=True, eq=False)
 class BodyState:
     """How a body moves at an instant: the velocity, mm/s, of its point at `position`, mm, and its turning, rad/s.
 
@@ -35,10 +33,7 @@ class BodyState:
     alpha: float = 0.0
     position: complex = 0j
 
-    __repr__ = one_line
-
     def __post_init__(self) -> None:
-        check_fields(self)
         if not (self.velocity or self.omega):
             raise DesignError("velocity", "found 0, and omega 0", "give one of them: a body at rest tells nothing")
 
@@ -75,7 +70,7 @@ def _second_order(position: complex, *rates: complex) -> InflectionCircle:
     return InflectionCircle(place, velocity, acceleration, turn.real, turn_rate.real)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class StateFourBar:
     """A four-bar whose coupler moves as a state wants, and how it is to be driven for that.
 
@@ -91,8 +86,6 @@ class StateFourBar:
     acceleration: float
     fixed: Complex
     moving: Complex
-
-    __repr__ = one_line
 
 
 @checked

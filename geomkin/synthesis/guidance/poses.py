@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Annotated, Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...core.arguments import Sort, checked, is_complex, is_real
 from ...core.errors import DesignError
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Segment
@@ -128,7 +127,7 @@ def _poles(origins: Complex, turned: Real) -> dict[tuple[int, int], InstantCentr
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class SliderCircle:
     """The body's points whose places at three poses lie in one line, as they stand at the first: a circle, or a line.
 
@@ -140,8 +139,6 @@ class SliderCircle:
     curvature: float
     slope: complex
     level: float
-
-    __repr__ = one_line
 
     @property
     def centre(self) -> complex:

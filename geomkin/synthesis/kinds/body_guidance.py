@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import PointXY, RowsOf, check_sizes, entry, quantity
+from ...core.fields import PointXY, RowsOf, entry, quantity
+from ...core.records import record
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
@@ -54,7 +55,7 @@ Rows = Annotated[tuple[tuple[float, float, float], ...], RowsOf(3)]
 PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class WantedPoses:
     """Where a body is to be, and what may carry it there."""
 
@@ -90,7 +91,6 @@ class WantedPoses:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         if not 3 <= len(self.poses) <= MOST_POSES:
             raise DesignError("poses", f"found {len(self.poses)}", f"give 3 to {MOST_POSES} of them")
 
@@ -100,7 +100,7 @@ class WantedPoses:
         return [(complex(x, y), float(np.radians(angle))) for x, y, angle in self.poses]
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
     """A body carried through poses by a linkage that is found: plates, motion, and the poses as an engraved drawing."""
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, AsWritten, entry, quantity
+from ...core.records import record
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
 from ...model.check import Check
 from ...model.part import Part
@@ -37,7 +37,7 @@ SEEN = 2000
 WANDER = 12.0
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class FourWanted:
     """Four poses of a body."""
 
@@ -57,7 +57,6 @@ class FourWanted:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         if len(self.poses) != 4:
             raise DesignError("poses", f"found {len(self.poses)}", "give four")
 
@@ -78,7 +77,7 @@ class FourWanted:
         return complex(np.mean([place for place, _ in self.pairs]))
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class BurmesterCurvesRecipe(AbstractRecipe):
     """Where the pivots and pins of four poses may lie: centre-point curve, and dashed the circle-point curve."""
 
@@ -94,9 +93,6 @@ class BurmesterCurvesRecipe(AbstractRecipe):
     )
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def reach(self) -> float:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, entry, quantity
+from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
 from ...model.scene import Limit, Plot
@@ -35,7 +35,7 @@ def _start_deg(what: str) -> Any:
     return quantity(f"{what}; found if left out", "deg", default=None, at_least=-360, at_most=360)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class Wanted:
     """The function, its range, and how it is met."""
 
@@ -71,7 +71,6 @@ class Wanted:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         if not self.x_start < self.x_end:
             raise DesignError("x_end", f"found {self.x_end:g}", f"give more than {self.x_start:g}, the start")
         if bool(self.rows) != (self.function == "table"):
@@ -114,7 +113,7 @@ class Wanted:
         }
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class WantedAngle(Wanted):
     """The same with an angle for the output."""
 
@@ -138,7 +137,7 @@ class WantedAngle(Wanted):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class WantedPlace(Wanted):
     """The same with the slider's place for the output."""
 
@@ -165,7 +164,7 @@ class WantedPlace(Wanted):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """What the recipes of function generators have in common."""
 
@@ -252,7 +251,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
         return {**super().notes, **self.found.proof()}
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     """The four-bar whose rocker follows a function of its crank's angle, its plates and its error."""
 
@@ -281,7 +280,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
         return self.wanted.largest_error_deg or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_deg)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
     """The slider-crank whose slider follows a function of its crank's angle, its plates and its error."""
 

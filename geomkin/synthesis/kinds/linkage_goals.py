@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import check_sizes, quantity, rounded_up
+from ...core.fields import quantity, rounded_up
+from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.kinds.linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
 from ...linkage.linkage import AbstractLinkage
@@ -36,15 +37,12 @@ SHARES = tuple(10.0**-k for k in range(6, 13))
 NEAR = 1e-9
 
 
-@dataclass(frozen=True)
+@record(checked=True)
 class Search:
     """How long to look, and from where."""
 
     seed: int = quantity("of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
     seconds: float = quantity("after which the best so far is taken", "s", default=10.0, above=0, at_most=3600)
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
 
 def choose_entry() -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -11,8 +11,9 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
-from ...core.fields import FARTHEST, AsWritten, PointXY, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity
 from ...core.names import csv_cells, text_beside
+from ...core.records import record
 from ...core.reprs import clipped
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
@@ -123,7 +124,7 @@ TABLES = {
 Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class WantedPath:
     """The points, by one of points, file and svg, and how they are to be met."""
 
@@ -157,7 +158,6 @@ class WantedPath:
     )
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
@@ -186,7 +186,7 @@ class WantedPath:
         return None if self.drive_deg is None else np.array(self.drive_deg, dtype=float)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class PathLimits:
     """What the linkage must keep; what is left out is 5 deg and a ratio of 100, or none where all links are bounded."""
 
@@ -197,14 +197,11 @@ class PathLimits:
         "longest link over the shortest", default=None, at_least=1, at_most=1e6, example=10
     )
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
 
 MM = ("mm", "mm")
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class PathBounds:
     """Sizes and places between two limits, [low, high]; they hold exactly."""
 
@@ -228,9 +225,6 @@ class PathBounds:
         "least and greatest first angle of the crank from the ground line, deg", default=None
     )
 
-    def __post_init__(self) -> None:
-        check_sizes(self)
-
     @property
     def given(self) -> dict[str, Pair] | None:
         """Those that are given."""
@@ -238,7 +232,7 @@ class PathBounds:
         return {name: pair for name, pair in named.items() if pair is not None} or None
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     """The four-bar or slider-crank whose coupler point goes through given points, and a drawing of both paths."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Literal, Protocol, TypeVar
 
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity
+from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG, TRANSMISSION
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
@@ -95,7 +96,7 @@ class Wanted(Protocol[M_co]):
         """The best or the one with the sizes that are given, or the one at a free angle."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     """A goal that takes the best of a family, and ranks others of it."""
 
@@ -107,7 +108,6 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         self.drive.check_rows()
 
     @cached_property
@@ -266,7 +266,7 @@ def family_choice(found: AbstractMember) -> Choice:
 MISSED = 1e-6
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class WantedSwing(AbstractTimed):
     """How a rocker swings, and how far a crank turns meanwhile; one length sets the size."""
 
@@ -286,7 +286,6 @@ class WantedSwing(AbstractTimed):
     largest_ratio: float | None = ratio_entry("6 where left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         check_turn(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
         if all(length is None for length in (self.ground, self.crank, self.coupler, self.rocker)):
             raise DesignError("ground", "no length is given", "give one of ground, crank, coupler, rocker, in mm")
@@ -311,7 +310,7 @@ class WantedSwing(AbstractTimed):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
     """The crank-rocker of a swing and a time ratio that drives best, found and made: plates and motion."""
 
@@ -331,7 +330,7 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class WantedSwings:
     """Where two rockers begin and how far they swing, deg from the ground line, counterclockwise positive."""
 
@@ -351,9 +350,6 @@ class WantedSwings:
         "length of the driven rocker, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )
     largest_ratio: float | None = ratio_entry("100 where left out")
-
-    def __post_init__(self) -> None:
-        check_sizes(self)
 
     @property
     def is_free(self) -> bool:
@@ -375,7 +371,7 @@ class WantedSwings:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     """Two rockers that swing together from given places, as the four-bar that drives best: found and made."""
 
@@ -386,7 +382,6 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     remedy = "give smaller swings or other starts"
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
 
     def rank(self, one: DoubleRocker) -> tuple[float, ...]:
@@ -407,7 +402,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(checked=True, kw_only=True)
 class WantedStroke(AbstractTimed):
     """How far a slider goes, and how far the crank turns, counterclockwise, while it goes towards +x."""
 
@@ -430,7 +425,6 @@ class WantedStroke(AbstractTimed):
     largest_ratio: float | None = ratio_entry()
 
     def __post_init__(self) -> None:
-        check_sizes(self)
         strokes.check_turn(self.turn_deg, self.turn_key)
 
     @property
@@ -451,7 +445,7 @@ class WantedStroke(AbstractTimed):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@record(kw_only=True)
 class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
     """The slider-crank of a stroke and a time ratio that drives best, found and made: plates and motion."""
 

@@ -7,18 +7,18 @@ the slide line, and `rocker` stands for nothing.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
+from ...core.records import record
 from ...plane.vec import Complex, Real, dot
 
 NAMES = ("ground", "crank", "coupler", "rocker", "x", "y", "origin_x", "origin_y", "ground_angle", "start")
 GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y, ORIGIN_X, ORIGIN_Y, TURN, START = range(10)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Paths:
     """Of s linkages at n cranks each: point (s, n) and folding, the cosine of the transmission angle with its sign.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 
 from ...core.progress import Watch
+from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, dot
 from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
 
@@ -25,7 +26,7 @@ NOTHING_LEFT = 1e-29
 SETTLING, LOOSE = 40, 1e-4
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Linearised:
     """Residuals of s starts and their derivatives by the p shared unknowns and, block by block, by one local unknown.
 
@@ -228,7 +229,7 @@ SETTLED = 1
 LOOKS = 96
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class PathTask:
     """What a path search is to do, in its own units: wanted points about 0, the mean of their squares 1.
 

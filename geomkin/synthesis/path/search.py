@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.progress import Watch
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.coupler_curve import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
@@ -44,7 +44,7 @@ USABLE_DEG, USABLE_RATIO = 30.0, 10.0
 ROUNDED = 1e-6
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class PathFound(Found):
     """A linkage whose coupler point goes through given points, or near them.
 
@@ -67,8 +67,6 @@ class PathFound(Found):
     least_squares: bool = False
     ranked: tuple[PathFound, ...] = ()
     again: Callable[[], PathFound | None] | None = field(default=None, repr=False)
-
-    __repr__ = one_line
 
     @property
     def coupler_point(self) -> complex:
@@ -133,15 +131,13 @@ NO_TURN = 1e-9
 ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Way:
     """The crank's angles (n,), rad, least transmission angle, rad (nan where it does not close), and the defects."""
 
     drive: Real
     transmission: float
     defects: tuple[str, ...]
-
-    __repr__ = one_line
 
 
 def way_through(task: PathTask, x: Real, cranks: Real, branch: Whole) -> Way:
@@ -220,7 +216,7 @@ RANKED = 100
 NINE = 0.75
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class PathSearch:
     """A search for the linkages of a path."""
 
@@ -232,8 +228,6 @@ class PathSearch:
     all_nine: bool
     seed: int
     seconds: float
-
-    __repr__ = one_line
 
     def usable(self) -> PathFound | None:
         """The best within the limits of what is usable, and those that are set."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
 from ...core.fields import Size, rounded_down, rounded_up
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Real
 from ..rounding import Rounding
@@ -40,7 +40,7 @@ CLEAR_DEG = 0.05
 MISSED = 1e-6
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class CrankRocker(AbstractMember):
     """The crank-rocker of a swing and a crank's turn that was chosen, and what it does as it is moved.
 
@@ -56,8 +56,6 @@ class CrankRocker(AbstractMember):
     swing_deg: float
     crank_turn_deg: float
     crank_start_deg: float
-
-    __repr__ = one_line
 
     @property
     def time_ratio(self) -> float:

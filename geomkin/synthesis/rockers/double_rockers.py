@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
 from ...core.fields import Size, last_fit, rounded_down, rounded_up
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Mask, Real, Whole, cross
@@ -28,7 +28,7 @@ MEETS = 1e-12
 DEAD = 1e-6
 
 
-@dataclass(frozen=True)
+@record
 class TwoPlaces:
     """The two places, rad."""
 
@@ -57,7 +57,7 @@ class TwoPlaces:
         ])  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Between:
     """What four-bars do between the two places, (linkages,): masks, the branch, and the least transmission, rad."""
 
@@ -169,7 +169,7 @@ NOTHING = 1e-12
 FRAMES = 721
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class DoubleRocker(AbstractMember):
     """The four-bar that was chosen to swing two rockers together, and what it does as it is moved.
 
@@ -185,8 +185,6 @@ class DoubleRocker(AbstractMember):
     linkage: FourBar
     rocker_swing_deg: float
     overshoot_deg: float
-
-    __repr__ = one_line
 
     def rounded(self, rounding: Rounding) -> DoubleRocker:
         linkage = rounding.linkage(self.linkage)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from ...core.arguments import LARGEST
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.measures import dead_centres, least_transmission_angle
 from ...linkage.moving import move
@@ -36,7 +35,7 @@ ROUNDING = 1e-13
 LINKS = ("ground", "crank", "coupler", "rocker")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class Family:
     """All linkages that do what is wanted, along the angle that stays free.
 
@@ -50,10 +49,8 @@ class Family:
     transmission_angle_deg: Real
     range_deg: tuple[float, float]
 
-    __repr__ = one_line
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class AbstractMember(Found):
     """A linkage that was chosen from a family, and what it does as it is moved.
 
@@ -68,8 +65,6 @@ class AbstractMember(Found):
     largest_ratio: float
     at_largest_ratio: bool
     family: Family
-
-    __repr__ = one_line
 
     def summary(self) -> Mapping[str, object]:
         told = {name: ten_digits(getattr(self, name)) for name in (*self.measured, "free_angle_deg")}
@@ -163,7 +158,7 @@ ONE = 1e-6
 FRAMES = 361
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class FullTurn:
     """A full turn of a crank, counterclockwise, and what it does to its rocker or slider.
 
@@ -176,8 +171,6 @@ class FullTurn:
     start: float
     turn: float
     least: float
-
-    __repr__ = one_line
 
 
 def full_turn(linkage: FourBar | SliderCrank, branch: int = 1) -> FullTurn:

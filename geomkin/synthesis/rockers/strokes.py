@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Size, rounded_down, rounded_up
-from ...core.reprs import one_line
+from ...core.records import record
 from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
 from ..rounding import Rounding
@@ -32,7 +32,7 @@ Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 Ratio = Annotated[float, between(1.001, 1e6)]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@record(eq=False, kw_only=True)
 class StrokeCrank(AbstractMember):
     """The slider-crank of a stroke and a crank's turn that was chosen, and what it does as it is moved.
 
@@ -48,8 +48,6 @@ class StrokeCrank(AbstractMember):
     stroke: float
     crank_turn_deg: float
     crank_start_deg: float
-
-    __repr__ = one_line
 
     @property
     def time_ratio(self) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from ...cam.cam import Cam
 from ...cam.followers.roller import TranslatingRoller
 from ...cam.program.program import Program
 from ...cam.program.segments import Dwell, Return, Rise
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real, unit
 from ..family import Method, MethodFamily, Tool
@@ -22,7 +21,7 @@ POINTS = 360
 COUNTS = (45, 90, 180, 360, 720, 1440, 2880)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class RollerCam:
     """A cam's sizes, from which each method makes its profile anew, and the roller that moves round it."""
 
@@ -30,8 +29,6 @@ class RollerCam:
     program: Program
     base_radius: float
     tool: Tool
-
-    __repr__ = one_line
 
     def cam(self) -> Cam:
         return Cam(self.follower, self.program, self.base_radius)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...gear.conjugate.conjugate import conjugate
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
@@ -20,7 +19,7 @@ COUNTS = (40.0, 80.0, 160.0, 320.0, 640.0)
 RADII, HALVINGS = 60, 40
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class StraightTooth:
     """A straight-sided tooth and the sizes of its mate; the tool is the tooth, rolling round the mate.
 
@@ -31,8 +30,6 @@ class StraightTooth:
     mate_teeth: int
     module: float
     tool: Tool
-
-    __repr__ = one_line
 
     @property
     def mate_radius(self) -> float:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...plane.arcs import to_arcs
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
@@ -25,14 +24,12 @@ SHARES = np.array([0.25, 0.5, 0.75])
 LOOKS, HALVINGS = np.linspace(0, 1, 101), 30
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class ToolPath:
     """A curve, made anew for each call, and the tool that leaves it."""
 
     curve: Callable[[], AbstractCurve]
     tool: Tool
-
-    __repr__ = one_line
 
 
 def at_even_parameters(curve: AbstractCurve, count: int) -> Complex:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...gear.spur import SpurGear
 from ...model.part import Part
 from ...model.table import Column, Table
@@ -115,15 +114,13 @@ CSV_WRITING: MethodFamily[Table, bytes] = MethodFamily(
 # Plates
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Plate:
     """A gear of 12 teeth with a bore, the rack's tooth that cuts its spaces, and its area, mm2."""
 
     gear: SpurGear
     tool: Tool
     area: float
-
-    __repr__ = one_line
 
     def part(self) -> Part:
         """Made anew: what is worked out for a curve may be kept."""

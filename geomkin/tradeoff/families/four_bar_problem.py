@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import fsum
 
 import numpy as np
 
+from ...core.records import record
 from ...linkage.moving import move, planned
 from ...linkage.named_linkages import FourBar
 from ...linkage.solve.branch import chosen
@@ -23,7 +23,7 @@ FRAMES = 360
 ORDINARY, NEAR_TOGGLE = FourBar(100, 30, 90, 70), FourBar(100, 30, 60, 70 + 1e-8)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class FourBarProblem:
     """A four-bar and its crank's angles, rad, with the right directions of coupler and rocker, unit complex, (frames,).
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.reprs import one_line
+from ...core.records import record
 from ...gear.spur import SpurGear
 from ...plane.arcs import to_arcs
 from ...plane.joined import Path
@@ -22,7 +21,7 @@ COUNTS = (20.0, 40.0, 80.0, 160.0, 320.0, 640.0)
 TOLERANCES = (0.1, 0.01, 1e-3, 1e-4)
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class CutGear:
     """A gear's sizes, from which each method makes its tooth anew, and the rack's tooth that cuts the space beside it.
 
@@ -32,8 +31,6 @@ class CutGear:
     teeth: int
     module: float
     tool: Tool
-
-    __repr__ = one_line
 
     def gear(self) -> SpurGear:
         return SpurGear(self.teeth, self.module)
