@@ -48,7 +48,7 @@ from .linkage.named_linkages import Shaper as Shaper
 from .linkage.named_linkages import SliderCrank as SliderCrank
 from .linkage.named_linkages import StephensonSixBar as StephensonSixBar
 from .linkage.named_linkages import WattSixBar as WattSixBar
-from .linkage.solve.branch import Follow as Follow
+from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part

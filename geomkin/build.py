@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from .core.arguments import Sort, checked
+from .core.arguments import ArgumentType, checked
 from .core.errors import DesignError, Problem, RecipeError, printable
 from .core.names import file_name_flaw
 from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
-from .export.job import Job, Loose, Source
+from .export.job import Job, Source, StaticSource
 from .export.summary import FOUND, NAME, files_told, summary
 from .model.check import Check
 from .model.part import Part
@@ -30,7 +30,7 @@ from .recipe.settings import Files, Format
 # Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
 LONGEST_NAME = 200
 # A file, a TOML text, or a table as TOML gives it.
-Readable = str | Path | Annotated[Mapping[str, Any], Sort(lambda value: isinstance(value, Mapping), "a table")]
+Readable = str | Path | Annotated[Mapping[str, Any], ArgumentType(lambda value: isinstance(value, Mapping), "a table")]
 
 
 @record
@@ -178,11 +178,11 @@ def _held(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Sourc
     if isinstance(source, AbstractRecipe):
         return source, ("parts", "table", "scene")
     if isinstance(source, Table):
-        return Loose(table=source), ("table",)
+        return StaticSource(table=source), ("table",)
     parts = (source,) if isinstance(source, Part) else tuple(source)
     if not parts:
         raise DesignError("source", "there are no parts", "give at least one")
-    return Loose(parts), ("parts",)
+    return StaticSource(parts), ("parts",)
 
 
 def _opened(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:

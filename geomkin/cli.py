@@ -159,7 +159,7 @@ def list_command() -> None:
     "--with", "wishes", multiple=True, metavar="TABLE[=KIND]",
     help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
 )  # fmt: skip
-def new(name: str, wishes: tuple[str, ...]) -> None:
+def new(name: str, options: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
     from .core.errors import DesignError, printable
     from .recipe.kinds import KINDS
@@ -173,7 +173,7 @@ def new(name: str, wishes: tuple[str, ...]) -> None:
     from .recipe.template import template
 
     try:
-        text = template(KINDS[name], wishes)
+        text = template(KINDS[name], options)
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
     click.echo(text, nl=False)

@@ -3,8 +3,8 @@
 import numpy as np
 
 import geomkin as gk
-from geomkin.plane import Arc, Mirrored, Moved, Path, Polyline, Reversed, Ring, Segment
-from geomkin.plane.curve import Stretch
+from geomkin.plane import Arc, Mirrored, Moved, Path, PolarArray, Polyline, Reversed, Segment
+from geomkin.plane.curve import SubCurve
 
 # Samples for each chord: a chord ends at one of them, so that it lacks half a sample of its reach.
 SAMPLES = 160
@@ -16,7 +16,7 @@ def least_chords(curve, tolerance, known):
     Each smooth piece by itself, and arcs beside straight edges too, as the edges have to stay. known: of pieces met
     before.
     """
-    if isinstance(curve, Ring):
+    if isinstance(curve, PolarArray):
         return curve.count * least_chords(curve.piece, tolerance, known)
     if isinstance(curve, (Moved, Mirrored, Reversed)):
         return least_chords(curve.curve, tolerance, known)
@@ -38,7 +38,7 @@ def arc_chords(piece, tolerance):
 
 
 def walked(curve, start, end, tolerance):
-    guess = len(gk.flatten(Stretch(curve, np.array([start, end])), tolerance))
+    guess = len(gk.flatten(SubCurve(curve, np.array([start, end])), tolerance))
     t = np.linspace(start, end, SAMPLES * guess + 1)
     t[-1] = np.nextafter(t[-1], start)
     z = curve.point(t)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import geomkin as gk
 from geomkin.core import arguments as of
-from geomkin.core.arguments import check_fields, checked, sort_of
+from geomkin.core.arguments import argument_type, check_fields, checked
 
 
 class Plain:
@@ -23,7 +23,7 @@ class Able(Protocol):
 
 
 NAN, INF = np.nan, np.inf
-MAY_BE_MISSING = of.sort_of(of.Places).fits
+MAY_BE_MISSING = of.argument_type(of.Places).fits
 POINT, TRUE = np.array([1j, 2.0]), np.array([True, False])
 # Annotation, its words, what it takes, what it refuses.
 SORTS = [
@@ -63,7 +63,7 @@ SORTS = [
     (Callable, "a function", [abs], [3]),
     (Plain, "a Plain", [Plain()], [Plain, None, 3]),
     (Exception, "an Exception", [ValueError()], [ValueError, None]),
-    (Annotated[float, "in words", of.Sort(lambda value: value == 3, "three")], "three", [3], [4]),
+    (Annotated[float, "in words", of.ArgumentType(lambda value: value == 3, "three")], "three", [3], [4]),
     (Annotated[float, "in words"], "a finite number", [3], ["3"]),
     (of.Count, "a whole number above 0", [1, np.int8(3)], [0, -1, 1.0, True, None]),
     (of.Positive, "a number above 0", [0.5, 1e-300], [0, -1, NAN, INF, True, "1", np.ones(1)]),
@@ -94,7 +94,7 @@ SORTS = [
 
 @pytest.mark.parametrize(("hint", "words", "good", "bad"), SORTS, ids=[words for _, words, *_ in SORTS])
 def test_what_an_annotation_lets_through_and_what_not(hint, words, good, bad):
-    sort = sort_of(hint)
+    sort = argument_type(hint)
     assert sort.allowed == words
     assert [sort.fits(value) for value in good] == [True] * len(good)
     assert [sort.fits(value) for value in bad] == [False] * len(bad)
@@ -121,7 +121,7 @@ def test_what_an_annotation_lets_through_and_what_not(hint, words, good, bad):
     "hint", [Any, Able, TypeVar("T"), tuple, tuple[Any, ...], Sequence[Any], Mapping[str, Any], Mapping[Any, float], float | Any]
 )  # fmt: skip
 def test_what_says_nothing_is_left_to_the_code(hint):
-    assert (sort_of(hint) is None) is (hint is not tuple)
+    assert (argument_type(hint) is None) is (hint is not tuple)
 
 
 @pytest.mark.parametrize("wrong", [NAN, INF, 2e60, -2e60])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.plane.curve import reach
+from geomkin.plane.curve import extent
 from geomkin.studio import notebook
 from tests.export.test_page import unpacked
 
@@ -198,7 +198,7 @@ def test_a_cell_never_fails_and_tells_why_there_is_no_picture():
 def test_texts_of_a_recipe_are_no_markup_in_the_frame_nor_in_the_page():
     recipe = gk.load('kind = "spur-gear"\n[gear]\nteeth = 12\nmodule = 2\n')
     plain = Elements(framed(recipe._repr_html_())[1])
-    attributes, page = framed(recipe.called(NASTY)._repr_html_())
+    attributes, page = framed(recipe.with_name(NASTY)._repr_html_())
     assert attributes["title"].startswith("</script></iframe>") and "\u202e" not in page
     assert [tag for tag, _ in Elements(page).found] == [tag for tag, _ in plain.found]
     part = gk.Part("a", gk.plane.Circle(0j, 2.0), (), 1.0)
@@ -276,8 +276,8 @@ def test_a_way_that_is_nowhere_is_refused():
 @pytest.mark.parametrize(
     ("thing", "name", "about", "seconds"),
     [
-        (gk.FourBar(100, 30, 90, 70), "FourBar", "Driven at 60 rpm.", 1),
-        (gk.FourBar(100, 80, 60, 50), "FourBar", "Driven at 60 rpm.", None),
+        (gk.FourBar(100, 30, 90, 70), "FourBar", "InputDyad at 60 rpm.", 1),
+        (gk.FourBar(100, 80, 60, 50), "FourBar", "InputDyad at 60 rpm.", None),
         (gk.SliderCrank(30, 90, 5, driver="slider"), "SliderCrank", None, 1),
         (ROD, "Linkage", None, 1),
         (gk.move(gk.FourBar(100, 30, 90, 70), [0.5, 1.0]), "Motion", "", None),
@@ -287,7 +287,7 @@ def test_a_way_that_is_nowhere_is_refused():
 def test_a_job_tells_how_fast_it_goes(thing, name, about, seconds):
     job = notebook._job(thing)
     drive = job.table.columns[0].values
-    assert job.name == name and job.about == (f"Driven at {np.ptp(drive):.3g} mm/s." if about is None else about)
+    assert job.name == name and job.about == (f"InputDyad at {np.ptp(drive):.3g} mm/s." if about is None else about)
     assert np.ptp(job.scene.time) == pytest.approx(
         seconds or np.radians(np.ptp(drive)) / (2 * np.pi if about else 1.0), rel=1e-6
     )
@@ -299,10 +299,10 @@ def test_plates_of_what_is_shown_are_of_its_own_size(scale):
     ring = gk.RingGear(60, scale)
     (plate,) = (part for part in notebook._job(ring).source.parts if part.name == "ring")
     across = 2 * (ring.root_radius + max(4 * scale, 0.1))
-    assert reach(plate.outline) == pytest.approx(across, rel=1e-3)
+    assert extent(plate.outline) == pytest.approx(across, rel=1e-3)
     pair = gk.GearPair(gk.SpurGear(20, scale), gk.RingGear(60, scale, addendum=0.8))
     parts = notebook._job(pair).source.parts
-    assert max(reach(part.outline) for part in parts) == pytest.approx(across, rel=0.02)
+    assert max(extent(part.outline) for part in parts) == pytest.approx(across, rel=0.02)
     rise, back = gk.Rise("cycloidal", rise=8 * scale, end_deg=180), gk.Return("cycloidal", end_deg=360)
     cam = gk.Cam(gk.TranslatingRoller(10 * scale), gk.Program((rise, back)), 40 * scale)
     job = notebook._job(cam)

@@ -251,4 +251,4 @@ def test_every_linkage_of_the_gallery_closes_its_loops_over_its_whole_way(made):
     motions = [getattr(recipe, name) for name in ("motion", "figure") if hasattr(recipe, name)]
     for motion in motions:
         size = max(abs(z) for points in motion.linkage.bodies.values() for z in points.values())
-        assert motion.closed.all() and motion.residual.max() < 1e-12 * size
+        assert motion.assembled.all() and motion.residual.max() < 1e-12 * size

@@ -50,7 +50,7 @@ def everything() -> list[object]:
     seen: dict[int, object] = {}
     kept = [PUBLIC[name](**arguments) for name, arguments in GOOD.items()]
     slides = gk.move(gk.SliderCrank(30, 90, 5), [0.1, 0.2])
-    kept += [gk.linkage.opening(gk.move(gk.FourBar(100, 80, 90, 40), np.linspace(0, 6, 90)))]
+    kept += [gk.linkage.assembly_failure(gk.move(gk.FourBar(100, 80, 90, 40), np.linspace(0, 6, 90)))]
     kept += [slides.slide(slider.name) for slider in slides.linkage.sliders]
     plates = gk.TranslatingRoller(10).plates(gk.cam.CamStock().bars, GOOD["Cam"]["program"], 40.0, 1)
     kept += [plates, plates[0].holes, gk.Cam(**GOOD["Cam"]).contact(1.0)]

@@ -36,7 +36,7 @@ def test_a_curve_s_columns_are_those_of_the_point_that_runs_along_it(curve):
     t, place = columns["t"], columns["point_x_mm"] + 1j * columns["point_y_mm"]
     assert (t[0], t[-1], len(t)) == (curve.breaks[0], curve.breaks[-1], notebook.FRAMES)
     assert place == pytest.approx(curve.point(t)) and scene.cyclic == curve.closed
-    assert (scene.time[0], scene.time[-1]) == (0, 5) and np.ptp(np.diff(scene.time)) < 1e-12 and scene.closed.all()
+    assert (scene.time[0], scene.time[-1]) == (0, 5) and np.ptp(np.diff(scene.time)) < 1e-12 and scene.assembled.all()
     # Speeds by differences, where no corner is near.
     step = 1e-4
     off = np.abs(t[:, None] - curve.breaks).min(axis=1)

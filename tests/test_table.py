@@ -45,14 +45,14 @@ def test_what_cannot_be_is_left_out_of_both_coordinates(tmp_path):
     """Of places, velocities and accelerations at frames that a linkage does not reach; and so in the file."""
     linkage = gk.FourBar(100, 80, 60, 50, coupler_point=20 + 10j)
     motion = gk.move(linkage, np.radians(np.arange(0, 361, 15)))
-    assert 0 < motion.closed.sum() < len(motion.closed)
+    assert 0 < motion.assembled.sum() < len(motion.assembled)
     table = gk.linkage.motion_table(motion)
     gk.write(table, tmp_path / "t.csv")
     header, *rows = [line.split(",") for line in (tmp_path / "t.csv").read_text().splitlines()]
     told = {name: [row[k] != "" for row in rows] for k, name in enumerate(header)}
     for column in table.columns:
         if column.name not in ("crank_angle", "time", "rocker_pin_branch"):
-            assert np.isfinite(column.values).tolist() == told[column.header] == motion.closed.tolist(), column.name
+            assert np.isfinite(column.values).tolist() == told[column.header] == motion.assembled.tolist(), column.name
 
 
 def test_only_numbers_that_are_none_are_left_out():

@@ -11,9 +11,9 @@ def parse(text, file="recipe", folder="."):
     return load.parse(KINDS, text, file, folder)
 
 
-def template_of(name, wishes=()):
+def template_of(name, options=()):
     """A text to start from, of a kind by its name."""
-    return template.template(KINDS[name], wishes)
+    return template.template(KINDS[name], options)
 
 
 @cache

@@ -128,7 +128,7 @@ def _rules(follower: AbstractFollower, sense: int, steepest: float, least_radius
         return np.abs(follower.contact(motion, radius, sense).pressure_angle) - steepest * (1 + 1e-12)
 
     def sharp(motion: FollowerMotion, radius: float) -> Real:
-        return follower.excess(motion, radius, sense, least_radius)
+        return follower.undercut_violation(motion, radius, sense, least_radius)
 
     return {"pressure angle": leaning, "undercut": sharp}
 

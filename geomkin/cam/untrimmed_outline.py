@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..core.records import record
-from ..plane.curve import AbstractCurve, Stretch, just_before
+from ..plane.curve import AbstractCurve, SubCurve, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Pose, Real, Whole, cross
 from .cam import Cam
@@ -62,11 +62,11 @@ class UntrimmedOutline:
         pieces: list[AbstractCurve] = []
         first = 0
         for k in jumps.tolist():
-            piece = Stretch(profile, breaks[first : k + 2])
+            piece = SubCurve(profile, breaks[first : k + 2])
             joint = _joint(self.cam, float(breaks[k + 1]), complex(piece.point(breaks[k + 1])), complex(after[k]))
             pieces += [piece, joint]
             first = k + 1
-        return (*pieces, Stretch(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
+        return (*pieces, SubCurve(profile, breaks[first:])) if first < len(breaks) - 1 else tuple(pieces)
 
     @cached_property
     def reach(self) -> float:
@@ -76,7 +76,7 @@ class UntrimmedOutline:
         """
         cam = self.cam
         motion = cam.program.motion(samples(cam.program.breaks))
-        return float(cam.follower.covered_from(motion, cam.base_radius, cam.sense).max())
+        return float(cam.follower.outer_radius_bound(motion, cam.base_radius, cam.sense).max())
 
     @cached_property
     def curve(self) -> Path:
@@ -133,7 +133,7 @@ class UntrimmedOutline:
             high = b[-1] if end >= k + 1 else min(b[0] + (end - k) * (b[-1] - b[0]), b[-1])
             # What is left of a piece beyond a crossing at its very end is rounding.
             if high - low > 1e-13 * (b[-1] - b[0]):
-                parts.append(Stretch(self.pieces[k], np.array([low, *b[(b > low) & (b < high)], high])))
+                parts.append(SubCurve(self.pieces[k], np.array([low, *b[(b > low) & (b < high)], high])))
         return parts
 
     @cached_property

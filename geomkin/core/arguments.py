@@ -1,7 +1,7 @@
 """Arguments of public calls, refused at the door where they are not what the signature says they are.
 
 The annotations are the one list of what may be given: `checked` holds a function to them, `check_fields` a dataclass.
-What Python's own types cannot say, such as finite points of any shape, is a `Sort` in the annotation.
+What Python's own types cannot say, such as finite points of any shape, is a `ArgumentType` in the annotation.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ALONE = 8192
 
 
 @dataclasses.dataclass(frozen=True)
-class Sort:
+class ArgumentType:
     """What an argument may be: a test that never raises, and the same in words for the one who has to mend it."""
 
     fits: Callable[[Any], bool]
@@ -37,7 +37,7 @@ class Sort:
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
     names = function.__code__.co_varnames
-    kept: dict[str, Sort] = {}
+    kept: dict[str, ArgumentType] = {}
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -65,7 +65,7 @@ def check_fields(thing: Any) -> None:
             raise refused(name, value, sort)
 
 
-def refused(name: str, value: object, sort: Sort) -> DesignError:
+def refused(name: str, value: object, sort: ArgumentType) -> DesignError:
     """The error for an argument that is not of its sort."""
     if isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value)) and sort.fits(complex(*value)):
         # A place as a recipe has it.
@@ -74,17 +74,17 @@ def refused(name: str, value: object, sort: Sort) -> DesignError:
     return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
 
 
-def _sorts(function: Callable[..., Any]) -> dict[str, Sort]:
+def _sorts(function: Callable[..., Any]) -> dict[str, ArgumentType]:
     hints = get_type_hints(function, include_extras=True)
-    return {name: sort for name, hint in hints.items() if (sort := sort_of(hint)) and name != "return"}
+    return {name: sort for name, hint in hints.items() if (sort := argument_type(hint)) and name != "return"}
 
 
 @cache
-def _field_sorts(kind: type) -> tuple[tuple[str, Sort], ...]:
+def _field_sorts(kind: type) -> tuple[tuple[str, ArgumentType], ...]:
     hints = get_type_hints(kind, include_extras=True)
     found = []
     for field in dataclasses.fields(kind):
-        sort = None if "unit" in field.metadata else sort_of(hints[field.name])
+        sort = None if "unit" in field.metadata else argument_type(hints[field.name])
         if sort and field.default is None:
             # Left out, for the class itself to fill.
             sort = _either([sort, NOTHING])
@@ -93,23 +93,23 @@ def _field_sorts(kind: type) -> tuple[tuple[str, Sort], ...]:
     return tuple(found)
 
 
-def sort_of(hint: Any) -> Sort | None:
+def argument_type(hint: Any) -> ArgumentType | None:
     """What an annotation allows; None for those that leave it to the code."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        return next((mark for mark in inner[1:] if isinstance(mark, Sort)), None) or sort_of(inner[0])
+        return next((mark for mark in inner[1:] if isinstance(mark, ArgumentType)), None) or argument_type(inner[0])
     if origin in (Union, types.UnionType):
-        sorts = [sort_of(option) for option in inner]
+        sorts = [argument_type(option) for option in inner]
         return None if None in sorts else _either([sort for sort in sorts if sort])
     if origin is Literal:
         words = [str(choice) for choice in inner]
-        return Sort(lambda value: _chosen(value, inner), _listed(words))
+        return ArgumentType(lambda value: _chosen(value, inner), _listed(words))
     if origin in (tuple, Sequence, list) and inner:
-        return _row(sort_of(inner[0]), None if inner[-1] is ... or origin is not tuple else len(inner))
+        return _row(argument_type(inner[0]), None if inner[-1] is ... or origin is not tuple else len(inner))
     if origin is Mapping:
-        return _table(sort_of(inner[0]), sort_of(inner[1]))
+        return _table(argument_type(inner[0]), argument_type(inner[1]))
     if origin is Callable or hint is Callable:
-        return Sort(callable, "a function")
+        return ArgumentType(callable, "a function")
     if origin is np.ndarray:
         number = get_args(inner[1])[0]
         return ARRAYS.get(get_origin(number) or number, PLAIN[np.ndarray])
@@ -117,26 +117,26 @@ def sort_of(hint: Any) -> Sort | None:
         return PLAIN[hint]
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
         article = "an" if hint.__name__[0] in "AEIOU" else "a"
-        return Sort(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
+        return ArgumentType(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
     return None
 
 
-def between(least: float, most: float, unit: str = "") -> Sort:
+def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """Of one number from `least` to `most`."""
     allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
-    return Sort(lambda value: is_real(value) and bool(least <= value <= most), allowed)
+    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed)
 
 
-def whole_between(least: int, most: int) -> Sort:
+def whole_between(least: int, most: int) -> ArgumentType:
     """Of one whole number from `least` to `most`."""
-    return Sort(
+    return ArgumentType(
         lambda value: is_whole(value) and bool(least <= value <= most), f"a whole number from {least} to {most}"
     )
 
 
-def _either(sorts: list[Sort]) -> Sort:
+def _either(sorts: list[ArgumentType]) -> ArgumentType:
     told = [sort.allowed for sort in sorts if sort is not NOTHING]
-    return Sort(lambda value: any(sort.fits(value) for sort in sorts), _listed(told))
+    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(told))
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -147,7 +147,7 @@ def _chosen(value: Any, choices: tuple[Any, ...]) -> bool:
     return isinstance(value, (str, int)) and not isinstance(value, bool) and value in choices
 
 
-def _row(each: Sort | None, count: int | None) -> Sort | None:
+def _row(each: ArgumentType | None, count: int | None) -> ArgumentType | None:
     if each is None:
         return None
     many = f"a row of {count}" if count else "a tuple"
@@ -156,17 +156,17 @@ def _row(each: Sort | None, count: int | None) -> Sort | None:
         row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
         return bool(row) and all(each.fits(v) for v in value)
 
-    return Sort(fits, f"{many}, each {each.allowed}")
+    return ArgumentType(fits, f"{many}, each {each.allowed}")
 
 
-def _table(key: Sort | None, each: Sort | None) -> Sort | None:
+def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType | None:
     if key is None or each is None:
         return None
 
     def fits(value: Any) -> bool:
         return isinstance(value, Mapping) and all(key.fits(k) and each.fits(v) for k, v in value.items())
 
-    return Sort(fits, f"a table, each {each.allowed}")
+    return ArgumentType(fits, f"a table, each {each.allowed}")
 
 
 def _alone(value: Any) -> Any:
@@ -254,46 +254,54 @@ def is_place(value: Any) -> bool:
 
 
 REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)
-NOTHING = Sort(lambda value: value is None, "nothing")
-NUMBER = Sort(is_real, "a finite number")
+NOTHING = ArgumentType(lambda value: value is None, "nothing")
+NUMBER = ArgumentType(is_real, "a finite number")
 PLAIN = {
     float: NUMBER,
-    int: Sort(is_whole, "a whole number"),
-    complex: Sort(is_complex, "a finite complex number, x + yj"),
-    bool: Sort(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
-    str: Sort(lambda value: isinstance(value, str), "a text"),
+    int: ArgumentType(is_whole, "a whole number"),
+    complex: ArgumentType(is_complex, "a finite complex number, x + yj"),
+    bool: ArgumentType(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
+    str: ArgumentType(lambda value: isinstance(value, str), "a text"),
     type(None): NOTHING,
-    np.ndarray: Sort(lambda value: _whole(value) is not None, "a number or an array of numbers"),
+    np.ndarray: ArgumentType(lambda value: _whole(value) is not None, "a number or an array of numbers"),
 }
 # The same by the kind of number, as `plane.vec` names them; what is real or whole serves for complex.
 ARRAYS = {
-    np.floating: Sort(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them"),
-    np.integer: Sort(lambda value: _whole(value, "iu") is not None, "a whole number or an array of them"),
-    np.bool_: Sort(lambda value: _whole(value, "b") is not None, "True or False, or an array of them"),
+    np.floating: ArgumentType(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them"),
+    np.integer: ArgumentType(lambda value: _whole(value, "iu") is not None, "a whole number or an array of them"),
+    np.bool_: ArgumentType(lambda value: _whole(value, "b") is not None, "True or False, or an array of them"),
 }
-Reals = Annotated[ArrayLike, Sort(are_reals, "finite real numbers, one or an array")]
+Reals = Annotated[ArrayLike, ArgumentType(are_reals, "finite real numbers, one or an array")]
 # The same with nan allowed, where one is not known.
 RealsOrNan = Annotated[
-    ArrayLike, Sort(lambda value: _bounded(numbers(value, "iuf"), True), "real numbers, one or an array")
+    ArrayLike, ArgumentType(lambda value: _bounded(numbers(value, "iuf"), True), "real numbers, one or an array")
 ]
 # The same with infinity allowed, as where a point of a ray may be at infinity.
-Extended = Annotated[ArrayLike, Sort(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")]
-Numbers = Annotated[ArrayLike, Sort(lambda value: numbers(value) is not None, "numbers, one or an array")]
+Extended = Annotated[
+    ArrayLike, ArgumentType(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")
+]
+Numbers = Annotated[ArrayLike, ArgumentType(lambda value: numbers(value) is not None, "numbers, one or an array")]
 # Of a field that is one place, or one for each of many linkages.
-Place = Annotated[complex | NDArray[Any], Sort(is_place, "a finite complex number, x + yj, or an array of them")]
+Place = Annotated[
+    complex | NDArray[Any], ArgumentType(is_place, "a finite complex number, x + yj, or an array of them")
+]
 # The points that a curve is made of, in a row.
 RealRow = Annotated[
     NDArray[np.floating[Any]],
-    Sort(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers"),
+    ArgumentType(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers"),
 ]
 Row = Annotated[
     NDArray[np.complexfloating[Any, Any]],
-    Sort(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj"),
+    ArgumentType(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj"),
 ]
-Count = Annotated[int, Sort(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
-Positive = Annotated[float, Sort(lambda value: is_real(value) and value > 0, "a number above 0")]
+Count = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
+Positive = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0")]
 # What a number was found to be, which may be nothing.
-Found = Annotated[float, Sort(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")]
+Found = Annotated[
+    float, ArgumentType(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")
+]
 # Places over the frames, nan where there is none.
-Places = Annotated[ArrayLike, Sort(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")]
-Points = Annotated[ArrayLike, Sort(are_points, "finite points as complex numbers x + yj, one or an array")]
+Places = Annotated[
+    ArrayLike, ArgumentType(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")
+]
+Points = Annotated[ArrayLike, ArgumentType(are_points, "finite points as complex numbers x + yj, one or an array")]

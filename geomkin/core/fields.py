@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import Sort, between, check_fields, is_place, numbers
+from .arguments import ArgumentType, between, check_fields, is_place, numbers
 from .errors import DesignError, shown
 from .reprs import clipped
 
@@ -186,7 +186,7 @@ Length = Annotated[float, between(0, FARTHEST, "mm")]
 Size = Annotated[float, between(SMALLEST, FARTHEST, "mm")]
 
 
-class PointXY(Sort):
+class PointXY(ArgumentType):
     """Marks a complex field that a recipe gives as `[x, y]` in mm; what lies nearer to 0 than `SMALLEST` is 0.
 
     many: in the library it may be an array, one for each of many linkages.

@@ -36,7 +36,7 @@ def animation(job: Job) -> bytes:
     mechanism that cannot be everywhere, the longest stretch is shown.
     """
     scene = job.scene
-    frames, round_ = _run(np.asarray(scene.closed), scene.cyclic)
+    frames, round_ = _run(np.asarray(scene.assembled), scene.cyclic)
     looks = frames[np.unique(np.rint(np.linspace(0, len(frames) - 1, LOOKS + 1)).astype(np.intp))]
     first = frame_at(scene, job.assembly_at)
     still = Still(scene, np.concatenate([[first], looks]))

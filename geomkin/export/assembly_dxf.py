@@ -15,7 +15,7 @@ from ..plane.vec import Complex, rounded
 from .cut import Loop, cut, decimals
 from .dxf import drawn
 from .job import Job
-from .labels import LETTER, Name, stand
+from .labels import LETTER, Name, place_labels
 from .still import Still, frame_at, palette
 from .text import Text
 
@@ -41,7 +41,7 @@ def assembly(job: Job) -> bytes:
     still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
     layers = _layers(scene)
     shapes = [*_bodies(still, job.tolerance, layers), *_curves(still, job.tolerance), *_marks(still, job.tolerance)]
-    names = stand(still)
+    names = place_labels(still)
     texts = [_text(name, still) for name in names]
     low, high = _extents([shape for _, shape in shapes], names)
     used = {layer for layer, _ in shapes} | {text.layer for text in texts}

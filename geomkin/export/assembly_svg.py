@@ -10,7 +10,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..plane.vec import rounded
 from .job import Job
-from .labels import LETTER, Name, half_size, stand
+from .labels import LETTER, Name, half_size, place_labels
 from .picture import MARGIN, document, items, page_box, style, transform
 from .still import Still, frame_at
 from .svg_path import decimal
@@ -33,7 +33,7 @@ def assembly(job: Job) -> bytes:
     still = Still(job.scene, np.array([frame]))
     drive = job.scene.drive
     at = f"{drive.name.replace('_', ' ')} {with_unit(float(np.asarray(drive.values)[frame]), drive.unit)}"
-    names = stand(still)
+    names = place_labels(still)
     box = _wide_enough(page_box(still, names, BELOW), f"{at} and a length", still)
     body = ['<g transform="scale(1 -1)">', *_placed(still), "</g>", *_names(still, names), _scale_bar(still, box, at)]
     return document(still, box, f"{job.name}, assembled", f"The parts in place at {at}.", style(still), body)

@@ -11,7 +11,7 @@ from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
 from ..plane.arcs import to_arcs
-from ..plane.curve import AbstractCurve, reach
+from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
@@ -89,7 +89,7 @@ class Cut:
         return outline - sum(holes)
 
     @property
-    def leans(self) -> bool:
+    def is_twisted(self) -> bool:
         """Whether its solid reaches beyond its outline, as it does where that turns or shifts on the way up."""
         return self.part.twist is not None and self.part.twist.moves == "outline"
 
@@ -98,7 +98,7 @@ class Cut:
         """Lower left and upper right corner of the outline, mm; of one that is twisted, of the room that it takes."""
         low, high = self.loops[0].box
         twist = self.part.twist
-        if twist is None or not self.leans:
+        if twist is None or not self.is_twisted:
             return low, high
         if twist.turn:
             corner = float(np.abs(self.loops[0].points).max()) * (1 + 1j)
@@ -159,7 +159,7 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
 
 def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
     """Refuse a part too small or too large for files, or a tolerance of which this share is too fine for it."""
-    size = reach(part.outline)
+    size = extent(part.outline)
     if not 10 * tolerance < size < WIDEST:
         raise DesignError(
             part.name,

@@ -31,7 +31,7 @@ class Writer:
     packages: tuple[str, ...] = ()
     flat: bool = False
     tail: str = ""
-    asked: bool = False
+    opt_in: bool = False
 
 
 def _in(home: str) -> Callable[[Job], Contents]:
@@ -56,22 +56,22 @@ WRITERS: dict[str, Writer] = {
     "assembly-svg": Writer("scene", _in("export.assembly_svg:write_assembly_svg"), tail="-assembly.svg"),
     # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
     "assembly-dxf": Writer(
-        "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", asked=True
+        "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", opt_in=True
     ),
-    "animation": Writer("scene", _in("export.animation:write_animation"), tail="-animation.svg", asked=True),
-    "glb": Writer("scene", _in("export.glb:write_glb"), ("shapely", "trimesh"), tail="-assembly.glb", asked=True),
+    "animation": Writer("scene", _in("export.animation:write_animation"), tail="-animation.svg", opt_in=True),
+    "glb": Writer("scene", _in("export.glb:write_glb"), ("shapely", "trimesh"), tail="-assembly.glb", opt_in=True),
     "assembly-3mf": Writer(
-        "scene", _in("export.threemf:write_assembly_3mf"), ("shapely",), tail="-assembly.3mf", asked=True
+        "scene", _in("export.threemf:write_assembly_3mf"), ("shapely",), tail="-assembly.3mf", opt_in=True
     ),
     "sheet-dxf": Writer(
-        "parts", _in("export.dxf:write_sheet_dxf"), ("shapely", "ezdxf"), tail="-sheet.dxf", asked=True
+        "parts", _in("export.dxf:write_sheet_dxf"), ("shapely", "ezdxf"), tail="-sheet.dxf", opt_in=True
     ),
-    "sheet-svg": Writer("parts", _in("export.svg:write_sheet_svg"), ("shapely",), tail="-sheet.svg", asked=True),
-    "3mf": Writer("parts", _in("export.threemf:write_3mf"), ("shapely",), asked=True),
-    "step": Writer("parts", _in("export.step:write_step"), ("shapely",), asked=True),
+    "sheet-svg": Writer("parts", _in("export.svg:write_sheet_svg"), ("shapely",), tail="-sheet.svg", opt_in=True),
+    "3mf": Writer("parts", _in("export.threemf:write_3mf"), ("shapely",), opt_in=True),
+    "step": Writer("parts", _in("export.step:write_step"), ("shapely",), opt_in=True),
 }
 # What is written where a recipe names no formats.
-USUAL = tuple(name for name, writer in WRITERS.items() if not writer.asked)
+DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)
 
 
 def tail_of(name: str) -> str:

@@ -48,7 +48,7 @@ class Source(Protocol):
 
 
 @record(eq=False)
-class Loose:
+class StaticSource:
     """What comes of no recipe."""
 
     parts: tuple[Part, ...] = ()

@@ -39,7 +39,7 @@ class Name:
     role: str = ""
 
 
-def stand(still: Still) -> tuple[Name, ...]:
+def place_labels(still: Still) -> tuple[Name, ...]:
     """The names, those of bodies first, each in the best place that those before it leave.
 
     One that could only stand on another is left out: neither would be read.

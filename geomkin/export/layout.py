@@ -43,7 +43,7 @@ class Place:
 
 
 @record(eq=False)
-class Lie:
+class Orientation:
     """A way in which a part can lie.
 
     low, size: of its box, turned, in whole mm. cells: those that it and half the gap round it take, rows upwards;
@@ -81,7 +81,7 @@ def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[l
 
 def least_turn(cut: Cut) -> complex:
     """The turn by whole degrees that gives a part its least box; 1 where that saves little."""
-    if cut.leans:
+    if cut.is_twisted:
         return 1 + 0j
     z = cut.loops[0].points
     # Turned, the shortest edges would be lost in rounding.
@@ -95,7 +95,7 @@ def least_turn(cut: Cut) -> complex:
 
 def box(cut: Cut, turn: complex) -> tuple[complex, complex]:
     """Lower left corner and size of a part's box, turned: whole mm, so that copies keep the part's own decimals."""
-    if cut.leans:
+    if cut.is_twisted:
         corners = _corners(cut) * turn
         ends = complex(corners.real.min(), corners.imag.min()), complex(corners.real.max(), corners.imag.max())
     else:
@@ -111,12 +111,12 @@ def _corners(cut: Cut) -> Complex:
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])
 
 
-def _lies(cut: Cut, cell: int, near: float, shape: tuple[int, int]) -> list[Lie]:
+def _lies(cut: Cut, cell: int, near: float, shape: tuple[int, int]) -> list[Orientation]:
     """All that differ, those before half a turn first; a round part has one."""
-    found: list[Lie] = []
+    found: list[Orientation] = []
     # What lies in a hole has the gap all round; none lies in one whose sides lean.
     holes = [] if cut.part.twist else [hole.points for hole in cut.loops[1:] if _side(hole) > 2 * near * cell]
-    loops = [_corners(cut) if cut.leans else cut.loops[0].points, *holes]
+    loops = [_corners(cut) if cut.is_twisted else cut.loops[0].points, *holes]
     first = least_turn(cut)
     turns = (1 + 0j,) if isinstance(cut.loops[0].shape, Circle) else (first, 1j * first)
     for turn in turns:
@@ -128,7 +128,7 @@ def _lies(cut: Cut, cell: int, near: float, shape: tuple[int, int]) -> list[Lie]
         for way, corner, taken, room in ways[: len(turns)]:
             if not any(np.array_equal(taken, one.cells) for one in found):
                 found.append(
-                    Lie(way, corner, size, taken, room, np.conj(np.fft.rfft2(taken.astype(np.float32), shape)))
+                    Orientation(way, corner, size, taken, room, np.conj(np.fft.rfft2(taken.astype(np.float32), shape)))
                 )
     return sorted(found, key=lambda one: one.turn not in turns)
 
@@ -193,7 +193,7 @@ class _Sheet:
         self.reach = 0j
         self.taken: list[tuple[int, Place]] = []
 
-    def take(self, part: int, lies: Sequence[Lie]) -> bool:
+    def take(self, part: int, lies: Sequence[Orientation]) -> bool:
         """Lay a part where width and height grow least together, nearest to the corner; False where no room is left."""
         spectrum = np.fft.rfft2(self.cells)
         least, best = NEVER, None

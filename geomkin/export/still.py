@@ -53,7 +53,7 @@ def frame_at(scene: Scene, at: float | None) -> int:
 
     DesignError for where the driver never is, or the mechanism cannot be.
     """
-    drive, closed = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.closed)
+    drive, closed = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
     if not len(closed):
         raise DesignError("assembly_at", "the mechanism can be put together nowhere", "change its sizes")
     if at is None:
@@ -65,7 +65,7 @@ def frame_at(scene: Scene, at: float | None) -> int:
     if abs(drive[nearest] - at) > step:
         low, high = float(drive.min()), float(drive.max())
         raise DesignError("assembly_at", f"{found}, where the driver never is", f"give {low:g} to {high:g}")
-    if not scene.closed[nearest]:
+    if not scene.assembled[nearest]:
         best = drive[closed[np.argmin(np.abs(drive[closed] - at))]]
         raise DesignError("assembly_at", f"{found}, where the mechanism cannot be", f"give {best:g}, the nearest")
     return nearest
@@ -234,7 +234,7 @@ def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
     heights, names, found = _heights(scene), list[str](), list[InPlace]()
     for body in scene.bodies:
         origin, direction = (
-            complex(np.broadcast_to(row, scene.closed.shape)[still.frame]) for row in (body.origin, body.direction)
+            complex(np.broadcast_to(row, scene.assembled.shape)[still.frame]) for row in (body.origin, body.direction)
         )
         for part in body.parts:
             name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import GeomkinError
 from ..plane.arcs import to_arcs
-from ..plane.curve import AbstractCurve, reach
+from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.joined import Path
 from ..plane.primitives import Arc, Circle, Segment
@@ -102,7 +102,7 @@ def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, 
     told: attributes of the element, which say what it is, and how large, where no style does.
     """
     outline = layers[0][0][0]
-    low, high_end = extent(outline, FINE * reach(outline) / min(wide, high))
+    low, high_end = bounding_box(outline, FINE * extent(outline) / min(wide, high))
     across, middle = high_end - low, (low + high_end) / 2
     # mm a pixel.
     room = max(across.real / (wide - 2 * MARGIN), across.imag / (high - 2 * MARGIN))
@@ -115,7 +115,7 @@ def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, 
     return f'<svg viewBox="{numbers}" {told}>{drawn}</svg>'
 
 
-def extent(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:
+def bounding_box(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:
     """Lower left and upper right corner of a curve's chords within `tolerance`, mm."""
     points = flatten(curve, tolerance)
     return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())

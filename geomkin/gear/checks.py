@@ -25,7 +25,7 @@ def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") ->
     judged. name: what the checks call the gear.
     """
     before, module = f"{name} " if name else "", gear.module
-    thinner = "give less profile_shift, addendum or thinning"
+    thinner = "give less profile_shift, addendum or tooth_thickness_allowance"
     tip = gear.tip_thickness / module
     checks = [Check(f"{before}tip thickness", tip, "at least", LEAST_TIP_THICKNESS, "modules", thinner)]
     if gear.lost_to_undercut is not None:

@@ -172,7 +172,7 @@ class AbstractInvoluteGear(AbstractGear):
 
     @told
     @abstractmethod
-    def thinning(self) -> float:
+    def tooth_thickness_allowance(self) -> float:
         """How much thinner each tooth is along the pitch circle, for backlash, mm."""
 
     @told

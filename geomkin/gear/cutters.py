@@ -124,16 +124,16 @@ class RackCutter:
         """Height above the reference line where the straight flank ends, modules."""
         return float(self.addendum - self.fillet_radius * (1 - np.sin(self.pressure_angle)))
 
-    def edge(self, module: float, teeth: int, thinning: float = 0.0) -> Polyline:
+    def edge(self, module: float, teeth: int, tooth_thickness_allowance: float = 0.0) -> Polyline:
         """Its cutting edge along the x axis from left to right, mm, round so many teeth of what it cuts.
 
-        One of them is centred on +y, the middle one where their number is odd. module: mm. thinning: how much thinner
-        they are along the reference line, modules, for which the rack goes to both sides. Open, of straight edges and
-        arcs.
+        One of them is centred on +y, the middle one where their number is odd. module: mm.
+        tooth_thickness_allowance: how much thinner they are along the reference line, modules, for which the rack
+        goes to both sides. Open, of straight edges and arcs.
         """
         a = self.pressure_angle
-        land = self.corner_side + thinning / 2
-        top = self.fillet_side - thinning / 2
+        land = self.corner_side + tooth_thickness_allowance / 2
+        top = self.fillet_side - tooth_thickness_allowance / 2
         # One tooth's right-hand side, downwards: end of the tip, both ends of the flank, start of the bottom land.
         flank_start = top + self.fillet_radius * np.cos(a) + 1j * self.flank_height
         flank_end = np.pi / 2 - land - self.tip_radius * np.cos(a) - 1j * self.flank_depth

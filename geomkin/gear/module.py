@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from ..core.arguments import NUMBER, Sort
+from ..core.arguments import NUMBER, ArgumentType
 from ..core.errors import DesignError
 from ..core.fields import SMALLEST, quantity
 
@@ -13,7 +13,7 @@ INCH = 25.4
 # Largest module, mm.
 LARGEST = 1e5
 # A number once the gear is made, that may be left out if it follows from another.
-Settled = Annotated[float, Sort(lambda value: value is None or NUMBER.fits(value), NUMBER.allowed)]
+Settled = Annotated[float, ArgumentType(lambda value: value is None or NUMBER.fits(value), NUMBER.allowed)]
 
 
 def module(meaning: str = "pitch diameter per tooth", example: float = 2) -> Any:

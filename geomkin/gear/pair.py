@@ -103,10 +103,12 @@ class GearPair:
         x1, x2 = self.first.profile_shift, self.second.profile_shift
         return x2 - x1 if self.is_internal else x1 + x2
 
-    def _tight_involute(self, thinning: float) -> float:
-        """Involute function of the working pressure angle, rad, without backlash; thinning: of both teeth, mm."""
+    def _tight_involute(self, tooth_thickness_allowance: float) -> float:
+        """Involute function of the working pressure angle, rad, without backlash; tooth_thickness_allowance: of both
+        teeth, mm.
+        """
         slope, sign = np.tan(self.first.pressure_angle), 1 if self.is_internal else -1
-        apart = 2 * slope * self._shift + sign * thinning / self.first.module
+        apart = 2 * slope * self._shift + sign * tooth_thickness_allowance / self.first.module
         return involute_function(slope) + float(apart) / self._teeth
 
     def _nearest_shift(self, least: float) -> str:
@@ -288,10 +290,10 @@ class GearPair:
 
     def _distance_of_backlash(self) -> float:
         """Centre distance at which the teeth, thinned as they are, have no backlash, mm."""
-        thinning = self.first.thinning + self.second.thinning
-        if thinning == 0:
+        tooth_thickness_allowance = self.first.tooth_thickness_allowance + self.second.tooth_thickness_allowance
+        if tooth_thickness_allowance == 0:
             return self.tight_distance
-        angle = self._tight_involute(thinning)
+        angle = self._tight_involute(tooth_thickness_allowance)
         return self._base_distance * float(np.hypot(1, inverse_involute(max(angle, 0.0))))
 
     def _too_far(self) -> tuple[str, str]:

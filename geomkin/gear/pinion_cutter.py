@@ -11,7 +11,7 @@ from ..core.errors import DesignError
 from ..core.fields import quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..plane.curve import AbstractCurve, Moved
-from ..plane.joined import Ring
+from ..plane.joined import PolarArray
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, inverse_involute, involute_function
 from ..plane.vec import Pose
@@ -98,7 +98,7 @@ class PinionCutter:
         """The fillet at its roots, modules and rad, where they reach a radius: as its tips' rounding, from outside."""
         return tip_rounding(self.base_radius, self.half_angle_at_base, root_radius, -self.fillet_radius)
 
-    def edge(self, module: float, root_radius: float | None = None) -> Ring:
+    def edge(self, module: float, root_radius: float | None = None) -> PolarArray:
         """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
 
         module: mm. root_radius: of its roots, modules, which count where they have a fillet.

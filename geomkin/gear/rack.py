@@ -44,7 +44,7 @@ class GearRack(AbstractGear):
     height: float = quantity(
         "of the bar, from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
     )
-    thinning: float = quantity(
+    tooth_thickness_allowance: float = quantity(
         "how much thinner each tooth is along the reference line, for backlash", "mm", default=0.0, at_least=0
     )
     diametral_pitch: float | None = diametral_pitch()
@@ -58,14 +58,14 @@ class GearRack(AbstractGear):
                 f"give more than {self.rack.dedendum:g}",
             )
         if self._tip < 0:
-            most = self.thinning + 2 * self.module * self._tip
+            most = self.tooth_thickness_allowance + 2 * self.module * self._tip
             if most <= 0:
                 raise DesignError(
                     "rack.addendum", "the flanks meet below the tips", "give a rack with a smaller addendum"
                 )
             raise DesignError(
-                "thinning",
-                f"found {self.thinning:g} mm, which points the teeth",
+                "tooth_thickness_allowance",
+                f"found {self.tooth_thickness_allowance:g} mm, which points the teeth",
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
 
@@ -120,7 +120,7 @@ class GearRack(AbstractGear):
     @property
     def thickness(self) -> float:
         """Of a tooth along the reference line, mm."""
-        return self.pitch / 2 - self.thinning
+        return self.pitch / 2 - self.tooth_thickness_allowance
 
     @property
     def tip_thickness(self) -> float:
@@ -141,7 +141,7 @@ class GearRack(AbstractGear):
     def outline(self) -> Polyline:
         """The bar as one closed counterclockwise curve of straight edges and arcs, exact."""
         m, rack = self.module, self.rack
-        edge = rack.edge(1.0, self.teeth, self.thinning / m)
+        edge = rack.edge(1.0, self.teeth, self.tooth_thickness_allowance / m)
         deep = -1j * rack.dedendum
         first = -((self.teeth - 1) // 2)
         places = np.pi * (first + np.arange(self.teeth))

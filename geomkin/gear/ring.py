@@ -14,7 +14,7 @@ from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
-from ..plane.joined import Ring
+from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth
@@ -34,7 +34,7 @@ class RingTooth(AbstractTooth):
     profile_shift: float
     cutter: PinionCutter
     addendum: float
-    thinning: float
+    tooth_thickness_allowance: float
 
     @property
     def stands(self) -> bool:
@@ -86,7 +86,7 @@ class RingTooth(AbstractTooth):
         return np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius))
 
     @property
-    def most_thinning(self) -> float:
+    def largest_tooth_thickness_allowance(self) -> float:
         """Thinning, mm, for which the flanks meet at the tips."""
         tip = roll_at(self.tip_radius, self.base_radius)
         return 2 * (self.module * self.teeth / 2) * (np.pi / self.teeth - self._half_cut(tip))
@@ -190,8 +190,8 @@ class RingTooth(AbstractTooth):
 
     @property
     def _turn(self) -> float:
-        """Angle by which thinning turns each side of a tooth towards its middle, rad."""
-        return self.thinning / (2 * (self.module * self.teeth / 2))
+        """Angle by which tooth_thickness_allowance turns each side of a tooth towards its middle, rad."""
+        return self.tooth_thickness_allowance / (2 * (self.module * self.teeth / 2))
 
     @property
     def _slope(self) -> float:
@@ -282,10 +282,10 @@ class RingGear(AbstractInvoluteGear):
 
     profile_shift: how far the teeth stand outwards of their normal place, in modules; a pinion of the same
     shift then meshes at the distance of a pair without shift. More makes the teeth thinner at their root
-    circle and the spaces wider. thinning: the cutter widens the spaces by going round turned to both sides by
-    all angles up to thinning / (2 pitch_radius), so that each side of a tooth turns as a whole, root curve and
-    flank, and the bottom lands grow. ISO 21771 and DIN 3960, which count the teeth of internal gears as negative,
-    give the shift the other sign. The root curve is derived here.
+    circle and the spaces wider. tooth_thickness_allowance: the cutter widens the spaces by going round turned to
+    both sides by all angles up to tooth_thickness_allowance / (2 pitch_radius), so that each side of a tooth turns
+    as a whole, root curve and flank, and the bottom lands grow. ISO 21771 and DIN 3960, which count the teeth of
+    internal gears as negative, give the shift the other sign. The root curve is derived here.
     Raises DesignError where the cutter leaves no whole teeth, with sizes that do.
     """
 
@@ -300,7 +300,7 @@ class RingGear(AbstractInvoluteGear):
     addendum: float = quantity(
         "how far the teeth reach inwards of their reference circle", "modules", default=1.0, above=0, at_most=5
     )
-    thinning: float = quantity(
+    tooth_thickness_allowance: float = quantity(
         "how much thinner each tooth is along the reference circle, for backlash", "mm", default=0.0, at_least=0
     )
     diametral_pitch: float | None = diametral_pitch()
@@ -356,11 +356,11 @@ class RingGear(AbstractInvoluteGear):
         """The tips, where the teeth are thinnest, must have some thickness left."""
         if self.tip_thickness >= 0:
             return
-        most = self.tooth.most_thinning
+        most = self.tooth.largest_tooth_thickness_allowance
         if most > 0:
             raise DesignError(
-                "thinning",
-                f"found {self.thinning:g} mm, with which the flanks meet outside the tip circle",
+                "tooth_thickness_allowance",
+                f"found {self.tooth_thickness_allowance:g} mm, with which the flanks meet outside the tip circle",
                 # A little less, so that the number still works when rounded.
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
@@ -404,7 +404,7 @@ class RingGear(AbstractInvoluteGear):
         return self.cutter.pressure_angle
 
     @property
-    def outline(self) -> Ring:
+    def outline(self) -> PolarArray:
         """The teeth as one closed counterclockwise curve of exact pieces: the hole of the gear's plate."""
         edge = [self.tip_edge] if self.tip_edge else []
         return toothed([with_land([self.root_curve, self.flank, *edge], self.tooth.half_land)], self.teeth)
@@ -413,7 +413,7 @@ class RingGear(AbstractInvoluteGear):
     def cutting_angle(self) -> float:
         return self.tooth.cutting_angle
 
-    def tool(self, turn: Real) -> tuple[Ring, Pose]:
+    def tool(self, turn: Real) -> tuple[PolarArray, Pose]:
         """The pinion cutter, which turns inside the ring; where teeth are thinned, in the middle of its ways."""
         cutter = self.cutter
         turned = np.exp(1j * (turn * self.teeth + np.pi) / cutter.teeth)
@@ -423,7 +423,9 @@ class RingGear(AbstractInvoluteGear):
     @cached_property
     def tooth(self) -> RingTooth:
         """Sizes and curves of the tooth on +y."""
-        return RingTooth(self.teeth, self.module, self.profile_shift, self.cutter, self.addendum, self.thinning)
+        return RingTooth(
+            self.teeth, self.module, self.profile_shift, self.cutter, self.addendum, self.tooth_thickness_allowance
+        )
 
     def _wider(self, least: float) -> str:
         """The least profile shift, from one for which the cutter fits, and failing that the cutter, that make one."""

@@ -12,7 +12,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity, rounded_down
 from ..core.records import record
-from ..plane.joined import Ring
+from ..plane.joined import PolarArray
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
@@ -51,7 +51,7 @@ class SpurGear(AbstractInvoluteGear):
         above=0,
         at_most=5,
     )
-    thinning: float = quantity(
+    tooth_thickness_allowance: float = quantity(
         "how much thinner each tooth is along the pitch circle, for backlash", "mm", default=0.0, at_least=0
     )
     tip_rounding: float = quantity("radius of the rounding of the tips' edges", "modules", default=0.0, at_least=0)
@@ -61,7 +61,7 @@ class SpurGear(AbstractInvoluteGear):
         default=0.0,
         at_least=0,
     )
-    pointed: Literal["refuse", "cut"] = entry(
+    on_pointed_tip: Literal["refuse", "cut"] = entry(
         "teeth whose flanks meet below the tip circle are refused, or cut off at the point", default="refuse"
     )
     diametral_pitch: float | None = diametral_pitch()
@@ -73,20 +73,26 @@ class SpurGear(AbstractInvoluteGear):
         self._check_tip_edge()
 
     def _is_whole(self, tooth: Tooth) -> bool:
-        return tooth.stands and (self.pointed == "cut" or tooth.half_angle(tooth.tip_radius) >= 0)
+        return tooth.stands and (self.on_pointed_tip == "cut" or tooth.half_angle(tooth.tip_radius) >= 0)
 
-    def _leaves_teeth(self, shift: float, thinning: float) -> bool:
-        """Whether the rack leaves whole teeth at another shift and thinning; tips are taken as sharp."""
-        return self._is_whole(self._sharp_at(shift, thinning))
+    def _leaves_teeth(self, shift: float, tooth_thickness_allowance: float) -> bool:
+        """Whether the rack leaves whole teeth at another shift and tooth_thickness_allowance; tips are taken as
+        sharp.
+        """
+        return self._is_whole(self._sharp_at(shift, tooth_thickness_allowance))
 
     def _refuse(self) -> NoReturn:
         """Say why there are no teeth, and the nearest size that leaves some."""
-        if self.thinning and self._leaves_teeth(self.profile_shift, 0.0):
-            thickest = min(self.thinning, np.pi * self.module)
-            most = last_fit(lambda thinning: self._leaves_teeth(self.profile_shift, thinning), 0.0, thickest)
+        if self.tooth_thickness_allowance and self._leaves_teeth(self.profile_shift, 0.0):
+            thickest = min(self.tooth_thickness_allowance, np.pi * self.module)
+            most = last_fit(
+                lambda tooth_thickness_allowance: self._leaves_teeth(self.profile_shift, tooth_thickness_allowance),
+                0.0,
+                thickest,
+            )
             raise DesignError(
-                "thinning",
-                f"found {self.thinning:g} mm, which leaves no tooth",
+                "tooth_thickness_allowance",
+                f"found {self.tooth_thickness_allowance:g} mm, which leaves no tooth",
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
         tooth, found = self._sharp, f"found {self.profile_shift:g}"
@@ -95,7 +101,7 @@ class SpurGear(AbstractInvoluteGear):
             problem = f"{found}, which leaves no tooth outside its base and root circles"
         elif tooth.stands:
             problem = f"{found}, with which the flanks meet below the tip circle: the teeth are pointed"
-            remedy = "a smaller addendum or pointed = cut"
+            remedy = "a smaller addendum or on_pointed_tip = cut"
         else:
             problem = f"{found}: with {self.teeth} teeth the rack's tips cut the teeth off"
         raise DesignError("profile_shift", problem, f"give {self._nearest_shift()}{remedy}")
@@ -105,7 +111,7 @@ class SpurGear(AbstractInvoluteGear):
         found = self.profile_shift
 
         def fits(shift: float) -> bool:
-            return self._leaves_teeth(shift, self.thinning)
+            return self._leaves_teeth(shift, self.tooth_thickness_allowance)
 
         # Gears whose shifts leave teeth over less than a fiftieth of a module are not found.
         for step in np.arange(0.02, 20, 0.02).tolist():
@@ -163,8 +169,8 @@ class SpurGear(AbstractInvoluteGear):
         Returns
         -------
         SpurGear
-            Module, profile shift, heights, tip edges and rack of the section across the axis (ISO 21771); `thinning`,
-            mm along the pitch circle, stays.
+            Module, profile shift, heights, tip edges and rack of the section across the axis (ISO 21771);
+            `tooth_thickness_allowance`, mm along the pitch circle, stays.
         """
         ratio = float(np.cos(np.radians(helix_angle_deg)))
         return replace(
@@ -201,13 +207,13 @@ class SpurGear(AbstractInvoluteGear):
         return 2 * self.tip_radius * max(0.0, self.tooth.tip_land)
 
     @property
-    def outline(self) -> Ring:
+    def outline(self) -> PolarArray:
         """The whole gear as one closed counterclockwise curve of exact pieces."""
         return outline(self.tooth)
 
     def tool(self, turn: Real) -> tuple[Polyline, Pose]:
         """The rack, round as many teeth as meet it; where teeth are thinned, as it would cut both sides at once."""
-        edge = self.rack.edge(self.module, min(self.teeth, TOOL_TEETH), self.thinning / self.module)
+        edge = self.rack.edge(self.module, min(self.teeth, TOOL_TEETH), self.tooth_thickness_allowance / self.module)
         height = self.pitch_radius + self.module * self.profile_shift
         return edge, Pose(1j * height - self.pitch_radius * np.asarray(turn), np.ones(np.shape(turn), complex))
 
@@ -222,17 +228,21 @@ class SpurGear(AbstractInvoluteGear):
 
     @cached_property
     def _sharp(self) -> Tooth:
-        return self._sharp_at(self.profile_shift, self.thinning)
+        return self._sharp_at(self.profile_shift, self.tooth_thickness_allowance)
 
-    def _sharp_at(self, shift: float, thinning: float) -> Tooth:
-        """What a rack leaves at a profile shift, modules, and a thinning, mm, before the tips' edges are broken."""
+    def _sharp_at(self, shift: float, tooth_thickness_allowance: float) -> Tooth:
+        """What a rack leaves at a profile shift, modules, and a tooth_thickness_allowance, mm, before the tips'
+        edges are broken.
+        """
         rack, module, pitch_radius = self.rack, self.module, self.pitch_radius
         base_radius = pitch_radius * float(np.cos(rack.pressure_angle))
         slope = np.tan(rack.pressure_angle)
-        half = float((np.pi / 2 + 2 * shift * slope - thinning / module) / self.teeth + involute_function(slope))
+        half = float(
+            (np.pi / 2 + 2 * shift * slope - tooth_thickness_allowance / module) / self.teeth + involute_function(slope)
+        )
         addendum = rack.addendum if self.addendum is None else self.addendum
         tip_radius = pitch_radius + module * (addendum + shift)
-        if self.pointed == "cut" and half > 0:
+        if self.on_pointed_tip == "cut" and half > 0:
             tip_radius = min(tip_radius, base_radius * float(np.hypot(1, inverse_involute(half))))
         return Tooth(
             teeth=self.teeth,
@@ -244,11 +254,11 @@ class SpurGear(AbstractInvoluteGear):
             half_angle_at_base=half,
             corner_depth=module * (rack.corner_depth - shift),
             # A rack with teeth as much thicker as the gear's are to be thinner.
-            corner_side=module * rack.corner_side + thinning / 2,
+            corner_side=module * rack.corner_side + tooth_thickness_allowance / 2,
             corner_rounding=module * rack.tip_radius,
             flank_depth=module * (rack.flank_depth - shift),
             fillet_radius=module * rack.fillet_radius,
             fillet_height=module * (rack.fillet_height + shift),
-            fillet_side=module * rack.fillet_side - thinning / 2,
+            fillet_side=module * rack.fillet_side - tooth_thickness_allowance / 2,
             flank_height=module * (rack.flank_height + shift),
         )

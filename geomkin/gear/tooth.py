@@ -11,7 +11,7 @@ import numpy as np
 from ..core.fields import last_fit
 from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
-from ..plane.joined import Path, Ring
+from ..plane.joined import Path, PolarArray
 from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, Trochoid, involute_function, roll_at
 from ..plane.vec import Pose
@@ -253,7 +253,7 @@ class Tooth(AbstractTooth):
         return lean_end + turn, float(np.sqrt(max(seen(turn)[2], 0.0)) / base)
 
 
-def outline(tooth: Tooth) -> Ring:
+def outline(tooth: Tooth) -> PolarArray:
     """All teeth: half a bottom land, root curve, flank and tip, and the same back, as often as there are teeth."""
     side = [tooth.root_curve, tooth.flank, *([tooth.tip_edge] if tooth.tip_edge else [])]
     return toothed([with_land(side, tooth.corner_side / tooth.pitch_radius)], tooth.teeth)
@@ -267,7 +267,7 @@ def with_land(side: list[AbstractCurve], half_land: float) -> Path:
     return Path((*land, *side))
 
 
-def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> Ring:
+def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> PolarArray:
     """The ring of `teeth` teeth of which `side` is the right-hand side of the one on +y, root to tip.
 
     half_land: half the angle, rad, of a bottom land from tooth to tooth that `side` does not begin with.
@@ -280,7 +280,7 @@ def toothed(side: list[AbstractCurve], teeth: int, half_land: float = 0.0) -> Ri
     if half_land > NARROW:
         root = complex(side[0].point(side[0].breaks[0]))
         bottom = [Arc(0j, -root.conjugate(), 2 * half_land)]
-    return Ring(Path((*side, *top, *other, *bottom)), teeth)
+    return PolarArray(Path((*side, *top, *other, *bottom)), teeth)
 
 
 def _root(f: Callable[[float], float], a: float, b: float) -> float:

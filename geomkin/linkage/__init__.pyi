@@ -53,13 +53,13 @@ from .kinds.linkages import WattSixBarRecipe as WattSixBarRecipe
 from .kinds.polygons import PolygonsRecipe as PolygonsRecipe
 from .kinds.shaking_force import ShakingForceRecipe as ShakingForceRecipe
 from .linkage import AbstractLinkage as AbstractLinkage
+from .measures import AssemblyFailure as AssemblyFailure
 from .measures import Grashof as Grashof
-from .measures import Opening as Opening
+from .measures import assembly_failure as assembly_failure
 from .measures import circuits as circuits
 from .measures import dead_centres as dead_centres
 from .measures import grashof as grashof
 from .measures import grashof_type as grashof_type
-from .measures import opening as opening
 from .motion import Body as Body
 from .motion import Motion as Motion
 from .motion import PointMotion as PointMotion

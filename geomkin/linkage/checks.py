@@ -7,7 +7,7 @@ import numpy as np
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..model.check import Check
-from .measures import least_transmission_angle, opening
+from .measures import assembly_failure, least_transmission_angle
 from .motion import Motion
 
 # deg. Below it the coupler pushes the rocker into its pivot more than round it, and play and friction grow quickly
@@ -31,7 +31,7 @@ LARGEST_DRAWN = 5.0
 
 def reached(motion: Motion, what: str, advice: str = "") -> Check:
     """Share of the frames that a motion reaches. what: whose way they are, such as "crank's turn"."""
-    return Check(f"share of the {what} reached", 100 * float(motion.closed.mean()), "at least", 100, "%", advice)
+    return Check(f"share of the {what} reached", 100 * float(motion.assembled.mean()), "at least", 100, "%", advice)
 
 
 @checked
@@ -42,13 +42,13 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     else there is no angle to judge, and no check of it. DesignError for many linkages at once. Limits: as at
     `LEAST_TRANSMISSION_ANGLE_DEG`.
     """
-    if motion.linkage.many:
+    if motion.linkage.is_batch:
         raise DesignError("motion", "found many linkages at once", "give one, for each has checks of its own")
-    driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, opening(motion)
+    driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, assembly_failure(motion)
     advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
     least = float(np.degrees(least_transmission_angle(motion)))
-    if motion.closed.any() and np.isnan(least):
+    if motion.assembled.any() and np.isnan(least):
         return (share,)
     along = "a driving link pushes the driven one along itself"
     return share, Check(TRANSMISSION, least, "at least", LEAST_TRANSMISSION_ANGLE_DEG, "deg", along)

@@ -171,7 +171,7 @@ def dashes(
     if chosen(branch).follow:
         raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint")
     _check_body(linkage.linkage.bodies, body)
-    if chosen(branch).near:
+    if chosen(branch).branch_points:
         # Near the places given at the first step, whatever drives a dash is looked at.
         branch = {joint: int(signs[0]) or 1 for joint, signs in move(linkage, steps, branch).solution.signs.items()}
     return _drawn(linkage, local, _dash_limits(linkage, steps, branch), tolerance, branch, body)
@@ -206,8 +206,8 @@ def _drawn(
         nodes = limits[waiting, :1] + np.diff(limits[waiting]) * share
         nodes[:, -1] = limits[waiting, 1]
         motion = move(linkage, nodes.ravel(), branch)
-        if not motion.closed.all():
-            opened = nodes.ravel()[~motion.closed][0]
+        if not motion.assembled.all():
+            opened = nodes.ravel()[~motion.assembled][0]
             raise DesignError("drive", f"the linkage opens at {opened:.6g} for a moment", "give steps that end there")
         path = coupler_curves(motion, local, body).reshape(len(local), *nodes.shape)
         distance = _distance(path)
@@ -319,7 +319,7 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
     a, b, c, d = four_bar.crank, four_bar.coupler, four_bar.rocker, four_bar.ground
     w = _ratio(four_bar)
     motion = move(replace(four_bar, origin=0j, ground_angle_deg=0.0), [start], branch)
-    if not motion.closed[0]:
+    if not motion.assembled[0]:
         raise DesignError("start", f"found {start:g} rad, where the linkage is open", "give a drive that it reaches")
     e1, e3, e4 = (complex(motion.bodies[link].direction[0]) for link in ("crank", "coupler", "rocker"))
     point = {

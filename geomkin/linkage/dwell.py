@@ -10,7 +10,7 @@ from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Real, dot
-from .motion import Motion, goes_without_turning
+from .motion import Motion, is_translating
 
 # Places between two frames at which the output is looked at, at most, and in all. Fewer, and a dwell that ends at a
 # steep place is told short; more take longer for digits that nobody reads.
@@ -91,14 +91,14 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
 def _output(motion: Motion, output: str) -> tuple[Real, Real]:
     """Angle, rad, or place along its slide, mm, and the derivative by the drive."""
     general = motion.linkage
-    if general.many:
-        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    if general.is_batch:
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
     if output not in general.bodies or output == general.ground:
         raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
     body = motion.bodies[output]
-    if not goes_without_turning(motion, output):
+    if not is_translating(motion, output):
         angle = np.angle(body.direction)
-        angle[motion.closed] = np.unwrap(angle[motion.closed])
+        angle[motion.assembled] = np.unwrap(angle[motion.assembled])
         return angle, body.first
     slider = next((s for s in general.sliders if {s.body, s.along} == {output, general.ground}), None)
     if slider is None:
@@ -110,7 +110,7 @@ def _output(motion: Motion, output: str) -> tuple[Real, Real]:
 
 def _comes_round(motion: Motion) -> bool:
     """Whether the frames are one turn of the driver, at the end of which the linkage is where it began."""
-    if abs(abs(motion.drive[-1] - motion.drive[0]) - 2 * np.pi) > CLOSED or not motion.closed.all():
+    if abs(abs(motion.drive[-1] - motion.drive[0]) - 2 * np.pi) > CLOSED or not motion.assembled.all():
         return False
     size = float(motion.linkage.size) or 1.0
     return all(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..core.arguments import LARGEST, PLAIN, Place, Sort, is_place
+from ..core.arguments import LARGEST, PLAIN, ArgumentType, Place, is_place
 from ..core.errors import DesignError, shown
 from ..core.fields import KindTable
 from ..core.names import check_names
@@ -35,7 +35,7 @@ def _are_bodies(value: Any) -> bool:
 # That the points are finite is said with their names.
 Bodies = Annotated[
     Mapping[str, Mapping[str, complex | Array]],
-    Sort(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
+    ArgumentType(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
 ]
 
 
@@ -61,16 +61,17 @@ class AbstractLinkage(ABC):
         values = ((f.name, getattr(self, f.name), f.default) for f in fields(self))  # type: ignore[arg-type]
         told = ", ".join(f"{name}={value!r}" for name, value, left_out in values if np.any(value != left_out))
         text = f"{type(self).__name__}({told})"
-        return text if len(text) <= LONGEST and not self.linkage.many else one_line(self)
+        return text if len(text) <= LONGEST and not self.linkage.is_batch else one_line(self)
 
 
 AnyLinkage = Annotated[
-    AbstractLinkage, Sort(lambda value: isinstance(value, AbstractLinkage), "a linkage, such as FourBar or Linkage")
+    AbstractLinkage,
+    ArgumentType(lambda value: isinstance(value, AbstractLinkage), "a linkage, such as FourBar or Linkage"),
 ]
 OneLinkage = Annotated[
     AbstractLinkage,
-    Sort(
-        lambda value: isinstance(value, AbstractLinkage) and not value.linkage.many,
+    ArgumentType(
+        lambda value: isinstance(value, AbstractLinkage) and not value.linkage.is_batch,
         "one linkage, its sizes numbers and no arrays",
     ),
 ]
@@ -193,7 +194,7 @@ class Linkage(AbstractLinkage):
         return self
 
     @cached_property
-    def many(self) -> bool:
+    def is_batch(self) -> bool:
         """Whether sizes are arrays: many linkages of one make."""
         return bool(self.shape)
 
@@ -203,7 +204,7 @@ class Linkage(AbstractLinkage):
         return np.broadcast_shapes(*(np.shape(z) for points in self.bodies.values() for z in points.values()))
 
     @cached_property
-    def ahead(self) -> complex:
+    def ground_direction(self) -> complex:
         """The fixed body's x axis, unit complex."""
         return complex(direction_deg(self.ground_angle_deg))
 

@@ -13,16 +13,16 @@ from ..core.errors import DesignError, printable
 from ..core.records import record
 from ..plane.vec import Mask, Real, Whole, dot
 from .linkage import OneLinkage
-from .motion import Motion, goes_without_turning
+from .motion import Motion, is_translating
 from .moving import move, planned
 from .named_linkages import FourBar, SliderCrank
 from .solve.actuators import ActuatedRRP, ActuatedRRR
-from .solve.branch import Branch, Chosen, chosen
+from .solve.branch import Branch, BranchSpec, chosen
 from .solve.drive_range import DriveRange
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
-from .solve.input_dyads import Driven, DrivenRRP, DrivenRRR
+from .solve.input_dyads import DrivenRRP, DrivenRRR, InputDyad
 from .solve.loops import Loops
-from .solve.placement import Placement, Turned
+from .solve.placement import Placement, RevoluteInput
 from .solve.solution import LinkageSolution, reach_of, with_branches
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
@@ -102,7 +102,7 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
         # Each joint by the two links that meet there, the first one's x axis and the second's.
         joints = {"crank": "rocker_pin", "ground": "rocker_pin", "coupler": "crank_pivot", "rocker": "crank_pin"}
         if inequality.spare <= 0:
-            sign = np.ones(motion.closed.shape)
+            sign = np.ones(motion.assembled.shape)
         else:
             crank, coupler, rocker = (motion.bodies[n].direction for n in ("crank", "coupler", "rocker"))
             ground = motion.bodies["ground"].direction
@@ -114,8 +114,8 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
     elif linkage.coupler + np.abs(linkage.offset) < linkage.crank:
         sign = np.sign(dot(motion.bodies["ground"].direction, motion.bodies["crank"].direction))
     else:
-        sign = np.ones(motion.closed.shape)
-    return np.where(motion.closed, sign, 0).astype(int)
+        sign = np.ones(motion.assembled.shape)
+    return np.where(motion.assembled, sign, 0).astype(int)
 
 
 def _is_of(motion: Motion, linkage: FourBar | SliderCrank) -> bool:
@@ -129,7 +129,7 @@ def _is_of(motion: Motion, linkage: FourBar | SliderCrank) -> bool:
 @checked
 def least_transmission_angle(motion: Motion) -> Real:
     """Least transmission angle over the frames that are reached, rad, () or (linkages,); nan where none is."""
-    least: Real = np.fmin.reduce(np.where(motion.closed, motion.transmission_angle, np.nan), axis=0)
+    least: Real = np.fmin.reduce(np.where(motion.assembled, motion.transmission_angle, np.nan), axis=0)
     return least
 
 
@@ -158,7 +158,7 @@ def driver_limits(
     def closed(q: Real) -> Mask:
         # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
         way = 1 if first == low else -1
-        return move(linkage, np.append(first, q[::way]), branch).closed[1:][::way]
+        return move(linkage, np.append(first, q[::way]), branch).assembled[1:][::way]
 
     looks = np.linspace(low, high, LOOKS + 1)
     placements = planned(linkage.linkage, branch)
@@ -191,7 +191,7 @@ def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tup
     looks = np.linspace(*span, LOOKS + 1)
     motion = move(linkage, looks, branch)
     line = None
-    if goes_without_turning(motion, output):
+    if is_translating(motion, output):
         # It goes along one line: that of its largest step.
         steps = np.nan_to_num(motion.bodies[output].origin.first, nan=0.0, posinf=0.0, neginf=0.0)
         line = steps[np.argmax(np.abs(steps))]
@@ -215,15 +215,15 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     if general.driven_slider is None:
         return TURN
     asked, placements = chosen(branch), planned(general, branch)
-    if asked.follow or asked.near or any(isinstance(one, Loops) for one in placements):
-        first = "such a branch" if asked.follow or asked.near else "the estimate"
+    if asked.follow or asked.branch_points or any(isinstance(one, Loops) for one in placements):
+        first = "such a branch" if asked.follow or asked.branch_points else "the estimate"
         raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
     reach = reach_of(general)
     outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
     looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
 
     def closed(q: Real) -> Mask:
-        return move(linkage, q, branch).closed
+        return move(linkage, q, branch).assembled
 
     ends = looks[[0, -1]]
     if closed(ends).any():
@@ -261,14 +261,14 @@ def _nearest_to_closing(whole: DriveRange, looks: Real) -> Real:
 
 
 def _all_driven(placements: Sequence[Placement]) -> bool:
-    return all(isinstance(one, Driven) or not isinstance(one, (Dyad, Loops)) for one in placements)
+    return all(isinstance(one, InputDyad) or not isinstance(one, (Dyad, Loops)) for one in placements)
 
 
 def _exact(placements: Sequence[Placement], span: tuple[float, float]) -> list[float]:
     """Limits of the dyads that the driver alone moves, in closed form, inside the span."""
     found: list[float] = []
     for dyad in placements:
-        if isinstance(dyad, Driven):
+        if isinstance(dyad, InputDyad):
             for limit in dyad.limits():
                 turns = np.zeros(1)
                 if dyad.period:
@@ -334,7 +334,7 @@ LACKS = {
 
 
 @record
-class Opening:
+class AssemblyFailure:
     """The first frame of a motion that is open, and the first dyad, in the order they are placed, that opens there.
 
     joint: the dyad's inner joint; of what is no dyad the names of its bodies. frame: its index; drive: rad, or mm where
@@ -357,23 +357,23 @@ class Opening:
 
 
 @checked
-def opening(motion: Motion) -> Opening | None:
+def assembly_failure(motion: Motion) -> AssemblyFailure | None:
     """Where a motion first opens and what opens there; None where every frame is closed.
 
     DesignError for arrays of linkages: take one. Derived here, from how far each dyad is from closing.
     """
-    if motion.closed.ndim > 1:
-        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
-    if motion.closed.all():
+    if motion.assembled.ndim > 1:
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+    if motion.assembled.all():
         return None
-    frame = int(np.argmin(motion.closed))
+    frame = int(np.argmin(motion.assembled))
     drive, solution = float(motion.drive[frame]), motion.solution
     opened = next(one for one in solution.placements if _open(one, solution, frame))
-    turns = isinstance(solution.placements[0], Turned)
+    turns = isinstance(solution.placements[0], RevoluteInput)
     at = f"at {printable(motion.linkage.driver)} {_shown(drive, turns)}"
     kind = type(opened.dyad) if isinstance(opened, DrivenRRR | DrivenRRP) else type(opened)
     if isinstance(opened, Dyad):
-        gaps = [float(np.broadcast_to(gap, motion.closed.shape)[frame]) for gap in opened.gaps(solution.poses)]
+        gaps = [float(np.broadcast_to(gap, motion.assembled.shape)[frame]) for gap in opened.gaps(solution.poses)]
         lacking, (problem, remedy) = min(zip([-gap for gap in gaps], LACKS[kind]), key=lambda row: -row[0])
         # Where rounding alone opens it there is no length to tell.
         lacking = max(lacking, 0.0)
@@ -390,12 +390,12 @@ def opening(motion: Motion) -> Opening | None:
     if branch is not None:
         changed = {joint: sign for joint, sign in branch.items() if sign != solution.signs[joint][frame]}
         text += f"; it closes there with {', '.join(f'{printable(joint)} = {sign}' for joint, sign in changed.items())}"
-    return Opening(name, frame, drive, lacking, branch, text, remedy)
+    return AssemblyFailure(name, frame, drive, lacking, branch, text, remedy)
 
 
 def never_closed(motion: Motion) -> DesignError:
     """The refusal of a motion that is open at every frame, with the branch, the drives or the length that closes it."""
-    found = opening(motion)
+    found = assembly_failure(motion)
     assert found is not None
     remedy = found.remedy
     if found.branch is not None:
@@ -424,25 +424,25 @@ def _closing(motion: Motion, solution: LinkageSolution, frame: int, opened: Plac
     best: tuple[float, dict[str, int]] = (0.0, {})
     for flipped in islice(_choices(before), TRIED):
         signs = own | {joint: -own[joint] for joint in flipped}
-        closed = move(solution.linkage, row, _fixed(solution, signs)).closed
+        closed = move(solution.linkage, row, _fixed(solution, signs)).assembled
         if closed[0] and closed.mean() > best[0]:
             best = float(closed.mean()), signs
     return best[1] or None
 
 
-def _fixed(solution: LinkageSolution, signs: Mapping[str, int]) -> Chosen:
+def _fixed(solution: LinkageSolution, signs: Mapping[str, int]) -> BranchSpec:
     """These signs, with the places that were given, from which what is no dyad starts."""
-    return Chosen(1, signs, solution.asked.near, False)
+    return BranchSpec(1, signs, solution.asked.branch_points, False)
 
 
 def _choices(joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
     return (some for count in range(1, len(joints) + 1) for some in combinations(joints, count))
 
 
-def _reached(motion: Motion, found: Opening) -> list[str]:
+def _reached(motion: Motion, found: AssemblyFailure) -> list[str]:
     """The driver's ranges in which the linkage closes on the branch it opened on, as words, rounded inwards."""
     solution = motion.solution
-    turns = isinstance(solution.placements[0], Turned)
+    turns = isinstance(solution.placements[0], RevoluteInput)
     reach = reach_of(solution.linkage)
     # From the open drive round to it again, so that no part is cut in two.
     span = (found.drive, found.drive + 2 * np.pi) if turns else (-reach, reach)

@@ -15,7 +15,7 @@ from ..core.reprs import clipped, moving, short
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
 from .linkage import Linkage, Slider
-from .solve.formulas import Timing, Worked, first_of, second_of
+from .solve.formulas import LazyEvaluation, Timing, first_of, second_of
 from .solve.solution import LinkageSolution
 
 
@@ -32,7 +32,7 @@ class PointMotion:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
 
     @cached_property
-    def _worked(self) -> Worked | None:
+    def _worked(self) -> LazyEvaluation | None:
         return self.body.solution.worked_at(self.body.name, self.local)
 
     def _told(self, what: str) -> Complex | None:
@@ -192,9 +192,9 @@ class Motion:
         return [*super().__dir__(), *self.linkage.bodies]
 
     @property
-    def closed(self) -> Mask:
+    def assembled(self) -> Mask:
         """Whether the linkage reaches the pose, bool; everything else is nan where it does not."""
-        return self.solution.closed
+        return self.solution.assembled
 
     @property
     def branches(self) -> Mapping[str, Whole]:
@@ -211,7 +211,7 @@ class Motion:
         return self.solution.transmission_angle
 
     @property
-    def condition(self) -> Real:
+    def error_amplification(self) -> Real:
         """How many times an error of sizes or drive is seen in the place of the joint that stands worst.
 
         1/sin of the transmission angle: inf at a limit, nan where there is none. Of velocities and accelerations near a
@@ -225,7 +225,7 @@ class Motion:
     @cached_property
     def residual(self) -> Real:
         """How far the loops are from closing, mm: the largest distance between points that a joint keeps together."""
-        far = np.zeros(self.closed.shape)
+        far = np.zeros(self.assembled.shape)
         for pin, bodies in self.linkage.pins.items():
             places = [self.bodies[b].point(self.linkage.bodies[b][pin]).position for b in bodies]
             for other in places[1:]:
@@ -310,13 +310,13 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
         along = dot(line, body.origin.first)
     else:
         along = np.abs(body.origin.first)
-    way = np.where(goes_without_turning(motion, output), along, body.first)
+    way = np.where(is_translating(motion, output), along, body.first)
     with np.errstate(divide="ignore"):
         advantage: Real = 1 / way
     return advantage
 
 
-def goes_without_turning(motion: Motion, body: str) -> Mask:
+def is_translating(motion: Motion, body: str) -> Mask:
     """Whether all that a body turns over the frames is rounding of its going along, bool, () or (linkages,)."""
     moving = motion.bodies[body]
     turning, going = (
@@ -338,8 +338,8 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     has no column. DesignError for arrays of linkages: take one.
     """
     linkage = motion.linkage
-    if linkage.many:
-        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    if linkage.is_batch:
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
     ground, driver = linkage.ground, linkage.driver
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"place of the {driver} along its line", motion.drive)
@@ -418,7 +418,7 @@ def _outputs(motion: Motion) -> Iterator[Column]:
         if name in on_ground(linkage) - {linkage.driver}:
             words = f"torque or force that the {name} gives for 1 of the driver's"
             # Torque for force is in mm, force for torque in 1/mm, like for like a plain ratio.
-            slides, driver_slides = bool(goes_without_turning(motion, name)), linkage.driven_slider is not None
+            slides, driver_slides = bool(is_translating(motion, name)), linkage.driven_slider is not None
             unit = "" if slides == driver_slides else "1/mm" if slides else "mm"
             advantage = finite(mechanical_advantage(motion, name))
             yield Column(f"{name}_mechanical_advantage", unit, words, advantage)

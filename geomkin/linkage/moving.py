@@ -13,12 +13,21 @@ from ..plane.vec import Complex, Real
 from .linkage import AnyLinkage, Linkage, Slider
 from .motion import Motion
 from .solve.actuators import Stroked, actuated_dyad
-from .solve.branch import Branch, Chosen, chosen
+from .solve.branch import Branch, BranchSpec, chosen
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
 from .solve.formulas import Timing
 from .solve.input_dyads import driver_dyad
 from .solve.loops import Loops
-from .solve.placement import Anchor, Carried, Drawn, Oriented, Placement, Rail, Slid, Turned
+from .solve.placement import (
+    AlignedBody,
+    Anchor,
+    PinnedBody,
+    Placement,
+    PrismaticInput,
+    RevoluteInput,
+    SlideAxis,
+    StrokeInput,
+)
 from .solve.solution import LinkageSolution
 
 # Arms in a row, each with the body that it turns with.
@@ -83,13 +92,13 @@ class Planner:
         """The driver's own placement, by how it is joined to the ground; an actuator waits for what holds its ends."""
         ground, slider = self.linkage.ground, self.linkage.driven_slider
         if slider is None:
-            self.placements.append(Turned(self.linkage.driver))
+            self.placements.append(RevoluteInput(self.linkage.driver))
             self.oriented.add(self.linkage.driver)
         elif self.actuator:
-            self.placements.append(Drawn(slider.name))
+            self.placements.append(StrokeInput(slider.name))
         else:
             body = slider.along if slider.body == ground else slider.body
-            self.placements.append(Oriented(body, ground, _turn(slider, body)))
+            self.placements.append(AlignedBody(body, ground, _turn(slider, body)))
             self.oriented.add(body)
             # A body's displacement is along the line's direction, a slider's that of its sliding body.
             self.slide(slider, body, -1 if slider.along == body == self.linkage.driver else 1)
@@ -98,7 +107,7 @@ class Planner:
         """Place a body of known direction by the driven slider, from the other body of it."""
         other = _other(slider, body)
         near, through, direction = _stroke_seen_from(slider, other)
-        self.placements.append(Slid(body, near, Anchor(other, through), Rail(other, sense * direction)))
+        self.placements.append(PrismaticInput(body, near, Anchor(other, through), SlideAxis(other, sense * direction)))
         self.placed.add(body)
 
     def carry(self) -> bool:
@@ -107,7 +116,7 @@ class Planner:
         for slider in self.linkage.sliders:
             for body, other in ((slider.body, slider.along), (slider.along, slider.body)):
                 if other in self.oriented and body not in self.oriented:
-                    self.placements.append(Oriented(body, other, _turn(slider, body)))
+                    self.placements.append(AlignedBody(body, other, _turn(slider, body)))
                     self.oriented.add(body)
         for body in self.linkage.bodies:
             if body not in self.oriented - self.placed:
@@ -117,7 +126,7 @@ class Planner:
             if self.actuator in rails:
                 self.slide(self.actuator, body)
             elif pinned:
-                self.placements.append(Carried(body, self.local(body, pinned[0]), self.anchor(pinned[0])))
+                self.placements.append(PinnedBody(body, self.local(body, pinned[0]), self.anchor(pinned[0])))
             elif len(rails) > 1:
                 (start_1, rail_1), (start_2, rail_2) = (
                     (self.start(s, body, ()), self.rail(s, body)) for s in rails[:2]
@@ -173,7 +182,7 @@ class Planner:
             if not self.append_actuated(dyad, which, arm):
                 return False
         for body, pin in zip(ends, pins):
-            self.placements.append(Carried(body, self.local(body, pin), self.anchor(pin)))
+            self.placements.append(PinnedBody(body, self.local(body, pin), self.anchor(pin)))
         self.placed |= set(ends)
         self.oriented |= set(ends)
         return True
@@ -197,7 +206,7 @@ class Planner:
             self.append(dyad)
         elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near)):
             return False
-        self.placements.append(Carried(end, self.local(end, pin), self.anchor(pin)))
+        self.placements.append(PinnedBody(end, self.local(end, pin), self.anchor(pin)))
         self.placed.add(end)
         self.oriented.add(end)
         return True
@@ -217,7 +226,7 @@ class Planner:
         directions, offset = (turns[0], turns[1]), left[1] - left[0]
         self.placements.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
         for body, pins in zip((one, two), outer):
-            self.placements.append(Carried(body, self.local(body, pins[0]), self.anchor(pins[0])))
+            self.placements.append(PinnedBody(body, self.local(body, pins[0]), self.anchor(pins[0])))
         self.placed |= {one, two}
         self.oriented |= {one, two}
         return True
@@ -236,7 +245,7 @@ class Planner:
         waiting = [body for body in self.linkage.bodies if body not in self.placed]
         if waiting:
             joined = frozenset(self.oriented), frozenset(self.placed)
-            turns = any(isinstance(one, Turned) for one in self.placements)
+            turns = any(isinstance(one, RevoluteInput) for one in self.placements)
             self.placements.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))
 
     def append(self, dyad: RRR | RRP) -> None:
@@ -304,9 +313,9 @@ class Planner:
         body = next(b for b in self.linkage.bodies if b in self.placed and self.has(b, pin))
         return Anchor(body, self.local(body, pin))
 
-    def rail(self, slider: Slider, body: str) -> Rail:
+    def rail(self, slider: Slider, body: str) -> SlideAxis:
         other = _other(slider, body)
-        return Rail(other, _seen_from(slider, other)[2])
+        return SlideAxis(other, _seen_from(slider, other)[2])
 
     def start(self, slider: Slider, body: str, way: Arms) -> Anchor:
         """Where the body's origin, less the arms of `way`, is when its point stands at the rail's own point."""
@@ -352,10 +361,10 @@ def move(
     (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
     named): +1 puts the joint left of the line from the first body's outer pin to the second's. A point's name with
     its place, a complex number in mm, takes the branch nearest to that at the first frame at which its dyad closes, and
-    starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Follow` at any of
-    these, and keeps the smooth continuation, at any step: through a change point, where the branches meet, and past a
-    place where they only come near. A frame that cannot be reached is nan with closed False. At a true dead centre
-    of the driver the rates are not finite. Dyads are solved in closed form, whatever else by Newton's method on their
+    starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Continuation`
+    at any of these, and keeps the smooth continuation, at any step: through a change point, where the branches meet,
+    and past a place where they only come near. A frame that cannot be reached is nan with closed False. At a true
+    dead centre of the driver the rates are not finite. Dyads are solved in closed form, whatever else by Newton's method on their
     loop equations; rates come by the chain rule from kinematic coefficients.
     """
     general = linkage.linkage
@@ -383,12 +392,12 @@ def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
     return _plan_for(linkage, chosen(branch))
 
 
-def _plan_for(linkage: Linkage, asked: Chosen) -> tuple[Placement, ...]:
-    told = replace(linkage, estimate={**linkage.estimate, **asked.near}) if asked.near else linkage
+def _plan_for(linkage: Linkage, asked: BranchSpec) -> tuple[Placement, ...]:
+    told = replace(linkage, estimate={**linkage.estimate, **asked.branch_points}) if asked.branch_points else linkage
     placements = plan(told, asked.follow)
-    if asked.near and not any(isinstance(one, Loops) for one in placements):
+    if asked.branch_points and not any(isinstance(one, Loops) for one in placements):
         # Only what is iterated starts from places. Any other plan is the linkage's own, by which its formulas are kept.
         placements = plan(linkage, asked.follow)
-    if asked.signs or asked.near:
+    if asked.branch or asked.branch_points:
         asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
     return placements

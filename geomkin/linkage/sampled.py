@@ -11,14 +11,14 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ..core.arguments import Places, Positive, Sort, checked, is_real
+from ..core.arguments import ArgumentType, Places, Positive, checked, is_real
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Array, Real
 
 # Rounding of a number as a share of it: what samples are off at least.
 ROUNDING = 2.0**-53
-Inexact = Annotated[float, Sort(lambda value: is_real(value) and value >= 0, "a number from 0 on")]
+Inexact = Annotated[float, ArgumentType(lambda value: is_real(value) and value >= 0, "a number from 0 on")]
 
 
 @record(eq=False)

@@ -48,8 +48,8 @@ def linkage_scene(
     centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays of
     linkages. Derived here.
     """
-    if motion.linkage.many:
-        raise DesignError("motion", f"found {motion.closed.shape[1:]} linkages", "give one at a time")
+    if motion.linkage.is_batch:
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
     if not len(motion.drive):
         raise DesignError("motion", "it has no frames", "give at least one place of the driver")
     bodies = tuple(placed_bodies(motion, parts, layers or {}))
@@ -64,7 +64,7 @@ def linkage_scene(
     return Scene(
         table,
         time,
-        motion.closed,
+        motion.assembled,
         bodies,
         tuple(link_dimensions(motion.linkage)) if rates else (),
         marks,

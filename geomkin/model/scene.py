@@ -152,7 +152,7 @@ class Scene:
 
     table: Table
     time: Real
-    closed: Mask
+    assembled: Mask
     bodies: tuple[SceneBody, ...]
     curves: tuple[SceneCurve, ...] = ()
     marks: tuple[SceneMark, ...] = ()
@@ -165,7 +165,7 @@ class Scene:
     def __post_init__(self) -> None:
         frames = len(self.drive.values)
         rows: list[tuple[str, Array]] = [
-            (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.closed))
+            (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.assembled))
         ]
         rows += [(f"the other {label}", other.time) for label, other in self.others.items()]
         rows += [(f"body {b.name}", row) for b in self.bodies for row in (b.origin, b.direction)]

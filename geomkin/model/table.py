@@ -8,16 +8,16 @@ from typing import Annotated, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.arguments import Sort
+from ..core.arguments import ArgumentType
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.reprs import clipped
 from ..plane.vec import Array, Complex, Real, known, rounded
 
 Number = TypeVar("Number", np.floating, np.complexfloating)
-Frames = Annotated[Array, Sort(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
+Frames = Annotated[Array, ArgumentType(lambda value: getattr(value, "ndim", 0) == 1, "an array (frames,)")]
 Sizes = Annotated[
-    Array, Sort(lambda value: getattr(value, "ndim", 0) == 1 and value.dtype.kind in "fiu", "numbers (frames,)")
+    Array, ArgumentType(lambda value: getattr(value, "ndim", 0) == 1 and value.dtype.kind in "fiu", "numbers (frames,)")
 ]
 
 # Significant digits of a number in a file. More would print the last bit of a processor's sine, and the same recipe

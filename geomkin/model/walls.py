@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from ..plane import region as region
-from ..plane.curve import AbstractCurve, reach
+from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
-from ..plane.joined import Ring
+from ..plane.joined import PolarArray
 from ..plane.primitives import Circle, slot
 from ..plane.vec import Complex, cross
 from .check import Check
@@ -47,7 +47,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     tapers to an edge or a point is no wall. Found on the exact curves, to a ten-thousandth of the limit (two
     millionths of the part's size at least, a ten-thousandth at most), and rounded to that.
     """
-    size = reach(part.outline)
+    size = extent(part.outline)
     accuracy = float(np.clip(ACCURACY * limit, FINEST * size, COARSEST * size))
     curves = (part.outline, *part.holes)
     loops = [_loop(curve, accuracy / 2, 1 if k == 0 else -1, limit) for k, curve in enumerate(curves)]
@@ -57,7 +57,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     if (thin := min(found, NECKS * limit)) > 0:
         # Of equal copies one is tried. A round hole faces itself only across its opening, where there is no material.
         tried = [
-            0 if is_round and k else len(z) // curve.count if isinstance(curve, Ring) else len(z)
+            0 if is_round and k else len(z) // curve.count if isinstance(curve, PolarArray) else len(z)
             for k, (curve, z, is_round) in enumerate(zip(curves, loops, round_ones))
         ]
         found = min(found, _neck(tuple(loop.tobytes() for loop in loops), tuple(tried), thin))
@@ -78,7 +78,7 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
     Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.
     """
     z = flatten(curve, tolerance / 2)
-    if not isinstance(curve, Ring):
+    if not isinstance(curve, PolarArray):
         # Outlines given point by point may have far more than their form asks for; a hole no larger than the tolerance
         # would be thinned away.
         fewer = region.thinned(z, tolerance / 2)
@@ -109,7 +109,7 @@ def _sections(part: Part) -> tuple[Part, ...]:
         # As seen by the outline, which slides along x, a round hole is a slot. Holes stand as they do from each other.
         ways = [(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
         return (part, *(replace(part, holes=(slot(*way),), hole_names=(), fits=()) for way in ways))
-    sides = region.nearest(flatten(part.outline, FINEST * reach(part.outline)))
+    sides = region.nearest(flatten(part.outline, FINEST * extent(part.outline)))
     inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
     return replace(part, holes=(), hole_names=(), fits=()), inner
 

@@ -92,7 +92,7 @@ class _Island:
     def scene(self, label: str, scene: Scene) -> dict[str, object]:
         return {
             "label": harmless(label),
-            "open": np.flatnonzero(~np.asarray(scene.closed)[self.frames]).tolist(),
+            "open": np.flatnonzero(~np.asarray(scene.assembled)[self.frames]).tolist(),
             "bodies": [self._body(body) for body in scene.bodies],
             "curves": [*map(self._region, scene.regions), *map(self._curve, scene.curves)],
             "marks": [self._mark(mark) for mark in scene.marks],

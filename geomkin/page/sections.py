@@ -10,12 +10,12 @@ import numpy as np
 from ..core.errors import harmless
 from ..export.job import Job
 from ..export.still import kept_frames
-from ..export.svg_path import extent, thumbnail
+from ..export.svg_path import bounding_box, thumbnail
 from ..export.text import DIGITS, _unit, capital, number, text, with_unit
 from ..model.check import Check
 from ..model.part import Part
 from ..model.scene import Scene, shown_columns
-from ..plane.curve import reach
+from ..plane.curve import extent
 from ..plane.measure import area, length
 
 # Distance between a part and the chords that its size is read off, as a share of that size: four digits are told.
@@ -77,7 +77,7 @@ def worst_frame(check: Check, scene: Scene) -> int | None:
     A share that is reached is worst where the mechanism first cannot be. None where no column tells it.
     """
     kept = kept_frames(len(scene.time))
-    closed = np.asarray(scene.closed)[kept]
+    closed = np.asarray(scene.assembled)[kept]
     if check.unit == "%" and check.name.endswith("reached"):
         return None if closed.all() else int(np.argmin(closed))
     words = set(check.name.replace("'", " ").split())
@@ -130,7 +130,7 @@ def _sheets(job: Job) -> str:
 
 def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
     curves = (part.outline, *part.holes)
-    low, high = extent(part.outline, FOUR_DIGITS * reach(part.outline))
+    low, high = bounding_box(part.outline, FOUR_DIGITS * extent(part.outline))
     small = thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
     cells = (
         f"{part.count}",

@@ -4,7 +4,7 @@ from .curve import Moved as Moved
 from .curve import Offset as Offset
 from .curve import Reversed as Reversed
 from .joined import Path as Path
-from .joined import Ring as Ring
+from .joined import PolarArray as PolarArray
 from .measure import centroid as centroid
 from .measure import convexity as convexity
 from .measure import signed_area as signed_area

@@ -7,9 +7,9 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
-from .joined import Path, Ring
+from .joined import Path, PolarArray
 from .primitives import Arc, Circle, Polyline, Segment
-from .subdivision import Intervals, Judge, direction, probes, spread, tops, turns
+from .subdivision import Intervals, Judge, adaptive_subdivision, direction, probes, tops, turns
 from .vec import Complex, Real, dot, unit
 
 # Where a biarc is compared with its curve. Fewer let the largest deviation slip between two; more cost time.
@@ -45,7 +45,7 @@ def _chain(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Ch
     if curve in known:
         return known[curve]
     match curve:
-        case Ring():
+        case PolarArray():
             z, bulges = _over_seam(*_chain(curve.piece, tolerance, known), complex(curve.turns[1 % curve.count]))
             around = (curve.turns[:, None] * z[:-1]).ravel()
             return np.append(around, around[0]), np.tile(bulges, curve.count)
@@ -72,7 +72,7 @@ def _chain(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Ch
         case _:
             judge = _biarc_judge(curve)
             pieces = [curve.breaks[k : k + 2] for k in range(len(curve.breaks) - 1)]
-            runs = spread(judge, pieces, tolerance, order=3)
+            runs = adaptive_subdivision(judge, pieces, tolerance, order=3)
             links = [_merge(*_alternating(*_biarcs(curve, edges[:-1], edges[1:]))) for edges in runs]
     ends = [z[:-1] for z, _ in links] + [links[-1][0][-1:]]
     known[curve] = np.concatenate(ends), np.concatenate([bulges for _, bulges in links])

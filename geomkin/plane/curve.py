@@ -72,10 +72,10 @@ class AbstractCurve(ABC):
         powers = np.linalg.inv(np.vander(nodes, increasing=True))
         slope = np.concatenate([x**0 * 0, *[k * x ** (k - 1) for k in range(1, 9)]], axis=-1) @ powers
         value = np.concatenate([x**k for k in range(9)], axis=-1) @ powers
-        return bend(np.sum(value * v, axis=-1), np.sum(slope * v, axis=-1) / half)
+        return curvature_from_derivatives(np.sum(value * v, axis=-1), np.sum(slope * v, axis=-1) / half)
 
 
-def bend(velocity: ArrayLike, acceleration: ArrayLike) -> Real:
+def curvature_from_derivatives(velocity: ArrayLike, acceleration: ArrayLike) -> Real:
     """Curvature, positive to the left, from the first two derivatives by any parameter; nan where a point stands still.
 
     v x a / |v|^3 (do Carmo, Differential Geometry of Curves and Surfaces, section 1-5, exercise 12).
@@ -91,7 +91,7 @@ def just_before(t: Real, breaks: Real) -> Real:
     return np.where(at, t - 64 * np.spacing(np.abs(breaks).max()), t) if at.any() else t
 
 
-def reach(curve: AbstractCurve) -> float:
+def extent(curve: AbstractCurve) -> float:
     """Largest distance of a coarse sample of the curve from its start, mm: its size, for relative limits."""
     b = curve.breaks
     sample = curve.point(np.concatenate([b[:-1] + f * np.diff(b) for f in (0.0, 0.25, 0.5, 0.75)]))
@@ -163,7 +163,7 @@ class Mirrored(Derived):
 
 
 @record(eq=False)
-class Stretch(Derived):
+class SubCurve(Derived):
     """The part of a curve over `run`, rising parameters of it; the curve may jump at the last."""
 
     run: Real

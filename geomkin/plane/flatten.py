@@ -11,9 +11,20 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import rounded_up
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
-from .joined import Path, Ring
+from .joined import Path, PolarArray
 from .primitives import Arc, Circle, Polyline, Segment
-from .subdivision import CORNER, Intervals, Judge, cells_of, direction, probes, spread, tops, towards, turns
+from .subdivision import (
+    CORNER,
+    Intervals,
+    Judge,
+    adaptive_subdivision,
+    cells_of,
+    direction,
+    probes,
+    tops,
+    towards,
+    turns,
+)
 from .vec import Complex, Mask, Real, Whole
 
 # Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
@@ -48,7 +59,7 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
     if curve in known:
         return known[curve]
     match curve:
-        case Ring():
+        case PolarArray():
             one = _end_to_end(curve.piece, tolerance, known)[:-1]
             # Two straight copies would leave no area.
             if len(one) * curve.count > 2:
@@ -70,7 +81,7 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
     groups, runs = _between_corners(curve)
     parts = [_end_to_end(group, tolerance, known) for group in groups]
     if runs:
-        parts = [curve.point(edges) for edges in spread(_chord_judge(curve), runs, tolerance, order=2)]
+        parts = [curve.point(edges) for edges in adaptive_subdivision(_chord_judge(curve), runs, tolerance, order=2)]
     if curve.closed and sum(len(part) - 1 for part in parts) < 3:
         # A tolerance as large as the curve would leave no area: keep a triangle.
         parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in smooth_runs(curve)]

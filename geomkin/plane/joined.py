@@ -127,7 +127,7 @@ class Path(AbstractCurve):
 
 
 @record(checked=True, eq=False)
-class Ring(AbstractCurve):
+class PolarArray(AbstractCurve):
     """`count` copies of a piece, each turned about the origin by one count-th of a turn more.
 
     The piece must end where its next copy starts. Each copy takes as much of t as the piece itself,

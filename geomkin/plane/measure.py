@@ -10,7 +10,7 @@ import numpy as np
 from ..core.arguments import Points, Reals, checked
 from ..core.errors import DesignError
 from .curve import AbstractCurve
-from .joined import Ring
+from .joined import PolarArray
 from .primitives import Polyline
 from .vec import Complex, Real, cross, dot, unit
 
@@ -37,7 +37,7 @@ _SAMPLES = 48
 @checked
 def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     """Arc length, mm, to a relative `accuracy`: the integral of |dP/dt| by Gauss' rule."""
-    if isinstance(curve, Ring):
+    if isinstance(curve, PolarArray):
         return curve.count * length(curve.piece, accuracy)
     return float(_integral(curve, lambda t: np.abs(curve.velocity(t)), accuracy).real)
 
@@ -60,7 +60,7 @@ def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     """
     if not curve.closed:
         raise DesignError("curve", "found an open one, which encloses no area", "give a closed curve")
-    if isinstance(curve, Ring):
+    if isinstance(curve, PolarArray):
         return curve.count * _sector(curve.piece, 0j, accuracy).real
     if isinstance(curve, Polyline):
         return curve.swept
@@ -80,7 +80,7 @@ def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
 
     By Green's theorem, a third of the integral of P (P x dP) over the area. DesignError for an open curve.
     """
-    if isinstance(curve, Ring):
+    if isinstance(curve, PolarArray):
         return 0j if curve.count > 1 else centroid(curve.piece, accuracy)
     start = complex(curve.point(curve.breaks[0]))
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curve import AbstractCurve, Mirrored, Offset, Reversed, Stretch
+from .curve import AbstractCurve, Mirrored, Offset, Reversed, SubCurve
 from .flatten import smooth_runs
-from .joined import Path, Ring
+from .joined import Path, PolarArray
 from .primitives import Arc, Polyline, Segment
 from .subdivision import CORNER, direction
 from .vec import Real, cross
@@ -25,10 +25,10 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
     """
     if distance == 0:
         return curve
-    if isinstance(curve, Ring):
+    if isinstance(curve, PolarArray):
         turn = complex(curve.turns[1 % curve.count])
         pieces = _pieces(curve.piece, distance, first_after=turn)
-        return Ring(Path(tuple(pieces)), curve.count) if pieces else None
+        return PolarArray(Path(tuple(pieces)), curve.count) if pieces else None
     if len(runs := smooth_runs(curve)) == 1 and _turn(curve, curve.breaks[-1], curve.breaks[0]) == 0:
         beside = _beside(curve, runs[0], distance, {})
         return Path(tuple(beside)) if len(beside) > 1 else Offset(curve, distance)
@@ -99,7 +99,7 @@ def _part(curve: AbstractCurve, low: float, high: float) -> AbstractCurve:
         case Arc():
             return Arc(curve.centre, complex(curve.point(low)), curve.sweep * (high - low))
     inner = curve.breaks[(curve.breaks > low) & (curve.breaks < high)]
-    return Stretch(curve, np.array([low, *inner, high]))
+    return SubCurve(curve, np.array([low, *inner, high]))
 
 
 def _beside(curve: AbstractCurve, run: Real, distance: float, known: Known) -> list[AbstractCurve]:
@@ -107,7 +107,7 @@ def _beside(curve: AbstractCurve, run: Real, distance: float, known: Known) -> l
     first, last = int(run[0]), int(run[-1])
     if isinstance(curve, (Path, Polyline)) and (run[0], run[-1]) == (first, last):
         return [_aside(piece, distance, known) for piece in curve.pieces[first:last]]
-    return [Offset(Stretch(curve, run), distance)]
+    return [Offset(SubCurve(curve, run), distance)]
 
 
 def _aside(curve: AbstractCurve, distance: float, known: Known) -> AbstractCurve:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..core.arguments import Row
 from ..core.errors import DesignError
 from ..core.records import record
-from .curve import AbstractCurve, bend
+from .curve import AbstractCurve, curvature_from_derivatives
 from .vec import Complex, Real
 
 
@@ -57,7 +57,7 @@ class Spline(AbstractCurve):
         return 2 * c + 6 * u * d
 
     def curvature(self, t: ArrayLike) -> Real:
-        return bend(self.velocity(t), self.acceleration(t))
+        return curvature_from_derivatives(self.velocity(t), self.acceleration(t))
 
     def _local(self, t: ArrayLike) -> tuple[Real, Complex, Complex, Complex, Complex]:
         """Way past the knot, mm, and the coefficients of its powers there."""

@@ -60,7 +60,7 @@ Judge = Callable[[Intervals], tuple[Real, Real]]
 Work = Generator[Real, tuple[Real, Real], T]
 
 
-def spread(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> list[Real]:
+def adaptive_subdivision(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> list[Real]:
     """Of each run of breaks the fewest parameters, first and last included, whose intervals all keep the tolerance.
 
     judge(intervals) gives each interval's error, mm, and its turn, rad; for small intervals the error

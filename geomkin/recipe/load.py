@@ -34,7 +34,7 @@ def read(kinds: Kinds, path: Path) -> AbstractRecipe:
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    return told(kinds, table_of(path), str(path), str(path.parent)).called(path.stem)
+    return told(kinds, table_of(path), str(path), str(path.parent)).with_name(path.stem)
 
 
 def table_of(path: Path) -> dict[str, Any]:
@@ -58,9 +58,9 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, "it nests too deep", "give tables at most three deep") from None
     except ValueError as error:
         # Only what is wrong needs the words for it, here and below.
-        from .messages import slip
+        from .messages import toml_mistake
 
-        slipped = slip(text, str(error))
+        slipped = toml_mistake(text, str(error))
         if slipped:
             raise RecipeError(file, [slipped]) from None
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None

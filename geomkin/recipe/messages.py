@@ -215,7 +215,7 @@ def _join(key: str, part: str) -> str:
     return f"{key}.{part}" if key else part
 
 
-def slip(text: str, complaint: str) -> Problem | None:
+def toml_mistake(text: str, complaint: str) -> Problem | None:
     """What is wrong in the line that a reader of TOML complains of, in a person's words; None where it is no slip."""
     found = re.search(r"line (\d+)", complaint)
     lines = text.split("\n")

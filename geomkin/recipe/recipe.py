@@ -87,14 +87,14 @@ class AbstractRecipe(_Shared, ABC):
         return ()
 
     @property
-    def joined(self) -> Mapping[str, object]:
+    def assembly_summary(self) -> Mapping[str, object]:
         """What is bought and the steps, as entries of summary.json; those that a kind does not tell are left out."""
         told = {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
         return {name: lines for name, lines in told.items() if lines}
 
     @property
     @abstractmethod
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         """Whether the mechanism is good; the walls of its parts come besides."""
 
     @cached_property
@@ -103,7 +103,7 @@ class AbstractRecipe(_Shared, ABC):
         # Parts first: what cannot be made at all is told before what is poor.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
-        return tuple(replace(check, expected=reasons.get(check.name, "")) for check in (*self.judged, *walls))
+        return tuple(replace(check, expected=reasons.get(check.name, "")) for check in (*self.design_checks, *walls))
 
     @cached_property
     def walls(self) -> Mapping[str, float]:
@@ -155,7 +155,7 @@ class AbstractRecipe(_Shared, ABC):
         return self.about()
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """Sizes, by dotted key, that make an example of the tables that a template is asked to show.
 
         asked: dotted key -> kind of table. What this leaves out is made of the examples of its fields.
@@ -165,10 +165,10 @@ class AbstractRecipe(_Shared, ABC):
     def at_scale(self, scale: float) -> Self:
         """The same with every length multiplied, but for those of `UNSCALED` tables; see `gk.scaled`."""
         found: Self = with_lengths(self, scale, UNSCALED)
-        return found.called(self.name)
+        return found.with_name(self.name)
 
     @checked
-    def called(self, name: str) -> Self:
+    def with_name(self, name: str) -> Self:
         """The same recipe under another name, that of its folder and files."""
         other = copy.copy(self)
         object.__setattr__(other, "name", name)
@@ -215,8 +215,8 @@ class AbstractGoal(AbstractRecipe):
         return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
 
     @property
-    def judged(self) -> tuple[Check, ...]:
-        return self.design.judged
+    def design_checks(self) -> tuple[Check, ...]:
+        return self.design.design_checks
 
     @property
     def scene(self) -> Scene | None:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from ..core.arguments import Sort, between
+from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, WIDEST, AsWritten, entry, quantity, rounded_up
 from ..core.records import record
-from ..export.formats import USUAL, WRITERS
+from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check
 from ..plane.vec import Real
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pydantic_core.core_schema import CoreSchema
 
 
-class OneOfFormats(Sort):
+class OneOfFormats(ArgumentType):
     """Marks a text as the name of a format: one of those in WRITERS when it is asked, not when this was loaded."""
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
 class Files:
     """What is written, and how true to the exact curves."""
 
-    write: tuple[Format, ...] = entry("files to write", default=USUAL)
+    write: tuple[Format, ...] = entry("files to write", default=DEFAULT_FORMATS)
     tolerance: float = quantity(
         "largest distance between a curve and its chords", "mm", default=0.005, at_least=1e-6, at_most=10
     )

@@ -23,14 +23,14 @@ SCHEMA = "geomkin.schema.json"
 SCALE = "multiplies all lengths but those of stock, base and files; from 1e-06 to 1e+06"
 
 
-def template(recipe: type[AbstractRecipe], wishes: Sequence[str] = ()) -> str:
+def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
     """A commented TOML text of a kind that runs as it is; what may be left out stands commented out.
 
     wishes: tables of another kind than the usual, as `follower=oscillating-roller`, and tables that may be left out,
     as `web`. DesignError for one that the kind does not have.
     """
-    offered, wanted = choices(recipe), asked(recipe, wishes)
-    fitted = recipe.fit(wanted)
+    offered, wanted = choices(recipe), asked(recipe, options)
+    fitted = recipe.example_values(wanted)
     plain = {key: example(offered[key][which]) for key, which in wanted.items() if not _is_given(key, fitted)}
     shown = example(recipe, {**plain, **fitted})
     return "\n".join([*_head(recipe, offered), *_table("", shown, offered)]).rstrip() + "\n"
@@ -165,14 +165,14 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     return found
 
 
-def asked(recipe: type, wishes: Iterable[str]) -> dict[str, str]:
+def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
     """Dotted key -> kind of what is asked for, as `follower=oscillating-roller` or `stock.web`, of a recipe's class.
 
     The end of a key stands for all keys that end so. DesignError for what there is not.
     """
     offered = choices(recipe)
     found: dict[str, str] = {}
-    for wish in wishes:
+    for wish in options:
         end, _, which = wish.partition("=")
         keys = [key for key in offered if key == end or key.endswith(f".{end}")]
         if not keys:

@@ -15,11 +15,11 @@ from ..build import load
 from ..cam.cam import Cam
 from ..cam.kinds.disk_cam import DiskCamRecipe
 from ..cam.parts import CamStock
-from ..core.arguments import Sort, checked, refused
+from ..core.arguments import ArgumentType, checked, refused
 from ..core.errors import DesignError, GeomkinError, printable
 from ..core.records import record
 from ..export.files import write_whole
-from ..export.job import Job, Loose
+from ..export.job import Job, StaticSource
 from ..gear.checks import mesh_checks
 from ..gear.contract import AbstractGear
 from ..gear.kinds.planetary import PlanetaryRecipe
@@ -43,7 +43,7 @@ from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from ..model.table import Column, Table, finite, xy_columns
 from ..page.page import page
-from ..plane.curve import AbstractCurve, reach
+from ..plane.curve import AbstractCurve, extent
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
@@ -93,7 +93,7 @@ def _is_shown(value: Any) -> bool:
     return _job.dispatch(type(value)) is not _job.dispatch(object)
 
 
-WHAT = Sort(
+WHAT = ArgumentType(
     _is_shown,
     "a recipe, its file or text, a linkage, a motion, a cam, a gear, a pair of gears, a planetary set, a part or "
     "several, a curve, or a linkage that a synthesis found",
@@ -133,7 +133,7 @@ def _job(thing: object) -> Job:
 def _loose(
     thing: object, scene: Scene, parts: Sequence[Part] = (), checks: Sequence[Check] = (), about: str = ""
 ) -> Job:
-    return Job(type(thing).__name__, Loose(tuple(parts), scene.table, scene, tuple(checks)), 1.0, about=about)
+    return Job(type(thing).__name__, StaticSource(tuple(parts), scene.table, scene, tuple(checks)), 1.0, about=about)
 
 
 @_job.register
@@ -170,7 +170,7 @@ def _(found: Found) -> Job:
 
 def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float] | None) -> Job:
     """A linkage over a full turn, or over the `wanted` places, or as far as it can."""
-    if linkage.linkage.many:
+    if linkage.linkage.is_batch:
         raise DesignError("thing", "found an array of linkages", "give one at a time")
     slides = linkage.linkage.driven_slider is not None
     limits: tuple[tuple[float, float], ...] = ()
@@ -186,7 +186,7 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
     else:
         way = np.linspace(*(_reached(limits, slides) if wanted is None else wanted), FRAMES // 2 + 1)
     speed = float(np.ptp(way)) if slides else 2 * np.pi
-    about = f"Driven at {speed:.3g} mm/s." if slides else "Driven at 60 rpm."
+    about = f"InputDyad at {speed:.3g} mm/s." if slides else "InputDyad at 60 rpm."
     return replace(_job(move(linkage, way, branch, speed or 1.0)), name=type(linkage).__name__, about=about)
 
 
@@ -265,9 +265,9 @@ def _(part: Part) -> Job:
 @_job.register(list)
 def _(parts: Sequence[Part]) -> Job:
     """As they lie on their sheet."""
-    sizes = [reach(part.outline) for part in parts]
+    sizes = [extent(part.outline) for part in parts]
     tolerance = max(FINE * min(sizes), FINEST * max(sizes))
-    sheet = Job("parts", Loose(tuple(parts)), tolerance).sheets[0]
+    sheet = Job("parts", StaticSource(tuple(parts)), tolerance).sheets[0]
     one = np.ones(1, dtype=complex)
     names = [placed.cut.part.name for placed in sheet.placed]
     told = [f"{name} {names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]

@@ -209,16 +209,16 @@ def is_row(task: Task, row: Any) -> bool:
     if not (isinstance(refused, str) and isinstance(checks, list) and isinstance(told, dict)):
         return False
     try:
-        judged = [Check(*check) for check in checks]
+        design_checks = [Check(*check) for check in checks]
     except (TypeError, DesignError):
         return False
-    texts = [refused, *(text for check in judged for text in (check.name, check.unit))]
+    texts = [refused, *(text for check in design_checks for text in (check.name, check.unit))]
     texts += [value for value in told.values() if isinstance(value, str)]
     numbers = [value for value in told.values() if value is not None and not isinstance(value, str)]
     return (
         told.keys() <= set(task.tell)
         and all(map(str.isprintable, texts))
-        and all(isinstance(number, float) for check in judged for number in (check.value, check.limit))
+        and all(isinstance(number, float) for check in design_checks for number in (check.value, check.limit))
         and all(isinstance(value, (int, float)) and not abs(value) > LARGEST_NUMBER for value in numbers)
     )
 

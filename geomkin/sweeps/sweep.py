@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from ..build import Readable, name_of
-from ..core.arguments import Sort, checked
+from ..core.arguments import ArgumentType, checked
 from ..core.errors import DesignError, GeomkinError, RecipeError, printable
 from ..core.processes import each
 from ..core.progress import tell as tell_progress
@@ -119,10 +119,12 @@ ENDED = {"refused": "its process was killed, perhaps for want of memory", "check
 Rows = Iterator[tuple[int, list[dict[str, Any]]]]
 # Works out batches of combinations: (task, batches) -> (number of the batch, its rows), in any order.
 Worker = Callable[[Task, Sequence[Sequence[Mapping[str, Any]]]], Rows]
-Values = Annotated[Mapping[str, Any], Sort(lambda given: isinstance(given, Mapping), "a table, key to values")]
+Values = Annotated[Mapping[str, Any], ArgumentType(lambda given: isinstance(given, Mapping), "a table, key to values")]
 Names = Annotated[
     Sequence[str],
-    Sort(lambda given: isinstance(given, (list, tuple)) and all(isinstance(n, str) for n in given), "a row of texts"),
+    ArgumentType(
+        lambda given: isinstance(given, (list, tuple)) and all(isinstance(n, str) for n in given), "a row of texts"
+    ),
 ]
 
 

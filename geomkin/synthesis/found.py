@@ -94,7 +94,7 @@ def _least_angle_deg(found: Found) -> float:
     quarters = [0.0] if found.linkage.linkage.driven_slider is not None else 0.5 * np.pi * np.arange(-40, 41)
     within = [place for place in quarters if low < place < high]
     motion = move(found.linkage, np.sort([*np.linspace(low, high, FRAMES), *within]), found.branch)
-    return float(np.degrees(least_transmission_angle(motion))) if motion.closed.all() else np.nan
+    return float(np.degrees(least_transmission_angle(motion))) if motion.assembled.all() else np.nan
 
 
 def sizes_told(linkage: AbstractLinkage) -> dict[str, object]:

@@ -31,9 +31,9 @@ def opened(chromium):
     """Opens a page: its handle, what the console said, and what was asked for besides the page itself."""
     contexts = []
 
-    def open_page(file, still=True, **wishes):
+    def open_page(file, still=True, **options):
         motion = "reduce" if still else "no-preference"
-        context = chromium.new_context(offline=True, reduced_motion=motion, **wishes)
+        context = chromium.new_context(offline=True, reduced_motion=motion, **options)
         contexts.append(context)
         page = context.new_page()
         said, asked = [], []

@@ -145,11 +145,11 @@ def test_a_failed_check_s_click_lands_on_its_frame(folder, opened):
 
 
 def test_a_click_goes_to_where_it_cannot_be_put_together(folder, opened):
-    recipe = gk.load(OPEN).called("open")
+    recipe = gk.load(OPEN).with_name("open")
     gk.write(recipe, folder / "open.html")
     tab = opened(folder / "open.html")
     tab.page.query_selector("#checks tbody tr button").click()
-    first = int((~recipe.scene.closed).argmax())
+    first = int((~recipe.scene.assembled).argmax())
     assert frame_of(tab.page) == first and "cannot" in tab.page.text_content(".notice")
     assert tab.page.get_attribute('[data-body="coupler"]', "visibility") == "hidden"
     go_to(tab.page, 0)
@@ -389,7 +389,7 @@ def test_on_a_phone_play_and_slider_are_on_the_first_screen_and_large_enough_for
 
 
 def test_a_long_table_says_that_it_is_thinned(folder, opened):
-    recipe = gk.load(OPEN.replace("[linkage]", "[drive]\nstep_deg = 0.1\n[linkage]")).called("long")
+    recipe = gk.load(OPEN.replace("[linkage]", "[drive]\nstep_deg = 0.1\n[linkage]")).with_name("long")
     gk.write(recipe, folder / "long.html")
     page = opened(folder / "long.html").page
     assert f"of {len(recipe.scene.time)} frames" in page.inner_text("header")
@@ -416,7 +416,7 @@ NOTEBOOK = {
     "pair": lambda: gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
     "curve": lambda: gk.CouplerCurve(gk.FourBar(100, 30, 90, 70, 40 + 25j), "coupler_point"),
     "parts": lambda: gk.load(RECIPES / "crank-rocker.toml").parts,
-    "nasty": lambda: gk.load(RECIPES / "crank-rocker.toml").called(
+    "nasty": lambda: gk.load(RECIPES / "crank-rocker.toml").with_name(
         '</script></iframe><img src=x onerror="alert(1)">\'&\u202ea'
     ),
 }

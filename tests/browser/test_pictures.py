@@ -25,8 +25,8 @@ SEEN = """([name, share]) => {
 def tab(chromium):
     contexts = []
 
-    def open_file(file, motion="no-preference", **wishes):
-        context = chromium.new_context(offline=True, reduced_motion=motion, **wishes)
+    def open_file(file, motion="no-preference", **options):
+        context = chromium.new_context(offline=True, reduced_motion=motion, **options)
         contexts.append(context)
         page = context.new_page()
         page.said, page.asked = [], []

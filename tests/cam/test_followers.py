@@ -107,13 +107,13 @@ def test_pressure_angle_is_between_the_normal_and_the_way_of_the_follower(cam):
     assert np.abs(leaning).max() < np.pi / 2
     if not cam.follower.oscillates:
         # Positive where the force leans the way the cam runs there, which is to the left for a counterclockwise one.
-        leans = -np.sign(contact.normal.real) * cam.sense
+        is_twisted = -np.sign(contact.normal.real) * cam.sense
     else:
         # Positive where the force pulls the arm away from its pivot.
         arm = (placed(cam, lift) if rolls(cam) else contact.point) - cam.follower.pivot_distance
-        leans = np.sign(np.real(np.conj(arm) * contact.normal))
+        is_twisted = np.sign(np.real(np.conj(arm) * contact.normal))
     seen = np.abs(leaning) > 1e-9
-    assert (np.sign(gk.pressure_angle(cam, DEGREES)) == leans)[seen].all()
+    assert (np.sign(gk.pressure_angle(cam, DEGREES)) == is_twisted)[seen].all()
 
 
 @each_cam

@@ -10,7 +10,7 @@ from geomkin.cam.untrimmed_outline import UntrimmedOutline, chord_crossings, cro
 from geomkin.plane.curve import AbstractCurve
 
 
-class Drawn(AbstractCurve):
+class StrokeInput(AbstractCurve):
     """A closed curve by its equations; counts how many points are asked for."""
 
     def __init__(self, point, velocity, end=2 * np.pi):
@@ -34,7 +34,7 @@ class Drawn(AbstractCurve):
 
 
 # A limacon crosses itself at the origin where cos t = -1/2.
-LIMACON = Drawn(
+LIMACON = StrokeInput(
     lambda t: (1 + 2 * np.cos(t)) * np.exp(1j * t), lambda t: (-2 * np.sin(t) + 1j * (1 + 2 * np.cos(t))) * np.exp(1j * t)
 )  # fmt: skip
 
@@ -104,13 +104,13 @@ def test_no_crossing_beyond_the_limits_is_found():
 
 def test_branches_that_run_the_same_way_have_no_crossing_and_no_step():
     """Two lines, one beside the other, of one direction to the last bit."""
-    beside = Drawn(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
+    beside = StrokeInput(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
     assert np.isnan(found(beside, [[0.4, 1.3], [0.5, 1.5]], 0.2)).all()
 
 
 def test_a_place_that_is_exact_already_stays_and_is_asked_for_once():
     # At 1/4 and 3/4 both branches of this figure of eight are at the origin, to the last bit.
-    eight = Drawn(
+    eight = StrokeInput(
         lambda t: (t - 0.25) * (t - 0.75) * (1 + 1j * (t - 0.5)),
         lambda t: (2 * t - 1) + 1j * (3 * t**2 - 3 * t + 0.6875),
         1.0,

@@ -214,7 +214,7 @@ def test_what_is_no_band_is_refused(how, field, words):
 
 def checks(**how):
     cam = gk.Cam(gk.TranslatingRoller(10), Program([LiftTable(**how)]), 60)
-    found = DiskCamRecipe(cam=cam).judged
+    found = DiskCamRecipe(cam=cam).design_checks
     return [check for check in found if "scatter" in check.name]
 
 

@@ -67,7 +67,7 @@ class PointedBar(gk.cam.AbstractFollower):
     def joint(self, pose, start, end):
         return gk.plane.Segment(start, end)
 
-    def covered_from(self, motion, base_radius, sense):
+    def outer_radius_bound(self, motion, base_radius, sense):
         return base_radius + motion.lift
 
     def convex_radius(self, program, base_radius, sense):

@@ -68,7 +68,7 @@ def test_bodies_follow_the_motion_at_every_frame(name, tmp_path):
 def test_it_goes_on_without_a_jump(name, tmp_path):
     recipe, root = picture(name, tmp_path)
     style = root.find(f"{SPACE}style").text
-    goes_round = recipe.scene.cyclic and recipe.scene.closed.all()
+    goes_round = recipe.scene.cyclic and recipe.scene.assembled.all()
     assert ("infinite alternate" in style) != goes_round
     assert "prefers-reduced-motion:no-preference" in style and "<script" not in style
     assert (tmp_path / f"{name}-animation.svg").stat().st_size < 85_000

@@ -14,21 +14,21 @@ CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 FILES = "[files]\ntolerance = 0.02\nassembly_at = "
 PAIR = """kind = "gear-pair"
 helix_angle_deg = 30
-first = { teeth = 12, module = 2, profile_shift = 0.3, thinning = 0.08 }
+first = { teeth = 12, module = 2, profile_shift = 0.3, tooth_thickness_allowance = 0.08 }
 second = { teeth = 19, module = 2 }
 """
 RACK = """kind = "rack-and-pinion"
 helix_angle_deg = 25
 hand = "left"
-pinion = { teeth = 17, module = 2, thinning = 0.08 }
+pinion = { teeth = 17, module = 2, tooth_thickness_allowance = 0.08 }
 rack = { teeth = 9, module = 2 }
 """
 PLANETARY = """kind = "planetary"
 helix_angle_deg = 20
 [gears]
 planets = 2
-sun = { teeth = 12, module = 2, profile_shift = 0.3, thinning = 0.08 }
-planet = { teeth = 18, module = 2, profile_shift = -0.3, thinning = 0.08 }
+sun = { teeth = 12, module = 2, profile_shift = 0.3, tooth_thickness_allowance = 0.08 }
+planet = { teeth = 18, module = 2, profile_shift = -0.3, tooth_thickness_allowance = 0.08 }
 ring = { teeth = 48, module = 2, profile_shift = -0.3, addendum = 0.8 }
 [planet_stock]
 bore = 6

@@ -19,7 +19,7 @@ import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dimensioned import drawing, scale_of, scale_told
 from geomkin.export.dxf import sheet as sheet_dxf
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.plane.primitives import Circle
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -90,7 +90,7 @@ def test_no_text_lies_on_another_or_on_a_line(name):
 def test_nor_does_one_where_holes_are_in_a_row(places):
     holes = tuple(Circle(complex(x), 3.0) for x in places)
     bar = gk.Part("bar", gk.plane.slot(-10 + 0j, 90 + 0j, 12.0), holes, 3.0)
-    made = drawing(Job("bar", Loose((bar,)), 0.01))
+    made = drawing(Job("bar", StaticSource((bar,)), 0.01))
     is_legible(made)
     pairs = combinations(places, 2) if len(places) < 4 else zip(places, places[1:])
     lengths = [float(text.text) for text in made.texts if text.layer == "DIM"]
@@ -307,10 +307,10 @@ def test_what_no_drawing_can_show_is_no_title(text, flaw):
     ("size", "scale"), [(3, "20:1"), (20, "2:1"), (60, "1:1"), (250, "1:1"), (251, "1:2"), (2000, "1:10")]
 )
 def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
-    from geomkin.export.job import Loose
+    from geomkin.export.job import StaticSource
 
     disc = gk.Part("disc", gk.plane.Circle(5 + 3j, size / 2), (), 3.0)
-    made = drawing(Job("disc", Loose((disc,)), 0.001 * size))
+    made = drawing(Job("disc", StaticSource((disc,)), 0.001 * size))
     assert any(text.text == f"sheet of 3 mm, scale {scale}" for text in made.texts)
     paper, part = map(float, scale.split(":"))
     (drawn,) = [shape for layer, shape in made.shapes if layer == "PART"]
@@ -357,7 +357,7 @@ def test_every_size_stands_at_a_line_as_long_as_it_says(size):
     """Lengths at the drawing's scale: larger than the part, as large, and smaller."""
     outline = gk.plane.Polyline(size * np.array([-20 - 15j, 90 - 15j, 90 + 45j, -20 + 45j]))
     holes = tuple(Circle(size * z, 3.0 * size) for z in (10 + 0j, 70 + 0j, 70 + 30j))
-    made = drawing(Job("plate", Loose((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
+    made = drawing(Job("plate", StaticSource((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
     (scale,) = [re.search(r"scale (.+):(.+)", t.text).groups() for t in made.texts if "scale" in t.text]
     scale = float(scale[0]) / float(scale[1])
     assert {0.2: scale > 1, 1.0: scale == 1, 7.0: scale < 1}[size]

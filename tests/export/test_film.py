@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.animation import _run, animation
 from geomkin.export.assembly_svg import assembly
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import Still
 from geomkin.model.scene import Scene, SceneBody, SceneMark
 from geomkin.model.table import Column, Table
@@ -29,7 +29,7 @@ def scene_of(*marks, bodies=(), frames=FRAMES, step=10.0, **more):
 
 def film_of(*marks, **more):
     scene = scene_of(*marks, **more)
-    return root_of(animation(Job("film", Loose((), scene.table, scene), 0.01)))
+    return root_of(animation(Job("film", StaticSource((), scene.table, scene), 0.01)))
 
 
 def point(gone=(), **more):
@@ -102,7 +102,7 @@ def test_a_trail_is_in_dashes_of_equal_steps_that_keep_to_the_way():
     place = 50 * np.exp(1j * np.radians(np.arange(frames)))
     way = np.radians(frames - 1)
     scene = scene_of(SceneMark("point", place, "traced", trail=True), frames=frames, step=1.0)
-    root = root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01)))
+    root = root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01)))
     dashes, _ = loops(max((one.get("d") for one in root.iter(f"{SPACE}path")), key=len))
     assert len(dashes) > 10
     for dash in dashes:
@@ -119,7 +119,7 @@ def test_a_trail_is_in_dashes_of_equal_steps_that_keep_to_the_way():
 def test_a_trail_breaks_off_where_the_point_is_nowhere_and_thins_what_is_straight():
     place = np.concatenate([np.arange(20) * 5.0, [np.nan] * 5, 200 + np.arange(12) * 5.0]) + 0j
     scene = scene_of(SceneMark("point", place, "traced", trail=True), frames=len(place))
-    root = root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01)))
+    root = root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01)))
     dashes, _ = loops(max((one.get("d") for one in root.iter(f"{SPACE}path")), key=len))
     assert {len(dash) for dash in dashes} == {2}
     spans = [(dash[0].real, dash[-1].real) for dash in dashes]
@@ -136,7 +136,7 @@ def test_what_is_engraved_is_seen_in_pictures_of_the_assembly(marked):
     part = gk.Part("bar", SQUARE, (), 3.0, marks=marks)
     one = np.ones(FRAMES, dtype=complex)
     scene = scene_of(bodies=[SceneBody("bar", (part,), 0 * one, one)])
-    root = root_of(assembly(Job("still", Loose((part,), scene.table, scene), 0.01)))
+    root = root_of(assembly(Job("still", StaticSource((part,), scene.table, scene), 0.01)))
     lines = [loops(drawn.get("d"))[0] for drawn in root.iter(f"{SPACE}path") if drawn.get("class") == "engraved"]
     assert len(lines) == marked
     for ((line,),) in [lines] * marked:

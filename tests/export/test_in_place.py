@@ -11,7 +11,7 @@ import trimesh
 
 import geomkin as gk
 from geomkin.export.glb import glb
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import in_place, palette
 from geomkin.export.threemf import assembly
 from geomkin.model.scene import SceneBody
@@ -41,7 +41,7 @@ LOW = {"plate": 0, "plate 2": 0, "other": 0, "plate 3": 10, "top": 17, "last": 1
 
 def job(at=30.0, bodies=BODIES):
     scene = scene_of(bodies=bodies)
-    return Job("a", Loose(tuple(p for b in bodies for p in b.parts), scene.table, scene), 0.01, assembly_at=at)
+    return Job("a", StaticSource(tuple(p for b in bodies for p in b.parts), scene.table, scene), 0.01, assembly_at=at)
 
 
 def test_a_layer_is_as_thick_as_its_thickest_part_and_an_empty_one_as_the_thickest_of_all():

@@ -9,7 +9,7 @@ import pytest
 
 from geomkin.export import assembly_svg
 from geomkin.export.assembly_dxf import assembly
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import Still
 from geomkin.export.svg_path import decimal, path
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
@@ -82,7 +82,7 @@ PLACE = 30j + 5.0 * np.arange(FRAMES)
 
 def drawn(*marks, **more):
     scene = scene_of(*marks, **more)
-    content = assembly(Job("a", Loose((), scene.table, scene), 0.01, assembly_at=20.0))
+    content = assembly(Job("a", StaticSource((), scene.table, scene), 0.01, assembly_at=20.0))
     found = {}
     for entity in ezdxf.read(io.StringIO(content.decode())).modelspace().query("LWPOLYLINE"):
         points = np.array([complex(x, y) for x, y in entity.get_points("xy")])
@@ -104,7 +104,7 @@ def test_a_block_that_is_all_there_is_has_a_picture(far):
     """Its picture is one place of a long way: the rail is hatched by what can be seen, and not a million times."""
     slide = SceneMark("slide", np.linspace(0, far, FRAMES) + 0j, "construction", direction=np.ones(FRAMES) + 0j)
     scene = scene_of(slide)
-    text = assembly_svg.assembly(Job("a", Loose((), scene.table, scene), 0.01)).decode()
+    text = assembly_svg.assembly(Job("a", StaticSource((), scene.table, scene), 0.01)).decode()
     (rail,) = re.findall('class="rail" d="([^"]*)"', text)
     assert 10 < rail.count("M") < 10_000
     wide, high = map(float, re.findall(r'viewBox="\S+ \S+ (\S+) (\S+)"', text)[0])

@@ -12,8 +12,8 @@ import geomkin as gk
 from geomkin.export.animation import animation
 from geomkin.export.assembly_dxf import assembly as assembly_dxf
 from geomkin.export.assembly_svg import assembly
-from geomkin.export.job import Job, Loose
-from geomkin.export.labels import stand
+from geomkin.export.job import Job, StaticSource
+from geomkin.export.labels import place_labels
 from geomkin.export.picture import items
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
@@ -35,7 +35,7 @@ def body(part, name="plate", at=0j, turn=1 + 0j, **more):
 
 def still_of(*marks, at=0.0, **more):
     scene = scene_of(*marks, **more)
-    return root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=at)))
+    return root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=at)))
 
 
 def pin(place, label, sort="pin"):
@@ -245,7 +245,7 @@ def test_what_grows_from_nothing_is_drawn_in_its_usual_size_and_seen_so_without_
     mark = SceneMark(sort, ALONG * 1j, "contact", "grown", **how)
     scene = scene_of(mark, bodies=[body(plate())])
     for frame in (6, 8):
-        root = root_of(animation(Job("film", Loose((), scene.table, scene), 0.01, assembly_at=10.0 * frame)))
+        root = root_of(animation(Job("film", StaticSource((), scene.table, scene), 0.01, assembly_at=10.0 * frame)))
         (one,) = [one for one in root.iter() if "contact" in one.get("class", "")]
         (group,) = [group for group in root.iter(f"{SPACE}g") if one in list(group)]
         usual = float(one.get("r") or numbers(one.get("d"))[2])
@@ -258,7 +258,7 @@ def test_what_grows_from_nothing_is_drawn_in_its_usual_size_and_seen_so_without_
     )
     scene = scene_of(gone, bodies=[body(plate())])
     for write in (animation, assembly):
-        root = root_of(write(Job("film", Loose((), scene.table, scene), 0.01)))
+        root = root_of(write(Job("film", StaticSource((), scene.table, scene), 0.01)))
         assert not [one for one in root.iter() if "contact" in one.get("class", "")]
 
 
@@ -277,7 +277,7 @@ def test_a_trail_of_what_slides_is_in_36_dashes():
     scene = gk.model.Scene(
         table, np.arange(float(frames)), closed, (), marks=(SceneMark("point", place, "traced", trail=True),)
     )
-    root = root_of(assembly(Job("still", Loose((), table, scene), 0.01)))
+    root = root_of(assembly(Job("still", StaticSource((), table, scene), 0.01)))
     (trail,) = [one for one in root.iter() if one.get("class") == "trail traced"]
     dashes = np.array(loops(trail.get("d"))[0])
     assert dashes == pytest.approx(300 / 72 * np.arange(72).reshape(36, 2) + 0j, abs=0.02)
@@ -290,9 +290,9 @@ def test_names_stand_with_the_middle_of_their_letters_where_they_are_told():
         bodies=[body(plate(), "a_plate")],
     )
     still = Still(scene, np.array([0]))
-    root = root_of(assembly(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=0.0)))
+    root = root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=0.0)))
     texts = {one.text: one for one in root.iter(f"{SPACE}text")}
-    names = stand(still)
+    names = place_labels(still)
     assert {name.text: name.role for name in names} == {"a plate": "", "a tip": "traced"}
     for name in names:
         text = texts[name.text]
@@ -315,7 +315,7 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
         for z, sort, role, radius in held
     ]
     scene = scene_of(*given, bodies=[body(part, fixed=True)])
-    content = assembly_dxf(Job("still", Loose((), scene.table, scene), 0.01, assembly_at=0.0))
+    content = assembly_dxf(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=0.0))
     space = ezdxf.read(io.StringIO(content.decode())).modelspace()
     for layer, held in marks.items():
         circles = space.query(f'CIRCLE[layer=="{layer}"]')
@@ -323,7 +323,7 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
         wanted = sorted((k * z.real, k * z.imag, k * radius) for z, _, _, radius in held)
         assert np.array(found) == pytest.approx(np.array(wanted), abs=1e-3 * k)
     (text,) = space.query("TEXT")
-    (name,) = stand(Still(scene, np.array([0])))
+    (name,) = place_labels(Still(scene, np.array([0])))
     assert (text.dxf.text, text.dxf.layer) == ("plate", "NAMES")
     assert text.dxf.height == pytest.approx(0.72 * 11 * k, rel=5e-3)
     assert complex(*text.get_placement()[1].vec2) == pytest.approx(name.place, abs=0.06 * k)
@@ -332,5 +332,5 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
 def test_a_film_is_the_same_whenever_its_time_begins():
     scene = scene_of(SceneMark("point", ALONG + 0j, "traced"), bodies=[body(plate())])
     later = replace(scene, time=scene.time + 7)
-    one, other = (animation(Job("film", Loose((), scene.table, shown), 0.01)) for shown in (scene, later))
+    one, other = (animation(Job("film", StaticSource((), scene.table, shown), 0.01)) for shown in (scene, later))
     assert one == other

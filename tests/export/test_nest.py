@@ -128,11 +128,13 @@ def test_parts_that_lean_lie_apart_by_the_room_they_take_and_as_they_are_drawn()
     sheet = lay_out(cuts)
     found = []
     for one in sheet.placed:
-        low, high = one.cut.box if one.cut.leans else one.cut.loops[0].box
+        low, high = one.cut.box if one.cut.is_twisted else one.cut.loops[0].box
         room = np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag)]) * one.turn + one.shift
-        assert not one.cut.leans or one.turn in (1, 1j, -1, -1j)
+        assert not one.cut.is_twisted or one.turn in (1, 1j, -1, -1j)
         middle = complex(one.shift)
-        found.append(shapely.Polygon(xy(room)) if one.cut.leans else shapely.Point(middle.real, middle.imag).buffer(9))
+        found.append(
+            shapely.Polygon(xy(room)) if one.cut.is_twisted else shapely.Point(middle.real, middle.imag).buffer(9)
+        )
     assert len(found) == 29
     assert all(a.distance(b) > GAP - 0.05 for a, b in combinations(found, 2))
     low, high = np.array([one.bounds for one in found]).T.reshape(2, 2, -1)
@@ -199,14 +201,14 @@ def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path)
     assert [{p.cut.part.thickness for p in sheet.placed} for sheet in sheets] == [{3.0}, {3.0}, {5.0}, {5.0}]
     text = 'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }\n'
     made = gk.make(
-        gk.load(text + "[files]\nsheet = [150, 60]\nwrite = ['dxf', 'svg', 'page']").called("bars"), tmp_path
+        gk.load(text + "[files]\nsheet = [150, 60]\nwrite = ['dxf', 'svg', 'page']").with_name("bars"), tmp_path
     )
     names = {path.name for path in made.files}
     assert {"bars.dxf", "bars-2.dxf", "bars.svg", "bars-2.svg"} <= names
     documents = [ezdxf.readfile(path) for path in sorted(made.files) if path.suffix == ".dxf"]
     outlines = [len(document.modelspace().query('*[layer=="CUT"]')) for document in documents]
     assert min(outlines) > 0 and sum(outlines) == sum(p.count for p in gk.load(text).parts)
-    gk.make(gk.load(text + "[files]\nwrite = ['dxf', 'svg']").called("bars"), tmp_path)
+    gk.make(gk.load(text + "[files]\nwrite = ['dxf', 'svg']").with_name("bars"), tmp_path)
     assert not (tmp_path / "bars" / "bars-2.dxf").exists()
 
 

@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.cut import cut, decimals
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.export.svg_path import picture
 from geomkin.model.scene import SceneBody, SceneMark
 from geomkin.model.walls import thinnest_walls
@@ -23,7 +23,7 @@ def plate(at, name="plate"):
 
 
 def drawing_of(scene, parts=()):
-    content = assembly(Job("odd", Loose(tuple(parts), scene.table, scene), 0.001, assembly_at=0.0))
+    content = assembly(Job("odd", StaticSource(tuple(parts), scene.table, scene), 0.001, assembly_at=0.0))
     document = ezdxf.read(io.StringIO(content.decode()))
     assert not document.audit().errors
     return document
@@ -82,17 +82,17 @@ def test_files_carry_as_few_decimals_as_tell_a_ten_thousandth_of_the_tolerance(t
 
 
 def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):
-    job = Job("twins", Loose((plate(0j), plate(3j))), 0.01)
+    job = Job("twins", StaticSource((plate(0j), plate(3j))), 0.01)
     from geomkin.export.step import write_step as write
 
     with pytest.raises(gk.DesignError, match="two parts are named 'plate'; give each a name of its own"):
         write(job)
-    assert len(write(Job("two", Loose((plate(0j), plate(3j, "other"))), 0.01))) == 2
+    assert len(write(Job("two", StaticSource((plate(0j), plate(3j, "other"))), 0.01))) == 2
 
 
 @pytest.mark.parametrize("needs", ["table", "scene", "part"])
 def test_what_a_format_is_made_of_and_is_not_there_is_told(needs):
-    job = Job("none", Loose(()), 0.01)
+    job = Job("none", StaticSource(()), 0.01)
     with pytest.raises(gk.DesignError, match=f"is made of a {needs} is asked for, and there is none; leave it out"):
         _ = {"table": lambda: job.table, "scene": lambda: job.scene, "part": lambda: job.flats}[needs]()
 

@@ -14,7 +14,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export import WRITERS, Job
-from geomkin.export.job import Loose
+from geomkin.export.job import StaticSource
 from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.export.text import with_unit
@@ -87,7 +87,7 @@ def turning(text="washer", frames=9, radius=20.0):
 def job_of(scene, name="page", **besides):
     parts = tuple(part for body in scene.bodies for part in body.parts)
     checks = besides.pop("checks", ())
-    return Job(name, Loose(parts, scene.table, scene, checks, besides.pop("notes", {})), 0.005, **besides)
+    return Job(name, StaticSource(parts, scene.table, scene, checks, besides.pop("notes", {})), 0.005, **besides)
 
 
 def nasty():
@@ -139,7 +139,7 @@ def test_a_recipe_s_page_is_a_format_like_any_other(tmp_path):
     only = gk.make(recipe, tmp_path / "only", ["page"])
     assert {path.name for path in only.files} == {"crank-rocker.html", "summary.json"}
     # Told in the summary, and so removed where the recipe asks for it no more.
-    gk.make(dataclasses.replace(recipe, files=Files(write=("csv",))).called("crank-rocker"), tmp_path)
+    gk.make(dataclasses.replace(recipe, files=Files(write=("csv",))).with_name("crank-rocker"), tmp_path)
     assert not file.exists()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.model.part import Bought
 from geomkin.model.scene import Choice, Scene
 from geomkin.model.table import Column, Table
@@ -116,11 +116,11 @@ def test_what_is_so_is_told_with_yes_and_what_is_not_with_no():
 def test_what_is_bought_is_told_with_its_order_where_there_is_one_and_with_letters_where_there_are_some():
     plate = gk.Part("plate", gk.plane.Circle(0j, 9.0), (gk.plane.Circle(0j, 2.0),), 3.0)
     bought = (Bought("pin", 2, ("A", "B")),)
-    assert joined(Job("a", Loose((plate,)), 0.01)) == ""
-    told = joined(Job("a", Loose((plate,), bought=bought), 0.01))
+    assert joined(Job("a", StaticSource((plate,)), 0.01)) == ""
+    told = joined(Job("a", StaticSource((plate,), bought=bought), 0.01))
     assert "<h2>What is bought</h2>" in told and "<li>2 × pin: A B</li>" in told and "Bottom up" not in told
     for names in ((), ("A",)):
         part = replace(plate, hole_names=names)
-        told = joined(Job("a", Loose((part,), bought=bought, steps=("Lay it down.", "Pin it.")), 0.01))
+        told = joined(Job("a", StaticSource((part,), bought=bought, steps=("Lay it down.", "Pin it.")), 0.01))
         assert "<h2>How it goes together</h2>" in told and "<ul><li>Lay it down.</li><li>Pin it.</li></ul>" in told
         assert ("Letters are at the holes. Bottom up:" in told) == bool(names)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.labels import Name, stand
+from geomkin.export.labels import Name, place_labels
 from geomkin.export.picture import page_box
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
@@ -84,7 +84,7 @@ def test_names_at_the_edge_have_room_for_all_their_letters():
     still = Still(
         scene_of(*(SceneMark("point", ONE * z, "wanted", name) for name, z in corners.items())), np.array([0])
     )
-    ends = np.array([(n.place - n.half, n.place + n.half) for n in stand(still)])
+    ends = np.array([(n.place - n.half, n.place + n.half) for n in place_labels(still)])
     left, top, wide, high = map(float, root.get("viewBox").split())
     low, most = min(ends.real.min(), 0.0), max(ends.real.max(), 420.0)
     assert (left, left + wide) == pytest.approx((low - 14, most + 14), abs=0.06)

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.labels import half_size, stand, within
+from geomkin.export.labels import half_size, place_labels, within
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneMark
 from tests.export.test_film import ALONG, FRAMES, scene_of
@@ -31,7 +31,7 @@ FRAME = [SceneMark("pin", ONE * z, "construction", "") for z in (0j, WIDE + 0j)]
 def names_of(*marks, bodies=(), frame=0):
     still = Still(scene_of(*FRAME, *marks, bodies=bodies), np.array([frame]))
     assert still.pixel == pytest.approx(1.0)
-    return {name.text: name for name in stand(still)}
+    return {name.text: name for name in place_labels(still)}
 
 
 def box(name):
@@ -110,7 +110,7 @@ def test_a_name_keeps_off_pins_dots_stands_and_paths():
     free = names_of(bodies=[own])["name"]
     assert free.place == pytest.approx(210 + 40j)
     at_origin = Still(scene_of(bodies=[body("name", part(BAR))]), np.array([0]))
-    assert [name.place for name in stand(at_origin)] == pytest.approx([0])
+    assert [name.place for name in place_labels(at_origin)] == pytest.approx([0])
     path = 210 + 40j + (0.5 * ALONG - 20) * 1j
     for mark in (
         SceneMark("pin", ONE * free.place, "construction", "pin"),
@@ -193,7 +193,7 @@ def test_lines_are_named_at_their_middle_and_points_beside_them():
         SceneMark("line", ONE, "traced", "other", vector=place),
     ]
     still = Still(scene_of(*FRAME, *gone), np.array([0, 1]))
-    assert stand(still) == ()
+    assert place_labels(still) == ()
 
 
 SIDES = [45, 135, -45, -135, 0, 180, 90, -90]

@@ -9,7 +9,7 @@ import shapely
 import trimesh
 
 import geomkin as gk
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.export.summary import summary
 from geomkin.model.check import Check
 
@@ -70,7 +70,7 @@ def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_p
         assert one["passed"] is (
             one["value"] >= check.limit if check.side == "at least" else one["value"] <= check.limit
         )
-    job, none = Job("odd", Loose(()), 0.01), Check("odd", float("nan"), "at most", 1.0)
+    job, none = Job("odd", StaticSource(()), 0.01), Check("odd", float("nan"), "at most", 1.0)
     (one,) = json.loads(summary(job, {}, [none], {}, {}))["checks"]
     assert one["value"] is None and one["passed"] is False
 
@@ -78,7 +78,7 @@ def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_p
 def test_parts_are_told_with_their_exact_sizes_and_what_is_written_of_them():
     disc = gk.Part("scheibe ä", gk.plane.Circle(5j, 10.0), (gk.plane.Circle(5j, 2.0),), 2.5, count=3)
     bar = gk.Part("bar", gk.plane.Polyline(np.array([0, 20, 20 + 6j, 6j])), (), 4.0)
-    job = Job("two", Loose((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)
+    job = Job("two", StaticSource((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)
     content = summary(job, {}, [], {"note": 1}, {}, ["b.txt"])
     # Nothing that JSON does not know, and letters as they are.
     told = json.loads(content, parse_constant=pytest.fail)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.job import Job, Loose
+from geomkin.export.job import Job, StaticSource
 from geomkin.model.check import Check
 from geomkin.model.part import Part
 from geomkin.model.scene import Scene, SceneBody
@@ -51,7 +51,7 @@ def rows_of(told):
 def job_of(parts=(), scene=None, **more):
     scene = scene or scene_of(bodies=[SceneBody("a", tuple(parts), ONE, ONE)])
     own = {key: more.pop(key) for key in ("checks", "walls", "bought", "steps", "notes") if key in more}
-    return Job("a", Loose(tuple(parts), scene.table, scene, **own), 0.01, **more)
+    return Job("a", StaticSource(tuple(parts), scene.table, scene, **own), 0.01, **more)
 
 
 def column(unit, *values):

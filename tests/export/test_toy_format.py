@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.export import WRITERS, Job, Writer
-from geomkin.export.formats import USUAL
+from geomkin.export.formats import DEFAULT_FORMATS
 from tests.texts import parse, schema_of_all
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = [%s] }\n'
@@ -36,7 +36,7 @@ def toys(monkeypatch):
 
 
 def test_a_recipe_may_ask_for_it_and_its_summary_tells_of_it(tmp_path):
-    recipe = gk.load(GEAR % '"txt", "csv", "lone"').called("gear")
+    recipe = gk.load(GEAR % '"txt", "csv", "lone"').with_name("gear")
     made = gk.make(recipe, tmp_path)
     assert [path.name for path in made.files] == ["gear.csv", "gear.txt", "gear.lone", "summary.json"]
     name, corners, area = (tmp_path / "gear" / "gear.txt").read_text().split()
@@ -74,7 +74,7 @@ def test_schema_and_messages_list_it():
     files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
     assert files["items"]["enum"] == [*WRITERS]
     # It is written where it is asked for.
-    assert files["default"] == [*USUAL]
+    assert files["default"] == [*DEFAULT_FORMATS]
     with pytest.raises(
         gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'3mf', 'step', 'txt' or 'lone'"
     ):

@@ -150,7 +150,7 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
     square = gk.plane.Polyline(np.array([-20 - 12j, 20 - 12j, 20 + 12j, -20 + 12j]))
     twist = gk.Twist(turn, shift, moves=moves)
     made = solid_cut(gk.Part("leaning", square, (gk.plane.Circle(0j, 3.0),), 5.0, twist=twist), 0.01)
-    assert made.leans == (moves == "outline")
+    assert made.is_twisted == (moves == "outline")
     low, high = made.box
     x, y, _ = triangles(stl(made)).reshape(-1, 3).T
     assert low.real <= x.min() + 1e-4 and low.imag <= y.min() + 1e-4

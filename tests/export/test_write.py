@@ -54,7 +54,7 @@ def test_a_table_is_written_as_numbers(tmp_path):
 
 @pytest.mark.parametrize("ending", ["dxf", "svg", "stl", "csv"])
 def test_a_recipe_s_file_is_the_one_that_is_made_of_it(tmp_path, ending):
-    recipe = gk.load(GEAR).called("gear")
+    recipe = gk.load(GEAR).with_name("gear")
     gk.make(recipe, tmp_path)
     (alone,) = gk.write(recipe, tmp_path / f"gear.{ending}")
     assert alone.read_bytes() == (tmp_path / "gear" / f"gear.{ending}").read_bytes()

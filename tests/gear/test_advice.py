@@ -34,7 +34,12 @@ def pinion_of_ring(m, addendum):
 
 # What is made of a module and a size, a size that is too much or too little, and in which unit: of 1 or of modules.
 AT_MOST = {
-    "spur thinning": (lambda m, x: gk.SpurGear(24, m, thinning=x), 3.0, True, "thinning"),
+    "spur tooth_thickness_allowance": (
+        lambda m, x: gk.SpurGear(24, m, tooth_thickness_allowance=x),
+        3.0,
+        True,
+        "tooth_thickness_allowance",
+    ),
     "spur rounding": (lambda m, x: gk.SpurGear(24, m, tip_rounding=x), 2.0, False, "tip_rounding"),
     "spur chamfer": (lambda m, x: gk.SpurGear(24, m, tip_chamfer=x), 2.0, False, "tip_chamfer"),
     "spur shift": (lambda m, x: gk.SpurGear(24, m, x), 2.5, False, "profile_shift"),
@@ -43,9 +48,19 @@ AT_MOST = {
     "rack dedendum": (lambda m, x: gk.gear.RackCutter(dedendum=x, tip_radius=0), 3.0, False, "dedendum"),
     "cutter addendum": (lambda m, x: gk.gear.PinionCutter(12, addendum=x, tip_radius=0), 3.0, False, "addendum"),
     "cutter rounding": (lambda m, x: gk.gear.PinionCutter(12, tip_radius=x), 1.0, False, "tip_radius"),
-    "ring thinning": (lambda m, x: ring(module=m, thinning=x), 3.0, True, "thinning"),
+    "ring tooth_thickness_allowance": (
+        lambda m, x: ring(module=m, tooth_thickness_allowance=x),
+        3.0,
+        True,
+        "tooth_thickness_allowance",
+    ),
     "ring addendum": (lambda m, x: ring(36, m, 12, addendum=x), 2.0, False, "addendum"),
-    "gear rack thinning": (lambda m, x: gk.gear.GearRack(5, m, thinning=x), 1.5, True, "thinning"),
+    "gear rack tooth_thickness_allowance": (
+        lambda m, x: gk.gear.GearRack(5, m, tooth_thickness_allowance=x),
+        1.5,
+        True,
+        "tooth_thickness_allowance",
+    ),
     "straight addendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, x), 3.0, False, "addendum"),
     "straight dedendum": (lambda m, x: gk.gear.StraightSidedGear(40, m, 25, 1, x), 2.0, False, "dedendum"),
     "flank backlash": (lambda m, x: flank_gear(m).cutter(0.1 * m, x), 2.0, True, "backlash"),
@@ -78,7 +93,7 @@ AT_LEAST = {
     ),
     "pair too near": (lambda m, x: gk.GearPair(gk.SpurGear(24, m), gk.SpurGear(30, m), x), 26.9, True, ""),
     "thinned pair too near": (
-        lambda m, x: gk.GearPair(gk.SpurGear(24, m, thinning=0.1 * m), gk.SpurGear(30, m), x),
+        lambda m, x: gk.GearPair(gk.SpurGear(24, m, tooth_thickness_allowance=0.1 * m), gk.SpurGear(30, m), x),
         26.5,
         True,
         "",
@@ -202,7 +217,7 @@ def test_a_rack_and_pinion_get_the_same_verdict_at_every_module(module, addendum
 
 
 @pytest.mark.parametrize(
-    "gear", [ring(), ring(41, 3, 20, profile_shift=0.4), ring(80, 0.5, addendum=0.7, thinning=0.02)]
+    "gear", [ring(), ring(41, 3, 20, profile_shift=0.4), ring(80, 0.5, addendum=0.7, tooth_thickness_allowance=0.02)]
 )
 def test_the_flank_of_a_ring_ends_where_its_root_begins(gear):
     """Tangent lengths by Pythagoras from the tip circle and from the end of the root curve, which rolls off by itself."""
@@ -266,7 +281,7 @@ def random_ring(rng):
         "teeth": int(rng.integers(20, 80)),
         "profile_shift": float(np.round(rng.uniform(-1.5, 4), 2)),
         "addendum": float(rng.uniform(0.05, 2)),
-        "thinning": float(rng.choice([0, 0, 3])),
+        "tooth_thickness_allowance": float(rng.choice([0, 0, 3])),
     }
     return gear, cutter
 
@@ -285,7 +300,7 @@ ADVISED = {
     r"^give at least ([-\d.e]+), or a cutter with fewer": ("gear", "profile_shift", None),
     r"^give a cutter of (\d+) teeth": ("cutter", "teeth", lambda n: n + 1),
     r"^give at most ([\d.e-]+) modules, or more": ("gear", "addendum", lambda x: x * (1 + 1e-4)),
-    r"^give at most ([\d.e-]+)$": ("gear", "thinning", lambda x: x * (1 + 1e-4)),
+    r"^give at most ([\d.e-]+)$": ("gear", "tooth_thickness_allowance", lambda x: x * (1 + 1e-4)),
 }
 
 

@@ -133,14 +133,18 @@ def test_a_cutter_whose_teeth_meet_is_refused_and_the_number_named_works(gear):
 
 
 @pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("thinning", [0.0, 0.25, 1.0, 1.3, 2.0])
-def test_the_distance_named_where_teeth_jam_leaves_them_no_play(internal, thinning):
-    """At round amounts of thinning as at others."""
-    first = gk.SpurGear(20, 4, thinning=thinning / 2)
-    ring = {"addendum": 0.7, "thinning": thinning / 2}
-    second = gk.RingGear(60, 4, **ring) if internal else gk.SpurGear(31, 4, thinning=thinning / 2)
+@pytest.mark.parametrize("tooth_thickness_allowance", [0.0, 0.25, 1.0, 1.3, 2.0])
+def test_the_distance_named_where_teeth_jam_leaves_them_no_play(internal, tooth_thickness_allowance):
+    """At round amounts of tooth_thickness_allowance as at others."""
+    first = gk.SpurGear(20, 4, tooth_thickness_allowance=tooth_thickness_allowance / 2)
+    ring = {"addendum": 0.7, "tooth_thickness_allowance": tooth_thickness_allowance / 2}
+    second = (
+        gk.RingGear(60, 4, **ring)
+        if internal
+        else gk.SpurGear(31, 4, tooth_thickness_allowance=tooth_thickness_allowance / 2)
+    )
     with pytest.raises(gk.DesignError, match="jam") as caught:
         gk.GearPair(first, second, 84.0 if internal else 98.0)
     named = float(caught.value.remedy.split("to " if internal else "at least ")[1].split(" ")[0])
     assert gk.GearPair(first, second, named).backlash == pytest.approx(0, abs=1e-4)
-    assert gk.GearPair(first, second).backlash == pytest.approx(thinning, abs=1e-9)
+    assert gk.GearPair(first, second).backlash == pytest.approx(tooth_thickness_allowance, abs=1e-9)

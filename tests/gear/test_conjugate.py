@@ -363,7 +363,7 @@ def test_leaning_teeth_shape_a_mate_too():
     land = gk.plane.Segment(last, complex(right.start) * np.exp(2j * np.pi / 40))
     tooth = gk.plane.Path((right, tip_arc, left, land))
     mate = conjugate(tooth, 40, 40.0, 30, 1.6)
-    one, two = gk.flatten(gk.plane.Ring(tooth, 40), 1e-4), gk.flatten(mate.outline, 1e-4)
+    one, two = gk.flatten(gk.plane.PolarArray(tooth, 40), 1e-4), gk.flatten(mate.outline, 1e-4)
     assert region.is_simple(two)
     for angle in np.linspace(0, 2 * np.pi / 40, 5):
         second = mate.pose.origin + mate.pose.direction * two * np.exp(-1j * angle * 40 / 30)

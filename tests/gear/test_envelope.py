@@ -10,7 +10,7 @@ from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve, ToothRun
 from geomkin.gear.conjugate.envelope import GRID, Swept, _boxes
 from geomkin.gear.conjugate.shaping_gears import LanternPinion, StraightSidedGear
-from geomkin.plane.curve import Stretch
+from geomkin.plane.curve import SubCurve
 from geomkin.plane.roulettes import Cycloid
 
 
@@ -92,7 +92,7 @@ def test_boxes_hold_the_curve_between_neighbours():
 def test_at_a_cusp_the_tangent_is_that_just_inside(rolling, pieces):
     """Of the piece that begins there, or where none does of the one that ends."""
     breaks = 2 * np.pi * abs(rolling) / 20 * np.array(pieces, dtype=float)
-    run = ToothRun(Stretch(Cycloid(20.0, rolling, breaks[0], breaks[-1]), breaks))
+    run = ToothRun(SubCurve(Cycloid(20.0, rolling, breaks[0], breaks[-1]), breaks))
     places = np.array([0.0, 0.6 * breaks[0] + 0.4 * breaks[1]])
     found, inside = run.touch(places), -1e-5 if breaks[-1] == 0 else 1e-5
     near = run.curve.velocity(places + np.array([inside, 0]))

@@ -11,7 +11,7 @@ RACK, PINION = gk.gear.RackCutter, gk.gear.PinionCutter
 # Fillets that touch the flank, and those that cross it behind a cusp of their envelope.
 GEARS = {
     "touching": lambda: gk.SpurGear(60, 1, 0, RACK(fillet_radius=0.4)),
-    "shifted down": lambda: gk.SpurGear(17, 1, -0.2, RACK(fillet_radius=0.58), thinning=0.05),
+    "shifted down": lambda: gk.SpurGear(17, 1, -0.2, RACK(fillet_radius=0.58), tooth_thickness_allowance=0.05),
     "crossing": lambda: gk.SpurGear(24, 1, 0, RACK(fillet_radius=0.2)),
     "ring": lambda: gk.RingGear(60, 1, 0, PINION(fillet_radius=0.2), 0.8),
     "touched ring": lambda: gk.RingGear(60, 1, 0, PINION(fillet_radius=0.5), 0.7),
@@ -41,7 +41,7 @@ def test_the_tool_leaves_just_this_tooth(name):
     gear = GEARS[name]()
     assert gear.tip_edge is not None
     z = np.concatenate([c.point(np.linspace(c.breaks[0], c.breaks[-1], 12)[1:-1]) for c in gear.regions.values()])
-    if gear.thinning:
+    if gear.tooth_thickness_allowance:
         z = z[np.abs(z) > 0]
     near = clearances(gear, z)
     assert near.min() > -2e-4 and near.max() < 2e-3

@@ -37,7 +37,7 @@ CALLS = {
             "profile_shift": 0.0,
             "rack": gk.gear.RackCutter(),
             "addendum": 1.0,
-            "thinning": 0.0,
+            "tooth_thickness_allowance": 0.0,
             "tip_rounding": 0.0,
             "tip_chamfer": 0.0,
             "pointed": "refuse",
@@ -52,12 +52,12 @@ CALLS = {
             "profile_shift": 0.0,
             "cutter": gk.gear.PinionCutter(),
             "addendum": 1.0,
-            "thinning": 0.0,
+            "tooth_thickness_allowance": 0.0,
         },
     ),
     "GearRack": (
         lambda: gk.gear.GearRack,
-        {"teeth": 12, "module": 2.0, "rack": gk.gear.RackCutter(), "height": 5.0, "thinning": 0.0},
+        {"teeth": 12, "module": 2.0, "rack": gk.gear.RackCutter(), "height": 5.0, "tooth_thickness_allowance": 0.0},
     ),
     "Rack": (
         lambda: gk.gear.RackCutter,
@@ -152,8 +152,8 @@ def test_what_a_call_cannot_use_is_refused_by_name(name):
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: gk.SpurGear(24, 2, pointed=math.nan), "pointed"),
-        (lambda: gk.SpurGear(24, 2, pointed="maybe"), "pointed"),
+        (lambda: gk.SpurGear(24, 2, on_pointed_tip=math.nan), "pointed"),
+        (lambda: gk.SpurGear(24, 2, on_pointed_tip="maybe"), "pointed"),
         (lambda: gk.GearPair(1, 2), "first"),
         (lambda: gk.GearPair(gk.RingGear(60, 2), GEAR), "first"),
         (lambda: gk.SpurGear(24, 5e-324), "module"),

@@ -9,13 +9,13 @@ from tests.made import Made
 
 LONG = {"profile_shift": -0.6, "addendum": 1.2}
 PAIRS = Made({
-    "thinned": lambda: gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
+    "thinned": lambda: gk.GearPair(gk.SpurGear(24, 2, tooth_thickness_allowance=0.1), gk.SpurGear(40, 2, tooth_thickness_allowance=0.05)),
     "far": lambda: gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(41, 2), 65.3),
     "digs in": lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, **LONG)),
     "digs in, chamfered": lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, tip_chamfer=0.1, **LONG)),
     "digs in, rounded": lambda: gk.GearPair(gk.SpurGear(60, 2, tip_rounding=0.1, **LONG), gk.SpurGear(13, 2, 0.6)),
     "ring, thinned": lambda: gk.GearPair(
-        gk.SpurGear(20, 2, thinning=0.05), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)
+        gk.SpurGear(20, 2, tooth_thickness_allowance=0.05), gk.RingGear(60, 2, addendum=0.8, tooth_thickness_allowance=0.1)
     ),
     "ring, near": lambda: gk.GearPair(gk.SpurGear(31, 2, tip_rounding=0.1), gk.RingGear(60, 2, addendum=0.8), 28.8),
     "ring that digs in": lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=1.1)),
@@ -110,7 +110,7 @@ def test_pairs_that_interfere_overlap_and_others_do_not():
         heights = rng.choice([0.8, 1.0, 1.2, 1.3], 2)
         try:
             pair = gk.GearPair(*(
-                gk.SpurGear(int(z), 2, float(x), addendum=float(height), thinning=0.02)
+                gk.SpurGear(int(z), 2, float(x), addendum=float(height), tooth_thickness_allowance=0.02)
                 for z, x, height in zip(teeth, shifts, heights)
             ))  # fmt: skip
         except gk.DesignError:

@@ -6,8 +6,13 @@ import pytest
 import geomkin as gk
 from tests.tables import gears as tables
 
-GEARS = [gk.SpurGear(20, 2), gk.SpurGear(31, 2, 0.4), gk.SpurGear(12, 2, 0.3), gk.SpurGear(40, 2, -0.3, thinning=0.1)]
-RINGS = [gk.RingGear(60, 2), gk.RingGear(41, 2, 0.5), gk.RingGear(60, 2, thinning=0.2)]
+GEARS = [
+    gk.SpurGear(20, 2),
+    gk.SpurGear(31, 2, 0.4),
+    gk.SpurGear(12, 2, 0.3),
+    gk.SpurGear(40, 2, -0.3, tooth_thickness_allowance=0.1),
+]
+RINGS = [gk.RingGear(60, 2), gk.RingGear(41, 2, 0.5), gk.RingGear(60, 2, tooth_thickness_allowance=0.2)]
 
 
 def ids(gear):

@@ -116,12 +116,18 @@ def test_a_diametral_pitch_stands_for_a_module(name):
 
 def test_a_pair_states_ratio_measures_and_advice(tmp_path):
     gear = {"teeth": 20, "module": 2}
-    for thinning in (0, 0.1):
-        recipe = gk.load({"kind": "gear-pair", "first": gear | {"thinning": thinning}, "second": gear | {"teeth": 50}})
+    for tooth_thickness_allowance in (0, 0.1):
+        recipe = gk.load(
+            {
+                "kind": "gear-pair",
+                "first": gear | {"tooth_thickness_allowance": tooth_thickness_allowance},
+                "second": gear | {"teeth": 50},
+            }
+        )
         gk.make(recipe, tmp_path, only=["page"])
         told = json.loads((tmp_path / "gear-pair" / "summary.json").read_text())
         page = (tmp_path / "gear-pair" / "gear-pair.html").read_text()
         assert told["pair"]["ratio"] == -2.5
-        assert ("backlash_advice" in told["pair"]) == (thinning == 0)
+        assert ("backlash_advice" in told["pair"]) == (tooth_thickness_allowance == 0)
         for measure in ("span", "over_pins"):
             assert f"{told['measures_mm']['second'][measure]['measure']:.6g}" in page

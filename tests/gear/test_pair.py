@@ -30,10 +30,10 @@ PAIRS = Made({
     "shifted": lambda: gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)),
     "undercut": lambda: gk.GearPair(gk.SpurGear(11, 2), gk.SpurGear(24, 2)),
     "far": lambda: gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(40, 2), 64.3),
-    "thinned": lambda: gk.GearPair(gk.SpurGear(24, 2, thinning=0.1), gk.SpurGear(40, 2, thinning=0.05)),
+    "thinned": lambda: gk.GearPair(gk.SpurGear(24, 2, tooth_thickness_allowance=0.1), gk.SpurGear(40, 2, tooth_thickness_allowance=0.05)),
     "rounded": lambda: gk.GearPair(gk.SpurGear(20, 2, tip_rounding=0.2), gk.SpurGear(30, 2, tip_chamfer=0.1)),
     "ring": lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8)),
-    "ring, thinned": lambda: gk.GearPair(gk.SpurGear(20, 2, thinning=0.05), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)),
+    "ring, thinned": lambda: gk.GearPair(gk.SpurGear(20, 2, tooth_thickness_allowance=0.05), gk.RingGear(60, 2, addendum=0.8, tooth_thickness_allowance=0.1)),
     "ring, shifted": lambda: gk.GearPair(gk.SpurGear(20, 2, 0.2), gk.RingGear(60, 2, 0.5, addendum=0.8)),
     "ring, near": lambda: gk.GearPair(gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8), 29.8),
     "ring, one apart": lambda: gk.GearPair(
@@ -88,7 +88,9 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
     measured = (play(pair, 1) + play(pair, -1)) * pair.working_radii[1]
     assert measured == pytest.approx(pair.backlash, abs=1e-3 * pair.first.module)
     if pair.centre_distance == pair.tight_distance:
-        assert measured == pytest.approx(pair.first.thinning + pair.second.thinning, abs=1e-3 * pair.first.module)
+        assert measured == pytest.approx(
+            pair.first.tooth_thickness_allowance + pair.second.tooth_thickness_allowance, abs=1e-3 * pair.first.module
+        )
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_the_nearest_distance_named_in_a_refusal_meshes(wrong):
 
 
 def test_a_thinned_ring_lets_its_pinion_farther_out_up_to_the_distance_named():
-    pinion, ring = gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8, thinning=0.1)
+    pinion, ring = gk.SpurGear(30, 2), gk.RingGear(60, 2, addendum=0.8, tooth_thickness_allowance=0.1)
     with pytest.raises(gk.DesignError) as caught:
         gk.GearPair(pinion, ring, 30.5)
     named = float(caught.value.remedy.split("to ")[1].split(" mm")[0])

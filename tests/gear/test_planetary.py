@@ -30,7 +30,7 @@ SETS = Made(
         "three": sets,
         "odd": lambda: sets(25, 20, 65),
         "shifted": shifted,
-        "thinned": lambda: sets(thinning=0.1),
+        "thinned": lambda: sets(tooth_thickness_allowance=0.1),
     }
 )
 

@@ -26,7 +26,7 @@ def test_a_rack_is_the_limit_of_a_gear_of_many_teeth(rack):
 
 def test_outline_is_one_simple_counterclockwise_loop_with_a_tooth_on_the_axis():
     for teeth in (1, 2, 7):
-        bar = gk.gear.GearRack(teeth, 2, thinning=0.1)
+        bar = gk.gear.GearRack(teeth, 2, tooth_thickness_allowance=0.1)
         polygon = gk.flatten(bar.outline, 1e-4)
         assert region.is_simple(polygon) and gk.plane.signed_area(bar.outline) > 0
         assert polygon.imag.max() == pytest.approx(2, abs=1e-12) and polygon.imag.min() == pytest.approx(-10, abs=1e-12)
@@ -47,7 +47,7 @@ PAIRS = Made({
     "even": lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2)),
     "odd": lambda: gk.gear.RackPair(gk.SpurGear(19, 2), gk.gear.GearRack(9, 2)),
     "shifted": lambda: gk.gear.RackPair(gk.SpurGear(10, 2, 0.45), gk.gear.GearRack(9, 2)),
-    "far": lambda: gk.gear.RackPair(gk.SpurGear(24, 2, thinning=0.05), gk.gear.GearRack(9, 2, thinning=0.1), 24.2),
+    "far": lambda: gk.gear.RackPair(gk.SpurGear(24, 2, tooth_thickness_allowance=0.05), gk.gear.GearRack(9, 2, tooth_thickness_allowance=0.1), 24.2),
 })  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def test_contact_with_a_rack_is_the_limit_of_contact_with_a_large_gear():
     [
         (lambda: gk.gear.GearRack(0, 2), "teeth"),
         (lambda: gk.gear.GearRack(5, 2, height=1), "height"),
-        (lambda: gk.gear.GearRack(5, 2, thinning=2), "thinning"),
+        (lambda: gk.gear.GearRack(5, 2, tooth_thickness_allowance=2), "tooth_thickness_allowance"),
         (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 3)), "rack.module"),
         (
             lambda: gk.gear.RackPair(

@@ -25,7 +25,7 @@ def test_sizes_of_a_bar_are_those_of_its_outline(name):
     straight = bar.thickness / 2 - right.imag * np.tan(bar.pressure_angle)
     off = np.abs(right.real - straight)
     assert right.imag[off < 1e-6].min() == pytest.approx(-bar.form_depth, abs=1e-3)
-    assert bar.thickness == pytest.approx(np.pi * bar.module / 2 - bar.thinning)
+    assert bar.thickness == pytest.approx(np.pi * bar.module / 2 - bar.tooth_thickness_allowance)
     assert -z.imag.min() == pytest.approx(bar.height * bar.module)
     assert bar.solid_rim == pytest.approx(bar.height * bar.module - bar.root_depth)
     assert right.imag.min() == pytest.approx(-bar.root_depth)

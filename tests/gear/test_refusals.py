@@ -151,10 +151,12 @@ WORDS = {
     "profile_shift: found -3, which leaves no tooth outside its base and root circles; "
     "give at least -1.632, or more teeth or a smaller addendum": lambda: SPUR(24, 2, -3),
     "profile_shift: found 2.5, with which the flanks meet below the tip circle: the teeth are pointed; "
-    "give at most 1.392, or a smaller addendum or pointed = cut": lambda: SPUR(24, 2, 2.5),
+    "give at most 1.392, or a smaller addendum or on_pointed_tip = cut": lambda: SPUR(24, 2, 2.5),
     "profile_shift: found -0.6: with 4 teeth the rack's tips cut the teeth off; "
     "give at least -0.281, or more teeth or a smaller addendum": lambda: SPUR(4, 2, -0.6, RACK(tip_radius=0.1)),
-    "thinning: found 3 mm, which leaves no tooth; give at most 1.321": lambda: SPUR(24, 2, thinning=3),
+    "tooth_thickness_allowance: found 3 mm, which leaves no tooth; give at most 1.321": lambda: SPUR(
+        24, 2, tooth_thickness_allowance=3
+    ),
     "tip_chamfer: found 0.1 beside a tip_rounding; give one of them": lambda: SPUR(
         24, 2, tip_rounding=0.1, tip_chamfer=0.1
     ),
@@ -201,7 +203,9 @@ WORDS = {
         SPUR(24, 2, addendum=0.05), BAR(9, 2, RACK(addendum=0.05)), 25
     ),
     "height: found 1 modules, no more than the teeth are deep; give more than 1.25": lambda: BAR(5, 2, height=1),
-    "thinning: found 2 mm, which points the teeth; give at most 1.68569": lambda: BAR(5, 2, thinning=2),
+    "tooth_thickness_allowance: found 2 mm, which points the teeth; give at most 1.68569": lambda: BAR(
+        5, 2, tooth_thickness_allowance=2
+    ),
     "rack.addendum: the flanks meet below the tips; give a rack with a smaller addendum": lambda: BAR(
         5, 2, RACK(addendum=2.5)
     ),

@@ -59,7 +59,7 @@ def test_of_two_bores_the_wrong_one_is_named(bores, clearance, key):
 
 
 def failed(recipe):
-    return [check.name for check in gk.load(recipe).judged if not check.passed]
+    return [check.name for check in gk.load(recipe).design_checks if not check.passed]
 
 
 def planetary(planet, sun=24, **others):
@@ -80,7 +80,7 @@ def test_collars_under_a_carrier_keep_off_the_motor_s_plate():
     press = {"fit": "press"}
     # 21 mm from the sun's axis to the planets', collars of 10 mm, and a plate of 28.3 mm round the axis.
     assert name in failed(planetary(press))
-    (check,) = [c for c in gk.load(planetary(press)).judged if c.name == name]
+    (check,) = [c for c in gk.load(planetary(press)).design_checks if c.name == name]
     plate = gk.making.motor_plate("nema17", 6.0)
     reach = abs(plate.outline.point(plate.outline.breaks)).max()
     assert check.value <= 21 - 5 - reach and check.value == pytest.approx(21 - 5 - 28.26, abs=0.01)

@@ -24,10 +24,12 @@ RINGS = Made(
         "1000,0.0,30": lambda: gk.RingGear(1000, 2, 0.0, gk.gear.PinionCutter(30)),
         "12,0.6,6": lambda: gk.RingGear(12, 2, 0.6, gk.gear.PinionCutter(6, 30, 0.8, 0.05), 0.4),
         "30,1.5,27": lambda: gk.RingGear(30, 2, 1.5, gk.gear.PinionCutter(27, 20, 1.25, 0.1), 0.6),
-        "60, thinned by 0.1": lambda: gk.RingGear(60, 2, thinning=0.1),
-        "50, thinned by 0.3": lambda: gk.RingGear(50, 2, 0.2, gk.gear.PinionCutter(26, tip_radius=0), thinning=0.3),
+        "60, thinned by 0.1": lambda: gk.RingGear(60, 2, tooth_thickness_allowance=0.1),
+        "50, thinned by 0.3": lambda: gk.RingGear(
+            50, 2, 0.2, gk.gear.PinionCutter(26, tip_radius=0), tooth_thickness_allowance=0.3
+        ),
         # Thinned by more than the cutter's tips are wide.
-        "40, thinned by 0.6": lambda: gk.RingGear(40, 2, thinning=0.6),
+        "40, thinned by 0.6": lambda: gk.RingGear(40, 2, tooth_thickness_allowance=0.6),
     }
 )
 
@@ -81,8 +83,8 @@ def cutting(ring):
 
 
 def least_distance(ring, z):
-    """Least distance of points of the ring from its cutter, over all the cutter's places and its turns for thinning."""
-    turn = ring.thinning / (2 * ring.pitch_radius)
+    """Least distance of points of the ring from its cutter, over all the cutter's places and its turns for tooth_thickness_allowance."""
+    turn = ring.tooth_thickness_allowance / (2 * ring.pitch_radius)
     turns = [-turn, 0, turn] if turn else [0]
     return np.min([_least_distance(ring, z * np.exp(1j * t)) for t in turns], axis=0)
 
@@ -153,8 +155,8 @@ def test_the_space_has_the_width_of_an_external_tooth_of_the_same_shift():
 
 
 def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
-    for thinning in (0.0, 0.3):
-        ring = gk.RingGear(60, 2, thinning=thinning)
+    for tooth_thickness_allowance in (0.0, 0.3):
+        ring = gk.RingGear(60, 2, tooth_thickness_allowance=tooth_thickness_allowance)
         polygon = gk.flatten(ring.outline, 1e-5)
         assert np.abs(polygon).max() == pytest.approx(gk.RingGear(60, 2).root_radius, rel=1e-12)
         sides = polygon[: len(polygon) // 60]
@@ -162,15 +164,15 @@ def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
         right = flank[flank.real > 0]
         right = right[np.argsort(np.abs(right))]
         half = np.interp(60.0, np.abs(right), np.arctan2(right.real, right.imag))
-        assert 2 * 60 * half == pytest.approx(np.pi - thinning, abs=1e-4)
-        assert ring.thickness(60.0) == pytest.approx(np.pi - thinning, rel=1e-12)
+        assert 2 * 60 * half == pytest.approx(np.pi - tooth_thickness_allowance, abs=1e-4)
+        assert ring.thickness(60.0) == pytest.approx(np.pi - tooth_thickness_allowance, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: gk.RingGear(60, 2, thinning=2), "thinning"),
-        (lambda: gk.RingGear(60, 2, thinning=-0.1), "thinning"),
+        (lambda: gk.RingGear(60, 2, tooth_thickness_allowance=2), "tooth_thickness_allowance"),
+        (lambda: gk.RingGear(60, 2, tooth_thickness_allowance=-0.1), "tooth_thickness_allowance"),
         (lambda: gk.RingGear(20, 2), "teeth"),
         (lambda: gk.RingGear(24, 2), "teeth"),
         (lambda: gk.RingGear(60.5, 2), "teeth"),
@@ -195,8 +197,8 @@ def test_the_nearest_values_named_in_refusals_work():
             make()
         return float(caught.value.remedy.split(before)[1].split(" ")[0].rstrip(","))
 
-    most = named(lambda: gk.RingGear(60, 2, thinning=2), "at most ")
-    assert 0 <= gk.RingGear(60, 2, thinning=most).tip_thickness < 1e-4
+    most = named(lambda: gk.RingGear(60, 2, tooth_thickness_allowance=2), "at most ")
+    assert 0 <= gk.RingGear(60, 2, tooth_thickness_allowance=most).tip_thickness < 1e-4
     cutter = gk.gear.PinionCutter(20)
     assert gk.RingGear(60, 2, 0, cutter, named(lambda: gk.RingGear(60, 2, 0, cutter), "at most "))
     wide = gk.gear.PinionCutter(55)

@@ -12,9 +12,9 @@ import geomkin as gk
 @pytest.mark.parametrize("teeth", [5, 8, 12, 16, 24])
 def test_the_shift_just_avoids_undercut(teeth, rack):
     shift = gk.gear.undercut_free_shift(teeth, rack)
-    assert not gk.SpurGear(teeth, 2, shift, rack, pointed="cut").is_undercut
+    assert not gk.SpurGear(teeth, 2, shift, rack, on_pointed_tip="cut").is_undercut
     if shift:
-        assert gk.SpurGear(teeth, 2, shift - 1e-6, rack, pointed="cut").is_undercut
+        assert gk.SpurGear(teeth, 2, shift - 1e-6, rack, on_pointed_tip="cut").is_undercut
     else:
         assert not gk.SpurGear(teeth, 2, 0, rack).is_undercut
 
@@ -40,7 +40,7 @@ def test_gears_that_most_shifts_would_undercut_are_balanced_too(first, second, t
     chosen = gk.gear.balanced_shifts(first, second, total=total)[0]
     slower = []
     for shift in chosen + np.array([-0.01, 0.01]):
-        pair = gk.GearPair(gk.SpurGear(first, 2, shift), gk.SpurGear(second, 2, total - shift, pointed="cut"))
+        pair = gk.GearPair(gk.SpurGear(first, 2, shift), gk.SpurGear(second, 2, total - shift, on_pointed_tip="cut"))
         start, end = pair.contact_lengths
         slower.append(float(pair.sliding(start)[0]) - float(pair.sliding(end)[1]))
     assert slower[0] < 0 < slower[1]

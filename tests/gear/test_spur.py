@@ -30,7 +30,7 @@ def clearance(gear, z, rolled):
     m, rack = gear.module, gear.rack
     a, rho = rack.pressure_angle, rack.tip_radius * m
     deep = rack.dedendum * m - rho
-    side = np.pi * m / 4 - deep * np.tan(a) - rho / np.cos(a) + gear.thinning / 2
+    side = np.pi * m / 4 - deep * np.tan(a) - rho / np.cos(a) + gear.tooth_thickness_allowance / 2
     seen = z * np.exp(1j * rolled) + gear.pitch_radius * rolled
     # Distance from the middle of the nearest rack tooth; the gear's tooth on +y stands in a space of the rack.
     pitch = np.pi * m
@@ -71,12 +71,12 @@ def test_the_rolling_rack_never_enters_the_tooth_and_touches_it_everywhere(gear)
 
 
 FEATURES = Made({
-    "thinned": lambda: gk.SpurGear(20, 2, thinning=0.2),
-    "thinned, undercut": lambda: gk.SpurGear(9, 2, thinning=0.1),
+    "thinned": lambda: gk.SpurGear(20, 2, tooth_thickness_allowance=0.2),
+    "thinned, undercut": lambda: gk.SpurGear(9, 2, tooth_thickness_allowance=0.1),
     "rounded": lambda: gk.SpurGear(20, 2, tip_rounding=0.25),
     "chamfered": lambda: gk.SpurGear(20, 2, 0.3, tip_chamfer=0.2),
     "full round tip": lambda: gk.SpurGear(20, 2, tip_rounding=0.4596),
-    "cut at the point": lambda: gk.SpurGear(10, 2, 0.9, pointed="cut"),
+    "cut at the point": lambda: gk.SpurGear(10, 2, 0.9, on_pointed_tip="cut"),
     "short": lambda: gk.SpurGear(20, 2, addendum=0.6),
     "inches": lambda: gk.SpurGear(20, diametral_pitch=12),
     "14.5 deg": lambda: gk.SpurGear(14, 2, rack=gk.gear.RackCutter(14.5, 1, 1.157, 0.209)),
@@ -114,21 +114,21 @@ def test_a_chamfer_takes_its_size_off_the_radius_and_off_the_tip():
 
 
 def test_thinning_takes_its_amount_off_the_pitch_circle():
-    for thinning in (0.0, 0.3):
-        polygon = gk.flatten(gk.SpurGear(30, 2, thinning=thinning).outline, 1e-5)
+    for tooth_thickness_allowance in (0.0, 0.3):
+        polygon = gk.flatten(gk.SpurGear(30, 2, tooth_thickness_allowance=tooth_thickness_allowance).outline, 1e-5)
         near = polygon[(np.abs(np.angle(polygon / 1j)) < np.pi / 30) & (polygon.real > 0)]
         order = np.argsort(np.abs(near))
         angle = np.interp(30, np.abs(near)[order], np.angle(1j / near)[order])
-        assert 2 * angle * 30 == pytest.approx(np.pi - thinning, abs=1e-4)
+        assert 2 * angle * 30 == pytest.approx(np.pi - tooth_thickness_allowance, abs=1e-4)
 
 
 def test_pointed_teeth_are_cut_where_their_flanks_meet():
-    gear = gk.SpurGear(10, 2, 0.9, pointed="cut")
+    gear = gk.SpurGear(10, 2, 0.9, on_pointed_tip="cut")
     z = gear.flank.point(gear.flank.breaks[-1])
     assert abs(z.real) < 1e-12 and z.imag == pytest.approx(gear.tip_radius, rel=1e-14)
     assert gear.tip_radius < 10 + 2 * 1.9
     # Where nothing is pointed, nothing is cut.
-    assert gk.SpurGear(20, 2, pointed="cut").tip_radius == gk.SpurGear(20, 2).tip_radius
+    assert gk.SpurGear(20, 2, on_pointed_tip="cut").tip_radius == gk.SpurGear(20, 2).tip_radius
 
 
 def test_diametral_pitch_is_teeth_per_inch():
@@ -233,7 +233,7 @@ def test_sharp_and_full_round_racks_work():
         (lambda: gk.SpurGear(24, 2, tip_rounding=0.8), "tip_rounding"),
         (lambda: gk.SpurGear(24, 2, tip_chamfer=0.8), "tip_chamfer"),
         (lambda: gk.SpurGear(24, 2, tip_chamfer=0.1, tip_rounding=0.1), "tip_chamfer"),
-        (lambda: gk.SpurGear(24, 2, thinning=9), "thinning"),
+        (lambda: gk.SpurGear(24, 2, tooth_thickness_allowance=9), "tooth_thickness_allowance"),
         (lambda: gk.gear.RackCutter(tip_radius=1), "tip_radius"),
         (lambda: gk.gear.RackCutter(dedendum=3), "dedendum"),
     ],
@@ -251,12 +251,12 @@ def test_the_largest_shift_named_in_the_refusal_works():
     assert 0 <= gk.SpurGear(12, 2, largest).tip_thickness < 0.01 * 2
 
 
-@pytest.mark.parametrize("thinning", [2.0, 3.6, 9.0, 1e300])
-def test_the_most_thinning_named_in_a_refusal_leaves_pointed_teeth(thinning):
+@pytest.mark.parametrize("tooth_thickness_allowance", [2.0, 3.6, 9.0, 1e300])
+def test_the_most_thinning_named_in_a_refusal_leaves_pointed_teeth(tooth_thickness_allowance):
     with pytest.raises(gk.DesignError) as caught:
-        gk.SpurGear(24, 2, thinning=thinning)
-    assert caught.value.field == "thinning"
-    gear = gk.SpurGear(24, 2, thinning=float(caught.value.remedy.split("at most ")[1]))
+        gk.SpurGear(24, 2, tooth_thickness_allowance=tooth_thickness_allowance)
+    assert caught.value.field == "tooth_thickness_allowance"
+    gear = gk.SpurGear(24, 2, tooth_thickness_allowance=float(caught.value.remedy.split("at most ")[1]))
     assert 0 <= gear.tip_thickness < 1e-3
 
 
@@ -281,15 +281,15 @@ def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
     for teeth in (4, 8, 24, 200):
         for shift in (-9.0, -2.0, -0.7, 1.5, 9.0):
             try:
-                gk.SpurGear(teeth, 2, shift, rack, pointed=pointed)
+                gk.SpurGear(teeth, 2, shift, rack, on_pointed_tip=pointed)
                 continue
             except gk.DesignError as error:
                 assert error.field == "profile_shift"
                 way, found = error.remedy.split("give at ")[1].split(",")[0].split()
             refused += 1
-            gk.SpurGear(teeth, 2, float(found), rack, pointed=pointed)
+            gk.SpurGear(teeth, 2, float(found), rack, on_pointed_tip=pointed)
             with pytest.raises(gk.DesignError):
-                gk.SpurGear(teeth, 2, float(found) + (-0.01 if way == "least" else 0.01), rack, pointed=pointed)
+                gk.SpurGear(teeth, 2, float(found) + (-0.01 if way == "least" else 0.01), rack, on_pointed_tip=pointed)
     assert refused > 4
 
 

@@ -62,7 +62,7 @@ class RatchetWheel(AbstractGear):
         right, left = (self.tip_radius * 1j * np.exp(1j * a) for a in (-half, half))
         root = self.root_radius * 1j * np.exp(1j * half)
         corners = root * np.exp(-2j * np.pi / self.teeth), right, left, root
-        return gk.plane.Ring(
+        return gk.plane.PolarArray(
             gk.plane.Path(tuple(gk.plane.Segment(a, b) for a, b in zip(corners, corners[1:]))), self.teeth
         )
 
@@ -86,7 +86,7 @@ class RatchetWheelRecipe(AbstractRecipe):
         return gk.Table((gk.Column("turn", "deg", "where the pawl falls in", 360 * step / self.gear.teeth),))
 
     @property
-    def judged(self):
+    def design_checks(self):
         return gk.gear.gear_checks(self.design, self.stock.rim_under(self.design))
 
     @cached_property

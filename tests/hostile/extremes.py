@@ -19,7 +19,7 @@ from pathlib import Path
 
 from tests.texts import template_of
 
-from .mutations import wishes
+from .mutations import options
 
 # Seconds are of the processor, whatever else the machine does.
 MEMORY, SECONDS = 2 << 30, 20
@@ -103,7 +103,7 @@ def every_case(kinds):
 
     for name in kinds:
         seen = set()
-        for wish in wishes(name):
+        for wish in options(name):
             for key, value, text in cases(template_of(name, wish)):
                 tables = " ".join(wish) if "program" in key or "follower" in key else ""
                 if (tables, key, value) not in seen:

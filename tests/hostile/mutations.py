@@ -57,12 +57,12 @@ def good_recipes():
     """(name, recipe as a dict) of the gallery and of every kind's templates, all that may be left out written out."""
     texts = {f"gallery {file.stem}": file.read_text("utf-8") for file in sorted(GALLERY.glob("*.toml"))}
     for name in KINDS:
-        for wish in wishes(name):
+        for wish in options(name):
             texts[f"template {' '.join([name, *wish])}"] = written_out(template_of(name, wish))
     return [(name, tomllib.loads(text)) for name, text in texts.items()]
 
 
-def wishes(name):
+def options(name):
     """Every --with of a kind's template, one at a time, and none."""
     offered = choices_of(name)
     return [[], *([f"{key}={which}" if which else key] for key in offered for which in offered[key])]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.arguments import sort_of
+from geomkin.core.arguments import argument_type
 from geomkin.plane.vec import Array, Complex, Mask, Real, Whole
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
@@ -73,11 +73,11 @@ GOOD = {
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
     "Expression": {"text": "log10(x)"},
     "FlankGear": {"flank": FLANK.flank, "teeth": 20, "pitch_radius": 20.0},
-    "Follow": {"start": -1},
+    "Continuation": {"start": -1},
     "FollowerMotion": dict.fromkeys(("lift", "velocity", "acceleration", "jerk"), DRIVE),
     "FourBar": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
-    "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "thinning": 0.0},
+    "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "tooth_thickness_allowance": 0.0},
     "InstantCentre": {"reference": 0j, "arm": 1j, "weight": 1.0},
     "InvertedSliderCrank": {"ground": 100, "crank": 30, "offset": 5, "line": "rocker", "point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "Involute": {"base_radius": 10.0, "start": 0.1, "end": 1.0},
@@ -107,8 +107,8 @@ GOOD = {
     "RackPair": {"pinion": GEAR, "rack": gk.gear.GearRack(10, 2), "distance": 24.1},
     "Return": {"law": "harmonic", "end_lift": 0, "end_deg": 360},
     "Reversed": {"curve": CIRCLE},
-    "Ring": {"piece": gk.plane.Segment(1 + 0j, 1j), "count": 4},
-    "RingGear": {"teeth": 60, "module": 2.0, "profile_shift": 0, "addendum": 1, "thinning": 0},
+    "PolarArray": {"piece": gk.plane.Segment(1 + 0j, 1j), "count": 4},
+    "RingGear": {"teeth": 60, "module": 2.0, "profile_shift": 0, "addendum": 1, "tooth_thickness_allowance": 0},
     "Rise": {"law": "cycloidal", **RISE_ENDS},
     "ScotchYoke": {"crank": 30, "guide": 100, "slot_deg": 90, "origin": 0j, "ground_angle_deg": 0},
     "Segment": {"start": 0j, "end": 1j},
@@ -117,7 +117,7 @@ GOOD = {
     "SliderCrank": {"crank": 30, "coupler": 90, "offset": 5, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "SliderCrankMasses": {"crank": 0.5, "coupler": 0.6, "slider": 0.8, "crank_centre": 0j, "coupler_centre": 30 + 0j},
     "Spline": {"points": np.array([0, 1, 1 + 1j])},
-    "SpurGear": {"teeth": 24, "module": 2.0, "profile_shift": 0, "rack": gk.gear.RackCutter(), "addendum": 1.0, "thinning": 0, "tip_rounding": 0, "tip_chamfer": 0, "pointed": "cut"},
+    "SpurGear": {"teeth": 24, "module": 2.0, "profile_shift": 0, "rack": gk.gear.RackCutter(), "addendum": 1.0, "tooth_thickness_allowance": 0, "tip_rounding": 0, "tip_chamfer": 0, "pointed": "cut"},
     "StephensonSixBar": {"four_bar": FOUR_BAR, "link": 120, "output": 90, "output_pivot": 100 + 100j},
     "StraightSidedGear": {"teeth": 20, "module": 2.0, "flank_angle_deg": 25, "addendum": 1, "dedendum": 1.2},
     "Table": {"columns": (gk.Column("a", "mm", "b", DRIVE),)},
@@ -254,7 +254,7 @@ MADE = {
     "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "Burmester", "BurmesterCurve", "Dyads", "SliderCircle", "StateFourBar",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
-    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "Opening", "PointMotion", "SampledRates", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
+    "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "AssemblyFailure", "PointMotion", "SampledRates", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
     "FunctionGenerator", "Peak", "SliderFunctionGenerator",
     "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files", "Stability", "stability",
 }  # fmt: skip
@@ -344,22 +344,22 @@ def test_what_an_argument_cannot_be_is_refused_or_makes_sense(name):
 
 
 def test_how_long_a_row_must_be_is_told_where_it_must_be_so_long():
-    assert sort_of(tuple[float, float]).allowed.startswith("a row of 2,")
-    assert sort_of(tuple[float, ...]).allowed.startswith("a tuple,")
+    assert argument_type(tuple[float, float]).allowed.startswith("a row of 2,")
+    assert argument_type(tuple[float, ...]).allowed.startswith("a tuple,")
 
 
 def test_an_array_is_held_to_the_kind_of_number_that_it_is_declared_to_hold():
     row = {"true": np.ones(2, bool), "whole": np.ones(2, int), "real": np.ones(2), "complex": np.ones(2, complex)}
     taken = {"Array": Array, "Complex": Complex, "Real": Real, "Whole": Whole, "Mask": Mask}
     numbers = {"whole", "real", "complex"}
-    assert {name: {kind for kind in row if sort_of(hint).fits(row[kind])} for name, hint in taken.items()} == {
+    assert {name: {kind for kind in row if argument_type(hint).fits(row[kind])} for name, hint in taken.items()} == {
         "Array": numbers,
         "Complex": numbers,
         "Real": {"whole", "real"},
         "Whole": {"whole"},
         "Mask": {"true"},
     }
-    assert not any(sort_of(hint).fits(row["real"].tolist()) for hint in taken.values())
+    assert not any(argument_type(hint).fits(row["real"].tolist()) for hint in taken.values())
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def test_it_moves_as_when_another_body_drives(name):
     given = next(m for m in (gk.move(other, angle, side, 3.0, -2.0) for side in (1, -1)) if _right(m, linkage, branch))
     slide = given.slide(slider.name)
     driven = gk.move(linkage, slide.displacement, branch, slide.velocity, slide.acceleration)
-    assert driven.closed.all()
+    assert driven.assembled.all()
     for body in linkage.bodies:
         one, two = given.bodies[body], driven.bodies[body]
         assert np.abs(one.direction - two.direction).max() < 1e-12
@@ -50,7 +50,7 @@ def test_it_moves_as_when_another_body_drives(name):
 
 def _right(motion, linkage, branch):
     """Whether a motion stands on the branches that the actuated linkage is asked to stand on."""
-    if not motion.closed.all():
+    if not motion.assembled.all():
         return False
     stroke = motion.slide(linkage.driver).displacement
     driven = gk.move(linkage, stroke, branch)
@@ -127,8 +127,8 @@ def test_limits_are_those_of_the_triangle(still, bar, offset, scale):
         inside = 1 if k % 2 == 0 else -1
         gaps = [min(dyad.gaps(Poses(drive=np.array(edge + way * 1e-9 * abs(edge))))) for way in (inside, -inside)]
         assert gaps[1] < 0 < gaps[0]
-        assert gk.move(linkage, [edge + inside * 1e-12 * abs(edge)]).closed[0]
-        assert not gk.move(linkage, [edge - inside * 1e-12 * abs(edge)]).closed[0]
+        assert gk.move(linkage, [edge + inside * 1e-12 * abs(edge)]).assembled[0]
+        assert not gk.move(linkage, [edge - inside * 1e-12 * abs(edge)]).assembled[0]
 
 
 @pytest.mark.parametrize("gap", 10.0 ** -np.arange(0, 16, 3))
@@ -171,7 +171,7 @@ def test_a_rod_whose_cylinder_stands_braced_pushes_in_a_straight_line():
     motion = gk.move(linkage, q, {"K": -1})
     # The brace by the law of cosines.
     lean = np.arccos((60**2 + 40**2 - 50**2) / (2 * 60 * 40))
-    assert motion.closed.all() and motion.residual.max() < 1e-12
+    assert motion.assembled.all() and motion.residual.max() < 1e-12
     assert motion.point("B").position == pytest.approx((q + 5 + 1j) * motion.cylinder.direction)
     assert np.abs(np.angle(motion.cylinder.direction)) == pytest.approx(np.full(20, lean))
     assert motion.cylinder.first == pytest.approx(0) and motion.point("B").first == pytest.approx(
@@ -198,7 +198,7 @@ def test_an_actuator_on_braced_bars_goes_on_from_an_estimate_of_what_it_moves_al
     drive = np.linspace(120, 150, 12)
     plain = gk.move(built(False), drive)
     motion = gk.move(built(True), drive)
-    assert plain.closed.all() and motion.closed.all() and motion.residual.max() < 1e-11
+    assert plain.assembled.all() and motion.assembled.all() and motion.residual.max() < 1e-11
     assert np.abs(motion.point("T").position - apex).max() < 1e-12
     assert np.abs(motion.point("B").position - plain.point("B").position).max() < 1e-11
     assert np.abs(motion.rod.first - plain.rod.first).max() < 1e-12
@@ -214,7 +214,7 @@ def test_limits_of_a_larger_linkage_are_those_of_its_last_dyad_too():
     parts = gk.driver_limits(pushed(), span=(0, 120))
     for edge in {e for part in parts for e in part} - {0.0, 120.0}:
         motion = gk.move(pushed(), edge + np.array([-1e-9, 1e-9]))
-        assert list(motion.closed).count(True) == 1
+        assert list(motion.assembled).count(True) == 1
         assert np.nanmin(motion.transmission_angle) < 1e-3
 
 
@@ -249,7 +249,7 @@ def test_a_change_point_is_followed(order):
     q = np.linspace(-50, 50, 101)
     on, back = gk.move(linkage, q, "follow"), gk.move(linkage, q)
     turned = np.diff(np.unwrap(np.angle(on.bar.direction)))
-    assert on.closed.all() and np.all(turned < 0) | np.all(turned > 0)
+    assert on.assembled.all() and np.all(turned < 0) | np.all(turned > 0)
     assert set(on.branches["B"][:50]) == {1} and set(on.branches["B"][51:]) == {-1} and on.branches["B"][50] == 0
     assert on.residual.max() < 1e-12
     step = 1e-4
@@ -281,10 +281,10 @@ def test_many_actuators_at_once_are_each_what_it_is_alone():
     many = gk.move(bar_on_actuator(still, bar, offset), q)
     for k in range(20):
         alone = gk.move(bar_on_actuator(still[k], bar[k], offset[k]), q)
-        assert np.array_equal(many.closed[:, k], alone.closed)
+        assert np.array_equal(many.assembled[:, k], alone.assembled)
         for body in ("rod", "bar"):
             one, two = many.bodies[body].second[:, k], alone.bodies[body].second
-            assert one[alone.closed] == pytest.approx(two[alone.closed], rel=1e-12)
+            assert one[alone.assembled] == pytest.approx(two[alone.assembled], rel=1e-12)
 
 
 def test_force_and_torque_are_in_balance():
@@ -321,7 +321,7 @@ def test_a_slide_on_the_ground_may_be_named_by_its_body_or_by_itself(swapped):
     slider = gk.Slider("rail", *ends, through=2 - 5j, direction_deg=10)
     q = np.linspace(70, 110, 20) * (-1 if swapped else 1)
     by_slide = gk.move(gk.Linkage(bodies, "rail", (slider,)), q)
-    assert by_slide.closed.all() and by_slide.slide("rail").displacement == pytest.approx(q)
+    assert by_slide.assembled.all() and by_slide.slide("rail").displacement == pytest.approx(q)
     by_body = gk.move(gk.Linkage(bodies, "head", (slider,)), np.abs(q))
     assert np.abs(by_body.crank.direction - by_slide.crank.direction).max() < 1e-13
 
@@ -333,7 +333,7 @@ def test_a_rod_in_a_cylinder_is_not_taken_for_an_angle():
     assert caught.value.field == "driver" and "displacement" in caught.value.problem
     # What it advises works, and both are what they say.
     assert "give lift, the slider" in caught.value.remedy and "cylinder, which turns as it does" in caught.value.remedy
-    assert gk.move(gk.Linkage(linkage.bodies, "lift", linkage.sliders), [100.0], -1).closed[0]
+    assert gk.move(gk.Linkage(linkage.bodies, "lift", linkage.sliders), [100.0], -1).assembled[0]
     by_angle = gk.move(gk.Linkage(linkage.bodies, "cylinder", linkage.sliders), [0.7])
     assert np.angle(by_angle.cylinder.direction[0]) == pytest.approx(0.7)
     hanging, _, _, _ = between()
@@ -359,7 +359,7 @@ def test_an_actuator_among_loops_needs_only_its_pins_as_a_start():
     linkage, stroke, _, _ = between()
     rough = {pin: z + 8 * np.exp(1j * k) for k, (pin, z) in enumerate(linkage.estimate.items())}
     motion = gk.move(dataclasses.replace(linkage, estimate=rough), stroke)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     assert np.abs(motion.point("pen").position - gk.move(linkage, stroke).point("pen").position).max() < 1e-10
     with pytest.raises(gk.DesignError) as caught:
         gk.move(dataclasses.replace(linkage, estimate={}), stroke)

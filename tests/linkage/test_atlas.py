@@ -45,7 +45,7 @@ def test_an_atlas_is_its_points_moved_one_by_one(linkage):
     assert curves.shape == (2, 3, len(STEPS))
     for row, column in np.ndindex(2, 3):
         one = motion.coupler.point(complex(grid[row, column])).position
-        assert np.array_equal(np.isnan(one), ~motion.closed)
+        assert np.array_equal(np.isnan(one), ~motion.assembled)
         assert np.nanmax(np.abs(curves[row, column] - one)) < 1e-13 * 100
 
 

@@ -19,7 +19,7 @@ STEPS = [6, 7, 13, 100, 361, 2000]
 def test_a_parallelogram_stays_one_at_any_step(lengths, frames, span):
     motion = gk.move(gk.FourBar(*lengths), np.linspace(*span, frames), "follow")
     if span[0] == -4 * np.pi or span[1] > 0:
-        assert motion.closed.all()
+        assert motion.assembled.all()
         assert np.abs(motion.coupler.direction - 1).max() < 1e-15 * 8
         assert motion.rocker.first == pytest.approx(np.ones(frames), abs=1e-14)
         assert np.abs(motion.coupler.second).max() < 1e-13
@@ -65,7 +65,7 @@ def test_a_change_point_with_one_vanishing_gap_takes_two_turns_to_come_back():
 def test_an_in_line_slider_crank_of_equal_links_runs_through_its_middle(frames):
     drive = np.linspace(0, 4 * np.pi, frames)
     motion = gk.move(gk.SliderCrank(50, 50), drive, "follow")
-    assert motion.closed.all()
+    assert motion.assembled.all()
     assert motion.slider.origin.position == pytest.approx(100 * np.cos(drive), abs=2e-13)
     assert motion.coupler.first == pytest.approx(-np.ones(frames), abs=1e-14)
 
@@ -76,14 +76,14 @@ def test_a_slider_that_drives_equal_links_carries_them_through_the_middle(frames
     drive = np.linspace(90, -90, frames)
     motion = gk.move(gk.SliderCrank(50, 50, driver="slider"), drive, "follow")
     pin = motion.point("crank_pin").position
-    assert motion.closed.all() and pin == pytest.approx(drive / 2 + 1j * np.sqrt(2500 - drive**2 / 4), abs=1e-12)
+    assert motion.assembled.all() and pin == pytest.approx(drive / 2 + 1j * np.sqrt(2500 - drive**2 / 4), abs=1e-12)
 
 
 @pytest.mark.parametrize("frames", [6, 7, 50, 361])
 def test_a_second_parallelogram_behind_the_first_stays_one(frames):
     linkage = gk.Linkage(two_parallelograms(), "crank")
     motion = gk.move(linkage, np.linspace(0.3, 0.3 + 2 * np.pi, frames), "follow")
-    assert motion.closed.all()
+    assert motion.assembled.all()
     for body in ("coupler", "bar"):
         assert np.abs(motion.bodies[body].direction - 1).max() < 1e-12
 
@@ -114,7 +114,7 @@ def test_circuits_are_what_small_steps_can_reach(linkage, count):
     """Poses joined to their neighbours on the same branch, and across a limit to the other: the connected sets."""
     drive = np.linspace(0, 2 * np.pi, 721)[:-1]
     motions = {side: gk.move(linkage, drive, side) for side in (1, -1)}
-    label = {(side, k): (side, k) for side in (1, -1) for k in np.flatnonzero(motions[side].closed)}
+    label = {(side, k): (side, k) for side in (1, -1) for k in np.flatnonzero(motions[side].assembled)}
 
     def root(pose):
         while label[pose] != pose:
@@ -169,7 +169,7 @@ DECIMALS = {
 def test_lengths_that_add_up_but_for_their_rounding_have_a_change_point(name, size):
     drive = np.linspace(0.3, 0.3 + 4 * np.pi, 50)
     whole, rounded = (gk.move(DECIMALS[name](s), drive, "follow") for s in (1.0, size))
-    assert np.array_equal(whole.closed, rounded.closed)
+    assert np.array_equal(whole.assembled, rounded.assembled)
     assert rounded.coupler.direction == pytest.approx(whole.coupler.direction, abs=1e-13, nan_ok=True)
     # By the fixed branch it is another motion from there on.
     fixed = gk.move(DECIMALS[name](1.0), drive).coupler.direction
@@ -198,8 +198,8 @@ def test_what_is_followed_has_neither_jump_nor_kink_whichever_way_it_runs(name, 
     step = 4 * np.pi / 1500
     for way in (1, -1):
         for sign in (1, -1):
-            motion = gk.move(FOLLOWED[name], start + way * step * np.arange(1501), gk.Follow(sign))
-            known = motion.closed[1:] & motion.closed[:-1]
+            motion = gk.move(FOLLOWED[name], start + way * step * np.arange(1501), gk.Continuation(sign))
+            known = motion.assembled[1:] & motion.assembled[:-1]
             signs = motion.branches[next(iter(motion.branches))]
             assert signs[0] in (sign, 0)
             for body in list(motion.bodies.values())[2:]:
@@ -227,7 +227,7 @@ def test_gaps_are_sums_as_if_added_exactly():
 def test_a_sign_is_a_sign_whatever_number_tells_it(kind, sign):
     drive = np.linspace(0, 6, 20)
     wanted = gk.move(FOUR_BAR, drive, {"rocker_pin": sign}).rocker.direction
-    for branch in (kind(sign), gk.Follow(kind(sign)), {"rocker_pin": kind(sign)}):
+    for branch in (kind(sign), gk.Continuation(kind(sign)), {"rocker_pin": kind(sign)}):
         motion = gk.move(FOUR_BAR, drive, branch)
         assert np.abs(motion.rocker.direction - wanted).max() < 1e-13
         assert set(motion.branches["rocker_pin"]) == {sign}
@@ -240,7 +240,7 @@ def test_a_slider_crank_that_just_turns_fully_has_one_circuit(sizes):
     for branch in (1, -1):
         motion = gk.move(gk.SliderCrank(*sizes), drive, branch)
         told = gk.linkage.circuits(gk.SliderCrank(*sizes), motion)
-        assert motion.closed.any() and np.array_equal(told, motion.closed.astype(int))
+        assert motion.assembled.any() and np.array_equal(told, motion.assembled.astype(int))
     if sizes[2]:
         longer = gk.SliderCrank(*(size + (0.01 if size == 42 else 0) for size in sizes))
         told = [gk.linkage.circuits(longer, gk.move(longer, drive, branch)) for branch in (1, -1)]

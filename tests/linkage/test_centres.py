@@ -48,7 +48,7 @@ def test_centres_of_a_four_bar_lie_on_the_lines_through_its_pins(lengths, angle,
     if longest > 0.99 * (sum(lengths) - longest):
         return
     motion = gk.move(gk.FourBar(*lengths), [angle], branch)
-    if not motion.closed[0] or motion.transmission_angle[0] < 1e-3:
+    if not motion.assembled[0] or motion.transmission_angle[0] < 1e-3:
         return
     a, b = (motion.point(name).position[0] for name in ("crank_pin", "rocker_pin"))
     for body, other, lines in [
@@ -79,7 +79,7 @@ def test_centres_of_a_slider_crank_lie_on_lines_square_to_the_slide():
 @pytest.mark.parametrize("name", LINKAGES)
 def test_three_centres_of_three_bodies_are_in_line(name):
     motion = gk.move(LINKAGES[name], TURN)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     centres = instant_centres(motion)
     count = len(motion.bodies)
     assert len(centres) == count * (count - 1) // 2
@@ -207,9 +207,9 @@ def test_many_linkages_at_once():
 def test_open_frames_and_dead_centres_of_the_driver_are_nan():
     motion = gk.move(gk.FourBar(3, 2, 2.5, 4), np.linspace(0, 2 * np.pi, 37))
     for centre in instant_centres(motion).values():
-        assert np.array_equal(np.isnan(centre.position), ~motion.closed)
+        assert np.array_equal(np.isnan(centre.position), ~motion.assembled)
     stuck = gk.move(gk.SliderCrank(30, 90, driver="slider"), [100.0, 120.0])
-    assert stuck.closed.all()
+    assert stuck.assembled.all()
     centre = instant_centre(stuck, "coupler", "ground").position
     assert np.isfinite(centre[0]) and np.isnan(centre[1])
 

@@ -121,8 +121,8 @@ def test_a_change_of_branch_draws_no_line():
 def test_open_frames_are_nan_and_break_the_curve():
     motion = gk.move(gk.FourBar(3, 2, 2.5, 4), np.linspace(-np.pi, np.pi, 91))
     centrodes = Centrodes(motion, "coupler")
-    assert np.array_equal(np.isnan(centrodes.moving), ~motion.closed)
-    assert all(motion.closed[run].all() for run in centrodes.runs(100.0))
+    assert np.array_equal(np.isnan(centrodes.moving), ~motion.assembled)
+    assert all(motion.assembled[run].all() for run in centrodes.runs(100.0))
 
 
 def test_a_translating_body_has_none():

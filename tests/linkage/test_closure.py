@@ -86,7 +86,7 @@ def test_the_condition_grows_as_a_true_limit_comes_near():
     condition = gk.move(triple_rocker, limit - gaps).condition
     # The linkage's own square root: a hundred times nearer, ten times more sensitive.
     assert condition[1:] / condition[:-1] == pytest.approx([10, 10], rel=0.05)
-    assert not gk.move(triple_rocker, [limit + 1e-9]).closed[0]
+    assert not gk.move(triple_rocker, [limit + 1e-9]).assembled[0]
 
 
 WORST = {

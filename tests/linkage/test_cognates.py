@@ -31,7 +31,7 @@ def test_all_three_are_at_the_same_point_at_the_same_moment(name, driver, branch
         links = cognate.linkage
         motion = gk.move(links, TURN + cognate.drive_offset, branch * cognate.branch)
         size = max(links.ground, links.crank, links.coupler, links.rocker)
-        assert np.array_equal(motion.closed, reached)
+        assert np.array_equal(motion.assembled, reached)
         own = motion.point("coupler_point")
         assert np.abs(own.position - traced.position)[reached].max() < 1e-12 * size
         far = np.abs(own.first - traced.first)[reached] / (size + np.abs(traced.first[reached]))
@@ -43,7 +43,7 @@ def test_all_three_are_at_the_same_point_at_the_same_moment(name, driver, branch
 def test_links_keep_their_angle_to_the_link_they_are_said_to_turn_with(name):
     given = LINKAGES[name]
     motion = gk.move(given, TURN)
-    seen = motion.closed
+    seen = motion.assembled
     for cognate in cognates(given):
         own = gk.move(cognate.linkage, TURN + cognate.drive_offset, cognate.branch)
         assert set(cognate.turns_with) == {"crank", "coupler", "rocker"} == set(cognate.turns_with.values())
@@ -80,7 +80,7 @@ def test_roberts_figure_keeps_its_third_pivot_though_nothing_holds_it(name, driv
     assert len(figure.bodies) == 10 and len(figure.pins["coupler_point"]) == 3
     assert figure.ground not in figure.pins["third_pivot"]
     motion = gk.move(figure, TURN, "follow")
-    assert motion.closed.all()
+    assert motion.assembled.all()
     assert motion.residual.max() < 1e-9
     # 1e-9: where a parallelogram passes its change point, its dyad has lost half the digits.
     assert np.abs(motion.point("third_pivot").position - third_pivot(given)).max() < 1e-9

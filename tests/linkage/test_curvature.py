@@ -132,7 +132,7 @@ def test_a_point_at_the_instant_centre_has_a_cusp_and_is_its_own_centre():
 def test_open_frames_and_dead_centres_of_the_driver_are_nan():
     motion = gk.move(gk.FourBar(3, 2, 2.5, 4), TURN)
     path = path_curvature(motion, "coupler", 1 + 1j)
-    assert np.array_equal(np.isnan(path.curvature), ~motion.closed)
+    assert np.array_equal(np.isnan(path.curvature), ~motion.assembled)
     stuck = path_curvature(gk.move(gk.SliderCrank(30, 90, driver="slider"), [100.0, 120.0]), "coupler", 1 + 1j)
     assert np.isfinite(stuck.curvature[0]) and np.isnan(stuck.curvature[1])
     with pytest.raises(gk.DesignError, match="coupler"):

@@ -74,7 +74,7 @@ def test_scenes_turn_by_directions_of_any_length() -> None:
 @pytest.mark.parametrize("linkage", OPENS, ids=lambda one: type(one).__name__)
 def test_open_is_nan_in_both_parts(linkage: gk.linkage.AbstractLinkage, frames: int) -> None:
     motion = gk.move(linkage, np.linspace(0, 2 * np.pi, frames), speed=2.0)
-    assert not motion.closed.all()
+    assert not motion.assembled.all()
     for body in list(motion.bodies)[1:]:
         moved, circle = motion.bodies[body], inflection_circle(motion, body)
         centre, path = instant_centre(motion, body, motion.linkage.ground), path_curvature(motion, body, 3 + 4j)
@@ -85,4 +85,4 @@ def test_open_is_nan_in_both_parts(linkage: gk.linkage.AbstractLinkage, frames: 
         values += [Centrodes(motion, body).fixed, Centrodes(motion, body).moving]
         for value in values:
             np.testing.assert_array_equal(np.isnan(value.real), np.isnan(value.imag))
-            assert np.isnan(value[~motion.closed]).all()
+            assert np.isnan(value[~motion.assembled]).all()

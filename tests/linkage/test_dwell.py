@@ -48,8 +48,8 @@ def test_a_dwell_may_begin_in_one_turn_and_end_in_the_next() -> None:
 def test_open_frames_break_a_dwell() -> None:
     motion = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(0, 2 * np.pi, 721))
     found = longest_dwell(motion, "rocker", 10.0)
-    assert not motion.closed.all()
-    assert gk.move(motion.linkage, np.linspace(found.start, found.end, 500)).closed.all()
+    assert not motion.assembled.all()
+    assert gk.move(motion.linkage, np.linspace(found.start, found.end, 500)).assembled.all()
 
 
 def test_falling_drives_have_the_dwell_of_rising_ones() -> None:

@@ -18,8 +18,8 @@ def test_a_near_miss_is_passed_as_steps_far_smaller_than_it_pass_it(seed, side):
     for six_bar, middle, gap in near_misses(15, seed):
         drive, track = by_brute_force(six_bar, middle, gap, side)
         away = np.flatnonzero(np.abs(drive - middle) > 0.02)[:: 97 + seed]
-        motion = gk.move(six_bar, drive[away], gk.Follow({"output_pin": side}))
-        assert motion.closed.all() and set(motion.branches["output_pin"]) == {side}
+        motion = gk.move(six_bar, drive[away], gk.Continuation({"output_pin": side}))
+        assert motion.assembled.all() and set(motion.branches["output_pin"]) == {side}
         size = six_bar.link + six_bar.output
         assert np.abs(motion.point("output_pin").position - track[away]).max() < 1e-6 * size
 
@@ -39,7 +39,7 @@ def test_a_driving_slider_that_hardly_misses_the_crank_s_pivot_keeps_its_side(of
     drive = np.linspace(80, -80, 33)
     linkage = gk.SliderCrank(50, rod, offset=offset, driver="slider")
     motion = gk.move(linkage, drive, "follow")
-    closed = motion.closed
+    closed = motion.assembled
     assert closed.sum() >= 32 and set(motion.branches["crank_pin"][closed]) == {motion.branches["crank_pin"][0]}
     assert np.abs(motion.crank.direction[-1] - motion.crank.direction[0]) > 0.5
 
@@ -64,8 +64,8 @@ def chain(count):
 def test_a_chain_of_parallelograms_stays_one_from_given_pins(frames, turn):
     linkage, pins = chain(3)
     drive = np.linspace(0.4, 0.4 + turn, frames)
-    motion = gk.move(linkage, drive, gk.Follow({name: place + 3 - 2j for name, place in pins.items()}))
-    assert motion.closed.all()
+    motion = gk.move(linkage, drive, gk.Continuation({name: place + 3 - 2j for name, place in pins.items()}))
+    assert motion.assembled.all()
     for k in range(3):
         assert np.abs(motion.bodies[f"rod{k}"].direction - 1).max() < 1e-11
 
@@ -79,8 +79,8 @@ def test_a_change_point_is_reached_and_left_at_the_frame_itself():
         # The second parallelogram is in line where its crank points along its ground line.
         line = np.angle(15 + 5j)
         drive = np.array([0.4, np.pi - line, np.pi - line + 1e-9, 4.0, 2 * np.pi - line, 7.0])
-        motion = gk.move(placed, drive, gk.Follow(start))
-        assert motion.closed.all()
+        motion = gk.move(placed, drive, gk.Continuation(start))
+        assert motion.assembled.all()
         ahead = np.exp(1j * turned)
         assert np.abs(motion.bodies["rod0"].direction - ahead).max() < 1e-7
 
@@ -92,11 +92,11 @@ def test_limits_of_a_followed_branch_are_followed_from_the_start_of_the_span():
     bodies = {**linkage.bodies, "ground": ground, "rod": {"Q0": 0, "S": 12}, "last": {"F": 0, "S": 26}}
     wide = gk.Linkage(bodies, "crank")
     start = 2 * np.pi - np.angle(15 + 5j) - 1e-3
-    signs = {joint: int(row[-1]) for joint, row in gk.move(wide, [0.4, start], gk.Follow(pins)).branches.items()}
-    branch = gk.Follow(signs | {"S": 1})
+    signs = {joint: int(row[-1]) for joint, row in gk.move(wide, [0.4, start], gk.Continuation(pins)).branches.items()}
+    branch = gk.Continuation(signs | {"S": 1})
     parts = gk.driver_limits(wide, branch, (start, start + 2 * np.pi))
     looks = np.linspace(start, start + 2 * np.pi, 2001)
-    closed = gk.move(wide, looks, branch).closed
+    closed = gk.move(wide, looks, branch).assembled
     inside = np.any([(low <= looks) & (looks <= high) for low, high in parts], axis=0)
     assert 0 < closed.mean() < 1 and np.mean(inside != closed) < 2e-3
 
@@ -109,7 +109,7 @@ def test_a_change_point_stands_where_it_is_to_a_tenth_of_a_millionth_of_a_degree
         placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=turned)
         start = {name: place * np.exp(1j * np.radians(turned)) for name, place in pins.items()}
         at = np.pi - np.angle(15 + 5j)
-        motion = gk.move(placed, np.concatenate([[0.4], at - beside, at + beside]), gk.Follow(start))
+        motion = gk.move(placed, np.concatenate([[0.4], at - beside, at + beside]), gk.Continuation(start))
         for joint in ("Q0", "Q1"):
             assert motion.branches[joint][1:61].min() >= 0 and motion.branches[joint][61:].max() <= 0
 
@@ -124,7 +124,7 @@ def test_a_row_that_ends_at_a_change_point_is_closed_there(turn, span):
         placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=turned)
         for end in line + np.spacing(line) * np.arange(-2, 3):
             motion = gk.move(placed, end - turn * span * np.array([1, 0.5, 0]), "follow")
-            assert motion.closed.all() and set(motion.branches["Q0"][:-1]) == {1}
+            assert motion.assembled.all() and set(motion.branches["Q0"][:-1]) == {1}
             beyond = gk.move(placed, [end - turn * 1e-6, end + turn * span], "follow")
             assert beyond.branches["Q0"].tolist() == [1, -1]
 
@@ -142,8 +142,8 @@ def test_a_change_point_within_a_whip_is_passed():
         drive = way * np.linspace(70, -61.3, 29)
         crank = gk.move(linkage, drive, "follow").crank.direction
         pins = {"Q": 70 + 20 * crank[0]}
-        motion = gk.move(twin, drive, gk.Follow(pins))
-        assert motion.closed.all() and len(set(motion.branches["Q"])) == 2
+        motion = gk.move(twin, drive, gk.Continuation(pins))
+        assert motion.assembled.all() and len(set(motion.branches["Q"])) == 2
         assert np.abs(crank[-1] - crank[0]) > 0.5
         assert np.abs(motion.out.direction - motion.crank.direction).max() < 1e-6
 
@@ -160,8 +160,8 @@ def test_a_place_tells_at_the_frame_where_it_was_told():
     linkage = gk.Linkage(bodies, "crank")
     drive = np.array([3.0, 0.5, 0.8, 1.2, 1.3])
     rocker = gk.move(bars, drive).rocker.direction
-    motion = gk.move(linkage, drive, gk.Follow({"Q": bodies["ground"]["E"] + arm * rocker[1]}))
-    assert motion.closed.tolist() == [False, True, True, True, True]
+    motion = gk.move(linkage, drive, gk.Continuation({"Q": bodies["ground"]["E"] + arm * rocker[1]}))
+    assert motion.assembled.tolist() == [False, True, True, True, True]
     assert motion.rod.direction[1:] == pytest.approx(np.ones(4), abs=1e-9)
 
 
@@ -171,7 +171,9 @@ def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_sp
     bodies = dict(linkage.bodies)
     bodies["ground"] = {**bodies["ground"], "F": 105}
     bodies |= {"link": {"Q0": 0, "S": 40}, "rocker two": {"F": 0, "S": 35}}
-    found = gk.linkage.dead_centres(gk.Linkage(bodies, "crank"), "rocker two", gk.Follow(pins), (0.4, 0.4 + 2 * np.pi))
+    found = gk.linkage.dead_centres(
+        gk.Linkage(bodies, "crank"), "rocker two", gk.Continuation(pins), (0.4, 0.4 + 2 * np.pi)
+    )
     lean = np.angle(15 + 5j)
     alone = gk.FourBar(45, abs(15 + 5j), 40, 35)
     wanted = gk.linkage.dead_centres(alone, "rocker", 1, (0.4 + lean, 0.4 + lean + 2 * np.pi)) - lean
@@ -181,8 +183,8 @@ def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_sp
 def test_frames_as_near_to_a_change_point_as_rounding_are_closed():
     linkage, pins = chain(2)
     at = np.pi - np.angle(15 + 5j)
-    motion = gk.move(linkage, np.append(0.4, at + np.linspace(-1e-7, 1e-7, 401)), gk.Follow(pins))
-    assert motion.closed.all()
+    motion = gk.move(linkage, np.append(0.4, at + np.linspace(-1e-7, 1e-7, 401)), gk.Continuation(pins))
+    assert motion.assembled.all()
     assert np.abs(motion.bodies["rod1"].direction - 1).max() < 1e-6
 
 
@@ -203,7 +205,7 @@ def test_branches_that_touch_at_a_dead_centre_do_not_cross():
     watt = gk.WattSixBar(FOUR_BAR, 50, 80, 100 + 50 - 20 + 0.0, 100 - 160 * back)
     drive = centre + np.linspace(-0.5, 0.5, 40)
     motion = gk.move(watt, drive, "follow")
-    assert motion.closed.all() and set(motion.branches["output_pin"]) <= {1, 0}
+    assert motion.assembled.all() and set(motion.branches["output_pin"]) <= {1, 0}
     assert motion.bodies["output"].first[19] == pytest.approx(-motion.bodies["output"].first[20], rel=0.3)
 
 
@@ -213,7 +215,9 @@ def test_many_linkages_are_followed_as_each_is_alone():
     drive = np.linspace(0.4, 0.4 + 4 * np.pi, 60)
 
     def moved(length):
-        return gk.move(gk.Linkage({**linkage.bodies, "rod1": {"R1": 0, "Q1": length}}, "crank"), drive, gk.Follow(pins))
+        return gk.move(
+            gk.Linkage({**linkage.bodies, "rod1": {"R1": 0, "Q1": length}}, "crank"), drive, gk.Continuation(pins)
+        )
 
     many = moved(lengths)
     for k, length in enumerate(lengths):
@@ -235,11 +239,11 @@ def test_a_large_one_among_small_ones_is_followed_over_its_whole_stroke():
             "rocker": {"C": 0, "E": 20 * size},
         }
         slide = gk.Slider("slide", "piston", "ground", through=960j)
-        return gk.move(gk.Linkage(bodies, "piston", (slide,)), drive, gk.Follow({"A": -1, "E": -1}))
+        return gk.move(gk.Linkage(bodies, "piston", (slide,)), drive, gk.Continuation({"A": -1, "E": -1}))
 
     sizes, drive = np.array([1.0, 80.0]), np.linspace(9500, 9550, 30)
     many, alone = moved(sizes, drive), moved(80.0, drive)
-    assert not many.closed[:, 0].any() and alone.closed.all()
+    assert not many.assembled[:, 0].any() and alone.assembled.all()
     crank, rocker = alone.crank.direction, alone.rocker.direction
     assert np.ptp(np.sign(crank.imag)) == 2 and np.abs(crank - rocker).max() < 1e-6
     assert np.abs(many.rocker.direction[:, 1] - rocker).max() < 1e-12
@@ -290,7 +294,7 @@ def test_places_tell_at_the_first_frame_that_closes_and_start_loops():
     triple_rocker, drive = gk.FourBar(4, 3, 2, 2.5), np.linspace(2.0, -1.0, 20)
     for sign in (1, -1):
         there = gk.move(triple_rocker, drive, sign)
-        place = there.point("rocker_pin").position[there.closed][0]
+        place = there.point("rocker_pin").position[there.assembled][0]
         assert np.array_equal(
             gk.move(triple_rocker, drive, {"rocker_pin": place}).branches["rocker_pin"], there.branches["rocker_pin"]
         )
@@ -352,18 +356,18 @@ def test_what_is_no_branch_is_refused(branch, word):
 @pytest.mark.parametrize("start", [0, True, None, "follow", {"output_pin": 2}, {"output_pin": complex(np.nan, 0)}])
 def test_what_is_no_start_is_refused(start):
     with pytest.raises(gk.DesignError) as caught:
-        gk.Follow(start)
+        gk.Continuation(start)
     assert caught.value.field == "start"
 
 
 def test_turns_without_end_are_refused_with_the_number_that_works():
     six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
     with pytest.raises(gk.DesignError, match="give at most") as caught:
-        gk.move(six_bar, [0, 1e9], "follow").closed
+        gk.move(six_bar, [0, 1e9], "follow").assembled
     most = int(caught.value.remedy.split()[-2])
-    assert gk.move(six_bar, [0, np.radians(most)], "follow").closed.all()
+    assert gk.move(six_bar, [0, np.radians(most)], "follow").assembled.all()
     with pytest.raises(gk.DesignError, match="give at most"):
-        gk.move(six_bar, [0, np.radians(most + 2)], "follow").closed
+        gk.move(six_bar, [0, np.radians(most + 2)], "follow").assembled
 
 
 def test_more_linkages_than_can_be_followed_are_refused_with_how_many_can(monkeypatch):
@@ -371,7 +375,7 @@ def test_more_linkages_than_can_be_followed_are_refused_with_how_many_can(monkey
 
     def closed(count, drive=(0.0, 0.1)):
         bars = gk.FourBar(np.full(count, 100.0), 30, 90, 70, coupler_point=50 + 50j)
-        return gk.move(gk.StephensonSixBar(bars, 120, 90, 100 + 100j), drive, "follow").closed
+        return gk.move(gk.StephensonSixBar(bars, 120, 90, 100 + 100j), drive, "follow").assembled
 
     with pytest.raises(gk.DesignError, match="bodies: found 300 linkages to follow; give at most") as caught:
         closed(300)

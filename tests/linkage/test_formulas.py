@@ -18,7 +18,7 @@ NEVER = 10**18
 def told(linkage, drive, **how):
     """All that a motion tells, in an order that asks for the last first."""
     motion = gk.move(linkage, drive, **how)
-    found = [motion.closed, motion.transmission_angle]
+    found = [motion.assembled, motion.transmission_angle]
     for body in motion.bodies.values():
         found += [body.alpha, body.omega, body.direction, body.second, body.first]
         for point in (body.origin, body.point(3 - 2j)):
@@ -42,7 +42,7 @@ def formulas(request, monkeypatch):
         monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
     monkeypatch.setattr(program, "BLOCK", 7 if "blocks" in request.param else 4096)
     monkeypatch.setattr(program, "SMALL", 4096 if request.param == "benches" else 0)
-    monkeypatch.setattr(worked, "USUAL", 16_384 if request.param == "benches" else 0)
+    monkeypatch.setattr(worked, "DEFAULT_FORMATS", 16_384 if request.param == "benches" else 0)
     return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
 
 
@@ -118,12 +118,12 @@ def test_formulas_are_written_down_for_what_moves_often(monkeypatch):
     monkeypatch.setattr(solution, "linkage_formulas", lambda *args: written.append(args) or make(*args))
     linkage, drive = walking_leg(), np.linspace(0, 6, 50)
     for _ in range(solution.WORTH // solution.MOVING + 3):
-        _ = gk.move(linkage, drive, {"B": -1, "G": -1}).closed
+        _ = gk.move(linkage, drive, {"B": -1, "G": -1}).assembled
     assert len(written) == 1
     # One that moves once over many frames is not kept waiting, and a copy of it goes to another process.
     other = gk.FourBar(100, 30, 90, 70)
     motion = gk.move(other, np.linspace(0, 6, 20_000))
-    assert motion.closed.all() and len(written) == 2
+    assert motion.assembled.all() and len(written) == 2
     for _ in range(2):
         copy = pickle.loads(pickle.dumps(motion))
         assert np.array_equal(copy.rocker.alpha, motion.rocker.alpha)
@@ -192,12 +192,12 @@ def test_what_is_asked_together_or_anew_is_what_each_is_alone():
     for what in ("position", "first", "second", "velocity", "acceleration"):
         asks[f"pen {what}"] = lambda m, w=what: getattr(m.point("coupler_point"), w)
         asks[f"hand {what}"] = lambda m, w=what: getattr(m.rocker.point(3 - 4j), w)
-    asks |= {"angle": lambda m: m.transmission_angle, "closed": lambda m: m.closed}
+    asks |= {"angle": lambda m: m.transmission_angle, "closed": lambda m: m.assembled}
     # Moved by the placements alone.
     alone = [{name: ask(gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), q, speed=3.0)).copy()
               for name, ask in asks.items()} for q in drives]  # fmt: skip
     for _ in range(12):
-        _ = gk.move(linkage, drives[1], speed=3.0).closed
+        _ = gk.move(linkage, drives[1], speed=3.0).assembled
 
     def some(seed):
         own, found = np.random.default_rng(seed), []
@@ -221,7 +221,7 @@ def test_what_is_kept_for_the_next_motion_has_bounds(monkeypatch):
     linkages = [gk.FourBar(100, 30, 90, 70 + k) for k in range(40)]
     for frames in (1, 4096, 700):
         for linkage in linkages:
-            assert gk.move(linkage, drive[:frames]).closed.all()
+            assert gk.move(linkage, drive[:frames]).assembled.all()
         assert len(held) == {1: 16, 4096: 4, 700: 16}[frames]
         assert sum(count for _, count in held) <= 16_384
 
@@ -246,5 +246,5 @@ def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
 def test_loops_told_by_places_leave_nothing_behind():
     loops, drive = locked()
     for k in range(3):
-        assert gk.move(loops, drive, {"B": complex(loops.estimate["B"]) + 1e-9 * k}).closed.any()
+        assert gk.move(loops, drive, {"B": complex(loops.estimate["B"]) + 1e-9 * k}).assembled.any()
     assert len(loops.formulas) == 0

@@ -41,9 +41,9 @@ def test_the_pin_lies_on_both_circles_wherever_the_linkage_closes(lengths, angle
     clearly_open = diagonal > coupler + rocker + 1e-9 or diagonal < abs(coupler - rocker) - 1e-9
     clearly_closed = abs(coupler - rocker) + 1e-9 < diagonal < coupler + rocker - 1e-9
     if clearly_open:
-        assert not motion.closed[0] and np.isnan(motion.rocker.direction[0]) and np.isnan(motion.rocker.omega[0])
+        assert not motion.assembled[0] and np.isnan(motion.rocker.direction[0]) and np.isnan(motion.rocker.omega[0])
     if clearly_closed:
-        assert motion.closed[0]
+        assert motion.assembled[0]
         assert abs(motion.coupler.point(coupler).position[0] - motion.point("rocker_pin").position[0]) < 1e-12 * sum(
             lengths
         )
@@ -124,7 +124,7 @@ def test_change_of_branch_mirrors_a_symmetric_pose():
 def test_coincident_circles_have_no_single_answer():
     rhombus = gk.FourBar(1, 1, 1, 1)
     motion = gk.move(rhombus, [0.0])
-    assert not motion.closed[0] and np.isnan(motion.coupler.direction[0])
+    assert not motion.assembled[0] and np.isnan(motion.coupler.direction[0])
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_coincident_circles_have_no_single_answer():
 def test_grashof_type_agrees_with_what_turns(lengths, kind):
     linkage = gk.FourBar(*lengths)
     assert gk.linkage.grashof_type(linkage) == kind
-    turns_fully = bool(gk.move(linkage, TURN + 1e-3).closed.all())
+    turns_fully = bool(gk.move(linkage, TURN + 1e-3).assembled.all())
     assert turns_fully == (kind in ("crank-rocker", "double-crank", "change-point"))
 
 

@@ -37,7 +37,7 @@ def test_motion_and_cranks_alone_give_the_same_circle(lengths, angle, branch):
     longest = max(lengths)
     assume(longest < 0.99 * (sum(lengths) - longest))
     motion = gk.move(gk.FourBar(*lengths), [angle], branch)
-    assume(motion.closed[0] and motion.transmission_angle[0] > 0.05)
+    assume(motion.assembled[0] and motion.transmission_angle[0] > 0.05)
     by_motion, by_cranks = inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))
     assume(np.isfinite(by_motion.nearest[0]) and abs(by_motion.nearest[0]) < 1e3)
     # Digits that the two roads lose in common: the first by the transmission angle, both by the angle of the cranks.
@@ -226,7 +226,7 @@ def test_a_chain_of_parallelograms_has_none_either():
 
 def test_open_frames_dead_centres_and_rest_are_nan():
     motion = gk.move(gk.FourBar(3, 2, 2.5, 4), TURN)
-    assert np.array_equal(np.isnan(inflection_circle(motion, "coupler").diameter), ~motion.closed)
+    assert np.array_equal(np.isnan(inflection_circle(motion, "coupler").diameter), ~motion.assembled)
     assert np.isnan(inflection_circle(motion, "ground").path(1j).curvature).all()
     stuck = inflection_circle(gk.move(gk.SliderCrank(30, 90, driver="slider"), [100.0, 120.0]), "coupler")
     assert np.isfinite(stuck.diameter[0]) and np.isnan(stuck.diameter[1])

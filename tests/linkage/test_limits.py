@@ -32,12 +32,12 @@ def test_limits_part_the_drives_that_close_from_those_that_do_not(linkage, span)
     parts = gk.driver_limits(linkage, span=span)
     drive = np.linspace(*span, 5000)[1:-1]
     inside = np.any([(low <= drive) & (drive <= high) for low, high in parts], axis=0)
-    assert np.array_equal(inside, gk.move(linkage, drive).closed)
+    assert np.array_equal(inside, gk.move(linkage, drive).assembled)
     for edge in {e for part in parts for e in part} - set(span):
         # At the limit a dyad is stretched or folded.
         near = [gk.move(linkage, [edge + k * 1e-9 * (span[1] - span[0])]) for k in (-1, 1)]
-        assert [m.closed[0] for m in near].count(True) == 1
-        assert min(m.transmission_angle[0] for m in near if m.closed[0]) < 1e-3
+        assert [m.assembled[0] for m in near].count(True) == 1
+        assert min(m.transmission_angle[0] for m in near if m.assembled[0]) < 1e-3
 
 
 def test_the_crank_of_a_non_grashof_linkage_stops_where_coupler_and_rocker_stretch():

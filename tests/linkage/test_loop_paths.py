@@ -46,7 +46,7 @@ def test_frames_of_random_linkages_are_those_of_newton_s_method_frame_by_frame(s
     for k, (linkage, _, _) in enumerate(cases):
         motion = gk.move(linkage, drive[k])
         # Steps of 1 deg follow nothing beside a limit.
-        near = ~motion.closed | (np.nan_to_num(motion.transmission_angle) < 0.15)
+        near = ~motion.assembled | (np.nan_to_num(motion.transmission_angle) < 0.15)
         last = int(np.argmax(near)) if near.any() else FRAMES
         place = 100 * (poses[:last, k, 0] + 1j * poses[:last, k, 1])
         assert np.abs(motion.plate.origin.position[:last] - place).max(initial=0) < 1e-10
@@ -86,7 +86,7 @@ def test_a_path_takes_little_more_than_two_looks_at_its_equations_for_each_of_it
     monkeypatch.setattr(LoopEquations, "jacobian", lambda self, *here: looks.append(1) or whole(self, *here))
     linkage, start, _ = triad(1)
     motion = gk.move(linkage, start + np.array([0.0, 2 * np.pi]))
-    assert motion.closed.all()
+    assert motion.assembled.all()
     (trace,) = motion.solution.placements[-1]._last_trace.values()
     points = sum(len(arm.points) for arm in trace._arms)
     assert points > 60 and len(looks) < 2.5 * points
@@ -98,7 +98,7 @@ def test_a_row_that_stays_at_one_place_stands_there_at_every_frame(name):
     one = gk.move(linkage, drive[:1])
     for row in (np.full(4, drive[0]), np.array([drive[0], drive[3], drive[0], drive[3]])):
         many = gk.move(linkage, row)
-        assert many.closed.all()
+        assert many.assembled.all()
         for body in many.bodies:
             told = many.bodies[body], gk.move(linkage, row[:2]).bodies[body]
             for what in ("direction", "first", "second"):
@@ -114,7 +114,7 @@ def test_drives_too_far_off_are_refused_with_how_far_they_may_be(name):
     size = 80 * np.pi * (1 if name == "loops" else max(abs(z) for own in linkage.bodies.values() for z in own.values()))
     for way in (1, -1):
         with pytest.raises(gk.DesignError, match="drive: goes .* from its first value") as caught:
-            gk.move(linkage, drive[0] + way * np.array([0, 1.01 * size])).closed
+            gk.move(linkage, drive[0] + way * np.array([0, 1.01 * size])).assembled
         told = float(caught.value.remedy.split()[3])
         assert told == pytest.approx(size, rel=1e-5) and f"{1.01 * size:.6g}" in caught.value.problem
-        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * told])).closed[0]
+        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * told])).assembled[0]

@@ -37,7 +37,7 @@ def test_dyads_posed_as_loops_move_alike_at_the_same_transmission_angle(name):
     linkage, drive, branch = ALL[name]
     by_dyads = gk.move(linkage, drive, branch, speed=2.0)
     by_loops = gk.move(posed(linkage, by_dyads), drive, speed=2.0)
-    assert by_loops.closed.all()
+    assert by_loops.assembled.all()
     for body in by_dyads.bodies:
         one, two = by_dyads.bodies[body].point(3 + 4j), by_loops.bodies[body].point(3 + 4j)
         assert two.position == pytest.approx(one.position, abs=1e-11)
@@ -107,9 +107,9 @@ def test_the_last_closed_frame_does_not_depend_on_the_step(frames):
     ((_, limit),) = gk.driver_limits(linkage, span=(drive[0], drive[0] + 3))
     row = np.linspace(drive[0], drive[0] + 3, frames)
     motion = gk.move(linkage, row)
-    assert np.array_equal(motion.closed, row <= limit)
-    assert motion.residual[motion.closed].max() < 1e-12 * 100
-    assert gk.move(linkage, [row[0], limit, np.nextafter(limit, 9)]).closed.tolist() == [True, True, False]
+    assert np.array_equal(motion.assembled, row <= limit)
+    assert motion.residual[motion.assembled].max() < 1e-12 * 100
+    assert gk.move(linkage, [row[0], limit, np.nextafter(limit, 9)]).assembled.tolist() == [True, True, False]
 
 
 def test_frames_are_what_they_are_alone_in_any_order():
@@ -179,7 +179,7 @@ def test_limits_of_a_triad_agree_with_a_walk_along_its_curve_at_any_size(seed, s
     ((low, high),) = gk.driver_limits(linkage, span=(start, start + 2 * np.pi))
     assert low == start and high == pytest.approx(walked(*data), abs=1e-13)
     motion = gk.move(linkage, np.linspace(start, high, 50))
-    assert motion.closed.all() and motion.residual.max() < 1e-13 * 200 * size
+    assert motion.assembled.all() and motion.residual.max() < 1e-13 * 200 * size
 
 
 def test_the_transmission_angle_tells_how_far_a_bar_drives_its_point():
@@ -228,7 +228,7 @@ def test_a_recipe_at_a_lock_does_not_pass(tmp_path):
 def test_a_driver_that_drives_nothing_has_no_transmission_angle(tmp_path):
     lone = gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0, "pen": 30}}, "crank")
     motion = gk.move(lone, [0.0, 1.0])
-    assert motion.closed.all() and np.isnan(motion.transmission_angle).all() and np.isnan(motion.condition).all()
+    assert motion.assembled.all() and np.isnan(motion.transmission_angle).all() and np.isnan(motion.condition).all()
     bodies = "[linkage.bodies]\nground = { O = [0, 0] }\ncrank = { O = [0, 0], pen = [30, 0] }"
     (tmp_path / "lone.toml").write_text(f'kind = "linkage"\n[linkage]\ndriver = "crank"\n{bodies}\n')
     checks = gk.make(tmp_path / "lone.toml", out=tmp_path, only=["csv"]).checks
@@ -241,11 +241,11 @@ def test_a_parallelogram_stays_one_through_its_change_points():
     drive = np.linspace(0.4, 0.4 + 4 * np.pi, 200)
     first = gk.move(gk.FourBar(3, 2, 3, 2), drive[:1])
     motion = gk.move(posed(gk.FourBar(3, 2, 3, 2), first), drive)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     assert motion.rocker.direction == pytest.approx(motion.crank.direction, abs=1e-9)
     nearly = gk.FourBar(3, 2, 3, 2 + 1e-7)
     by_dyads, by_loops = gk.move(nearly, drive), gk.move(posed(nearly, gk.move(nearly, drive[:1])), drive)
-    assert np.array_equal(by_loops.closed, by_dyads.closed)
+    assert np.array_equal(by_loops.assembled, by_dyads.assembled)
     assert by_loops.rocker.direction == pytest.approx(by_dyads.rocker.direction, abs=1e-8, nan_ok=True)
 
 
@@ -276,11 +276,11 @@ def test_dead_centres_of_loops_are_those_of_the_dyads():
 def test_drives_too_far_to_follow_are_refused_with_a_number_that_works():
     linkage, start, _ = triad(4)
     with pytest.raises(gk.DesignError, match="drive") as caught:
-        gk.move(linkage, [start, start + 1e9]).closed
+        gk.move(linkage, [start, start + 1e9]).assembled
     most = float(caught.value.remedy.split("within ")[1].split(" ")[0])
-    assert gk.move(linkage, [start, start + most - 1e-3]).closed[0]
+    assert gk.move(linkage, [start, start + most - 1e-3]).assembled[0]
     with pytest.raises(gk.DesignError, match="drive"):
-        gk.move(linkage, [start, start + most + 1e-2]).closed
+        gk.move(linkage, [start, start + most + 1e-2]).assembled
 
 
 def test_many_linkages_at_once_are_refused_where_iteration_is_needed():
@@ -296,19 +296,19 @@ def test_a_start_at_the_lock_itself_is_closed():
     ((_, limit),) = gk.driver_limits(linkage, span=(start, start + 6))
     at_lock = gk.move(linkage, [start, limit])
     again = replace(linkage, estimate={pin: at_lock.point(pin).position[1] for pin in "BDF"})
-    assert gk.move(again, [limit, limit - 0.01, limit + 1e-9]).closed.tolist() == [True, True, False]
+    assert gk.move(again, [limit, limit - 0.01, limit + 1e-9]).assembled.tolist() == [True, True, False]
 
 
 def test_a_motion_of_loops_can_be_sent_to_another_process():
     linkage, drive = locked()
     motion = gk.move(linkage, drive)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     again = pickle.loads(pickle.dumps(motion))
     assert np.array_equal(again.point("D").velocity, motion.point("D").velocity)
 
 
 def test_no_frames_are_no_fault():
-    assert gk.move(locked()[0], []).closed.shape == (0,)
+    assert gk.move(locked()[0], []).assembled.shape == (0,)
 
 
 def test_newton_s_steps_end_where_rounding_takes_over():
@@ -418,7 +418,7 @@ def test_an_estimate_within_a_fifth_of_the_size_leads_to_one_pose_whatever_its_l
             gk.move(gk.Linkage(bodies, "out", estimate={pin: z + more for pin, z in told.items()}), angle)
             for more in (0, 1e-12)
         )
-        assert one.closed.all() and two.closed.all()
+        assert one.assembled.all() and two.assembled.all()
         assert one.point("A").position == pytest.approx(two.point("A").position, abs=1e-6)
 
 
@@ -435,6 +435,6 @@ def test_loops_behind_a_cylinder_stand_as_behind_the_link_that_it_turns():
         if abs(motion.bodies["out"].direction[0] - np.exp(1j * turns[0])) < 1e-9:
             break
     wanted = gk.move(plain, turns)
-    assert wanted.closed.all() and motion.closed.all()
+    assert wanted.closed.all() and motion.assembled.all()
     for name in ("crank", "coupler", "rod"):
         assert np.abs(motion.bodies[name].direction - wanted.bodies[name].direction).max() < 1e-11

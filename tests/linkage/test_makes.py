@@ -14,8 +14,8 @@ class Seen:
 
     def __init__(self, linkage, drive=TURN, branch=1):
         self.motion = gk.move(linkage, drive, branch)
-        assert self.motion.closed.any()
-        self.kept = self.motion.closed
+        assert self.motion.assembled.any()
+        self.kept = self.motion.assembled
         self.back = np.exp(-1j * np.radians(33.0))
 
     def __call__(self, name):

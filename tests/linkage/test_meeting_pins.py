@@ -21,15 +21,15 @@ def test_a_lift_table_that_folds_onto_itself_is_open(size, origin):
     """With its arms on each other both pins of the table are one, and its direction is anything."""
     table = dataclasses.replace(scaled(lift_table(), size), driver="arm", origin=origin * size)
     folded = gk.move(table, np.linspace(1.6, 3, 500))
-    assert not folded.closed.any() and np.isnan(folded.table.direction.real).all()
+    assert not folded.assembled.any() and np.isnan(folded.table.direction.real).all()
     assert set(folded.branches["ceiling"]) == {0}
     # Just beyond upright the shoe's place is at its least certain.
     beyond = gk.move(
         table, np.pi / 2 + np.concatenate([np.geomspace(1e-15, 1e-1, 2000), -np.geomspace(1e-15, 1e-12, 50)])
     )
-    assert not beyond.closed.any()
+    assert not beyond.assembled.any()
     upright = gk.move(table, np.append(np.linspace(0.1, 1.57, 50), np.pi / 2 - 1e-6))
-    assert upright.closed.all() and upright.table.direction == pytest.approx(np.ones(51), abs=1e-8)
+    assert upright.assembled.all() and upright.table.direction == pytest.approx(np.ones(51), abs=1e-8)
 
 
 def test_a_lift_table_s_reach_ends_where_it_folds():
@@ -47,15 +47,15 @@ def test_pins_that_nearly_meet_are_told_with_the_digits_that_are_left(size, side
     near = side * 10.0 ** -np.arange(0, 14)
     motion = gk.move(lever, near)
     error = np.abs(np.imag(motion.rocker.direction * np.conj(1j * np.exp(0.5j * near))))
-    assert motion.closed.all() and np.all(error < 1e-15 / np.abs(near))
-    assert not gk.move(lever, [0.0, side * 1e-15, side * 1e-16]).closed.any()
+    assert motion.assembled.all() and np.all(error < 1e-15 / np.abs(near))
+    assert not gk.move(lever, [0.0, side * 1e-15, side * 1e-16]).assembled.any()
 
 
 def test_many_levers_are_told_as_each_is_alone():
     ground = np.array([30.0, 30 + 1e-15, 30 + 1e-9, 80.0])
     drive = np.array([0.0, 1e-15, 1e-10, 1.0])
-    many = gk.move(gk.InvertedSliderCrank(ground, 30), drive).closed
-    assert np.array_equal(many.T, [gk.move(gk.InvertedSliderCrank(g, 30), drive).closed for g in ground])
+    many = gk.move(gk.InvertedSliderCrank(ground, 30), drive).assembled
+    assert np.array_equal(many.T, [gk.move(gk.InvertedSliderCrank(g, 30), drive).assembled for g in ground])
     assert many[0].tolist() == [False, False, True, True]
 
 
@@ -77,7 +77,7 @@ def test_places_far_out_round_as_they_are_large():
             gk.Slider("slot", "stone", "lever"),
         ),
     )
-    assert not gk.move(linkage, np.random.default_rng(1).uniform(-1e7, 1e7, 200)).closed.any()
+    assert not gk.move(linkage, np.random.default_rng(1).uniform(-1e7, 1e7, 200)).assembled.any()
 
 
 @pytest.mark.parametrize("formulas", [True, False])
@@ -100,7 +100,7 @@ def test_a_lever_on_a_moving_carrier_is_told_wherever_its_pins_are_apart(formula
     for apart in (1e-6, 1e-8, 1e-10):
         bodies["ground"]["E"] = place - apart
         motion = gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive)
-        assert motion.closed.all() and (motion.solution.worked is not None) == formulas
+        assert motion.assembled.all() and (motion.solution.worked is not None) == formulas
         assert abs(motion.lever.direction[7].imag) < 1e-13 / apart
     bodies["ground"]["E"] = place
-    assert not gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive).closed[7]
+    assert not gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive).assembled[7]

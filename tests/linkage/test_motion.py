@@ -65,7 +65,7 @@ def test_all_that_a_motion_offers_is_one_line_in_a_shell():
         for text in map(repr, things):
             assert "\n" not in text and len(text) <= 120
     assert repr(gk.move(FOUR_BAR, TURN).coupler) == "Body(name='coupler')"
-    opened = gk.linkage.opening(gk.move(gk.FourBar(4, 3, 2, 2.5), [2]))
+    opened = gk.linkage.assembly_failure(gk.move(gk.FourBar(4, 3, 2, 2.5), [2]))
     root = gk.linkage.newton_raphson(lambda x: x**2 - 2, lambda x: np.diag(2 * x), np.ones(40))
     many = gk.FourBar(100, np.linspace(20, 40, 50), 90, 70)
     for thing in (opened, root, many, many.linkage, gk.move(many, TURN), gk.move(many, TURN).rocker):
@@ -81,10 +81,10 @@ def test_many_four_bars_at_once_are_each_what_it_is_alone():
     cranks = np.linspace(20, 40, 50)
     many = gk.move(gk.FourBar(ground=100, crank=cranks, coupler=90, rocker=70, coupler_point=40 + 25j), TURN, speed=2.0)
     least = gk.least_transmission_angle(many)
-    assert many.closed.shape == (37, 50) and least.shape == (50,)
+    assert many.assembled.shape == (37, 50) and least.shape == (50,)
     for k, crank in enumerate(cranks.tolist()):
         alone = gk.move(replace(FOUR_BAR, crank=crank), TURN, speed=2.0)
-        assert np.array_equal(many.closed[:, k], alone.closed)
+        assert np.array_equal(many.assembled[:, k], alone.assembled)
         assert many.rocker.alpha[:, k] == pytest.approx(alone.rocker.alpha, rel=1e-12, abs=1e-12, nan_ok=True)
         assert least[k] == pytest.approx(gk.least_transmission_angle(alone), rel=1e-12)
 

@@ -13,14 +13,14 @@ TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
 
 
 def test_a_closed_motion_has_no_opening():
-    assert gk.linkage.opening(gk.move(FOUR_BAR, TURN)) is None
+    assert gk.linkage.assembly_failure(gk.move(FOUR_BAR, TURN)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
 def test_the_opening_is_the_first_open_frame_with_what_its_circles_lack(scale):
     drive = np.linspace(0, np.pi, 37)
     motion = gk.move(gk.FourBar(*(scale * np.array([4, 3, 2, 2.5]))), drive)
-    found = gk.linkage.opening(motion)
+    found = gk.linkage.assembly_failure(motion)
     apart = abs(4 - 3 * np.exp(1j * drive))
     assert found.frame == np.flatnonzero(apart > 4.5)[0] and found.drive == drive[found.frame]
     assert found.joint == "rocker_pin" and found.lacking == pytest.approx(scale * (apart[found.frame] - 4.5), rel=1e-9)
@@ -44,20 +44,20 @@ OPEN = {
 @pytest.mark.parametrize("name", OPEN)
 def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
     build, drive, branch = OPEN[name]
-    found = gk.linkage.opening(gk.move(build(0.0), drive, branch))
+    found = gk.linkage.assembly_failure(gk.move(build(0.0), drive, branch))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
-    assert gk.move(build(advised), drive, branch).closed.all()
-    assert not gk.move(build(0.998 * advised), drive, branch).closed.any()
+    assert gk.move(build(advised), drive, branch).assembled.all()
+    assert not gk.move(build(0.998 * advised), drive, branch).assembled.any()
     assert found.lacking <= advised <= 1.001 * found.lacking
 
 
 @pytest.mark.parametrize(("build", "stroke"), [(boom, 1.0), (boom, 500.0), (pushed, 1.0)])
 def test_the_stroke_advised_closes_what_an_actuator_drives_and_a_little_less_does_not(build, stroke):
-    found = gk.linkage.opening(gk.move(build(), [stroke]))
+    found = gk.linkage.assembly_failure(gk.move(build(), [stroke]))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
     way = -1 if "shorter" in found.remedy else 1
     # What is told is a length of the actuator, which its stroke changes by less where it is bent.
-    closed = [gk.move(build(), [stroke + way * share * advised]).closed[0] for share in (0.9, 1.0, 1.1)]
+    closed = [gk.move(build(), [stroke + way * share * advised]).assembled[0] for share in (0.9, 1.0, 1.1)]
     assert not closed[0] and closed[2] and "actuator is" in str(found)
 
 
@@ -73,8 +73,8 @@ def test_where_nothing_closes_the_drives_that_do_are_told_and_do():
             ends = np.array([float(low), float(high)])
             inside = np.linspace(*ends, 50)
             beyond = ends + np.array([-0.02, 0.02]) * np.ptp(ends)
-            assert gk.move(linkage, np.radians(inside) if turns else inside).closed.all()
-            assert not gk.move(linkage, np.radians(beyond) if turns else beyond).closed.any()
+            assert gk.move(linkage, np.radians(inside) if turns else inside).assembled.all()
+            assert not gk.move(linkage, np.radians(beyond) if turns else beyond).assembled.any()
 
 
 def test_the_branch_that_closes_it_is_told_and_does():
@@ -82,13 +82,13 @@ def test_the_branch_that_closes_it_is_told_and_does():
     drive = np.radians(np.arange(20, 60))
     point = gk.move(FOUR_BAR, drive).point("coupler_point").position
     six_bar = gk.StephensonSixBar(FOUR_BAR, 20, 25, complex(point.mean()) + 30)
-    assert gk.move(six_bar, drive).closed.all()
+    assert gk.move(six_bar, drive).assembled.all()
     motion = gk.move(six_bar, drive, {"rocker_pin": -1})
-    assert not motion.closed.any()
-    found = gk.linkage.opening(motion)
+    assert not motion.assembled.any()
+    found = gk.linkage.assembly_failure(motion)
     assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
     assert "it closes there with rocker_pin = 1" in str(found)
-    assert gk.move(six_bar, drive, found.branch).closed.all()
+    assert gk.move(six_bar, drive, found.branch).assembled.all()
     refusal = never_closed(motion)
     assert "output_pin opens first" in refusal.problem and refusal.remedy == "take that branch"
 
@@ -99,13 +99,13 @@ def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
         "crank",
         sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
     )
-    found = gk.linkage.opening(gk.move(tangent, [1.0, 0.5, 0.0]))
+    found = gk.linkage.assembly_failure(gk.move(tangent, [1.0, 0.5, 0.0]))
     assert found.frame == 2 and found.joint == "block" and np.isnan(found.lacking) and "parallel" in found.remedy
     linkage, drive = locked()
     motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 200))
-    found = gk.linkage.opening(motion)
+    found = gk.linkage.assembly_failure(motion)
     assert np.isnan(found.lacking) and "crank" in found.joint and found.branch is None
-    assert found.frame == np.argmin(motion.closed) > 0
+    assert found.frame == np.argmin(motion.assembled) > 0
 
 
 TOO_SHORT = "its two links together are {} mm too short"
@@ -163,7 +163,7 @@ def test_guides_that_stand_parallel_at_the_only_frame_are_told_to_be_turned():
 def test_openings_of_many_linkages_are_refused():
     many = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 10.0])), TURN)
     with pytest.raises(gk.DesignError, match="one at a time"):
-        gk.linkage.opening(many)
+        gk.linkage.assembly_failure(many)
 
 
 def test_the_least_transmission_angle_is_that_of_the_frames_reached():
@@ -184,7 +184,7 @@ def test_the_least_transmission_angle_is_that_of_the_frames_reached():
 def test_many_linkages_are_refused_by_their_number():
     motion = gk.move(gk.FourBar(100, np.array([30.0, 31.0, 32.0]), 50, 55), np.linspace(0, 6, 5))
     with pytest.raises(gk.DesignError, match=r"motion: found \(3,\) linkages; give one at a time"):
-        gk.linkage.opening(motion)
+        gk.linkage.assembly_failure(motion)
 
 
 def chained(rng):
@@ -208,14 +208,14 @@ def test_the_branch_told_is_the_best_of_all_that_close_at_the_frame():
     for _ in range(120):
         linkage, drive = chained(rng), np.linspace(0, 6, 25) + rng.uniform(0, 6)
         asked = {joint: int(rng.choice([1, -1])) for joint in "BDF"}
-        found = gk.linkage.opening(gk.move(linkage, drive, asked))
+        found = gk.linkage.assembly_failure(gk.move(linkage, drive, asked))
         if found is None:
             continue
         joints = "BDF"[: "BDF".index(found.joint)]
         choices = []
         for flips in range(1, 2 ** len(joints)):
             signs = asked | {joint: -asked[joint] for k, joint in enumerate(joints) if flips >> k & 1}
-            closed = gk.move(linkage, drive, signs).closed
+            closed = gk.move(linkage, drive, signs).assembled
             choices.append((closed[found.frame], closed.mean(), -flips.bit_count(), signs))
         there = [choice[1:] for choice in choices if choice[0]]
         counts[bool(there)] += 1
@@ -240,4 +240,7 @@ def test_drives_that_close_are_told_from_a_frame_where_a_dyad_s_branches_meet():
     refusal = never_closed(gk.move(six_bar, [0.0]))
     low, high = map(float, re.search(r"between ([\d.]+) and ([\d.]+) deg", refusal.remedy).groups())
     inside, beyond = np.linspace(low, high, 50), np.array([low - 0.3, high + 0.3])
-    assert gk.move(six_bar, np.radians(inside)).closed.all() and not gk.move(six_bar, np.radians(beyond)).closed.any()
+    assert (
+        gk.move(six_bar, np.radians(inside)).assembled.all()
+        and not gk.move(six_bar, np.radians(beyond)).assembled.any()
+    )

@@ -32,7 +32,7 @@ YOKE = gk.ScotchYoke(30, 100, 70).linkage
 def test_every_order_of_bodies_and_sliders_gives_the_same_motion(linkage):
     drive = np.array([0.7, 2.0])
     before = gk.move(linkage, drive)
-    assert before.closed.all()
+    assert before.assembled.all()
     ground, *others = linkage.bodies
     for order in permutations(others):
         bodies = {name: linkage.bodies[name] for name in (ground, *order)}

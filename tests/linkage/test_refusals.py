@@ -166,7 +166,7 @@ REFUSED = [
         'branch: found 2; give +1, -1, "follow", or a table of signs by joint or of places of pins as complex numbers',
     ),
     (
-        lambda: gk.Follow("follow"),
+        lambda: gk.Continuation("follow"),
         "start: found 'follow'; give +1, -1, or a table of signs by joint or of places of pins as complex numbers",
     ),
     (
@@ -188,12 +188,12 @@ REFUSED = [
         "where each of these pins is when the driver is at its first position",
     ),
     (
-        lambda: gk.move(locked()[0], [0.0, 300.0]).closed,
+        lambda: gk.move(locked()[0], [0.0, 300.0]).assembled,
         "drive: goes 300 from its first value in a linkage that is no chain of dyads; give drives within 251.327 of "
         "the first",
     ),
     (
-        lambda: gk.move(SIX_BAR, [0, 1e5], "follow").closed,
+        lambda: gk.move(SIX_BAR, [0, 1e5], "follow").assembled,
         "drive: found 5.72958e+06 deg to follow a branch over; give at most 399997 deg",
     ),
     # Measures.
@@ -327,8 +327,8 @@ def test_what_the_refusals_advise_works():
     gk.CouplerCurve(TRIPLE_ROCKER, "rocker_pin", span=(4.9117, 6.2831))
     assert gk.linkage.velocity_polygon(moved(), frame=-9) == gk.linkage.velocity_polygon(moved(), frame=0)
     linkage, drive = locked()
-    assert gk.move(linkage, drive[0] + np.array([0, -251.3])).closed[0]
+    assert gk.move(linkage, drive[0] + np.array([0, -251.3])).assembled[0]
     # Joined to the ground instead of the rocker, which is pinned there twice.
     freed = held_twice({"L": 3 + 4j})
     bodies = dict(freed.bodies) | {"rocker": BARS["rocker"], "ground": {"O": 0, "C": 100, "L": 33 + 4j}}
-    assert gk.move(gk.Linkage(bodies, "crank"), [0.1, 0.0]).closed.all()
+    assert gk.move(gk.Linkage(bodies, "crank"), [0.1, 0.0]).assembled.all()

@@ -85,11 +85,11 @@ def test_it_does_not_matter_which_body_is_said_to_drive(driver):
 @pytest.mark.parametrize("product", [0.0, 10.0, 30 - 4j])
 def test_the_largest_force_is_that_of_every_angle(name, product):
     linkage, masses = CASES[name]
-    judged = judged_counterbalance(linkage, masses, product)
-    assert judged.product == product
-    assert judged.largest == pytest.approx(largest_by_scan(linkage, masses, product), rel=1e-9)
-    there = np.abs(shaking_force(gk.move(linkage, judged.angles), masses, product))
-    assert there == pytest.approx(judged.largest, rel=1e-8)
+    design_checks = judged_counterbalance(linkage, masses, product)
+    assert design_checks.product == product
+    assert design_checks.largest == pytest.approx(largest_by_scan(linkage, masses, product), rel=1e-9)
+    there = np.abs(shaking_force(gk.move(linkage, design_checks.angles), masses, product))
+    assert there == pytest.approx(design_checks.largest, rel=1e-8)
 
 
 @pytest.mark.parametrize("name", CASES)

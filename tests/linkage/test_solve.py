@@ -22,7 +22,7 @@ def size(linkage):
 
 def test_every_loop_closes_to_rounding(example):
     linkage, _, _, motion = example
-    assert motion.closed.all()
+    assert motion.assembled.all()
     assert motion.residual.max() < 1e-12 * size(linkage)
     for name, body in motion.bodies.items():
         assert np.abs(np.abs(body.direction) - 1).max() < 1e-14, name
@@ -114,8 +114,8 @@ def test_loops_by_iteration_agree_with_dyads():
 def test_iteration_stops_open_where_the_linkage_locks():
     linkage, drive = locked()
     motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 400))
-    open_from = int(np.argmin(motion.closed))
-    assert 0 < open_from < 400 and not motion.closed[open_from:].any()
+    open_from = int(np.argmin(motion.assembled))
+    assert 0 < open_from < 400 and not motion.assembled[open_from:].any()
     assert np.isnan(motion.crank.direction[open_from:]).all() and np.isnan(motion.residual[open_from:]).all()
     assert motion.residual[:open_from].max() < 1e-10
 
@@ -124,16 +124,16 @@ def test_many_linkages_at_once_are_each_what_it_is_alone():
     rng = np.random.default_rng(5)
     lengths = rng.uniform(0.5, 2.0, (4, 30))
     many = gk.move(gk.FourBar(*lengths, coupler_point=0.3 + 0.2j), TURN, speed=2.0)
-    assert many.closed.shape == (len(TURN), 30)
+    assert many.assembled.shape == (len(TURN), 30)
     for k in range(30):
         try:
             alone = gk.move(gk.FourBar(*lengths[:, k], coupler_point=0.3 + 0.2j), TURN, speed=2.0)
         except gk.DesignError:
-            assert not many.closed[:, k].any()
+            assert not many.assembled[:, k].any()
             continue
-        assert np.array_equal(many.closed[:, k], alone.closed)
+        assert np.array_equal(many.assembled[:, k], alone.assembled)
         one, other = many.point("coupler_point").acceleration[:, k], alone.point("coupler_point").acceleration
-        assert one[alone.closed] == pytest.approx(other[alone.closed], rel=1e-12)
+        assert one[alone.assembled] == pytest.approx(other[alone.assembled], rel=1e-12)
     six_bars = gk.SliderCrank(np.array([20.0, 30.0]), np.array([80.0, 90.0]), 5.0)
     assert gk.move(six_bars, TURN).slider.origin.position[:, 1] == pytest.approx(
         gk.move(gk.SliderCrank(30, 90, 5), TURN).slider.origin.position, rel=1e-15
@@ -158,13 +158,13 @@ MANY = {
 @pytest.mark.parametrize("name", MANY)
 def test_many_of_every_make_at_once_are_each_what_it_is_alone(name, follow):
     build, drive, branch = MANY[name]
-    asked = gk.Follow(branch) if follow else branch
+    asked = gk.Continuation(branch) if follow else branch
     steps = np.array([0.0, 1.5, 7.0])
     many = gk.move(build(steps), drive, asked, speed=2.0, acceleration=-3.0)
-    assert many.closed.shape == (len(drive), 3) and repr(build(steps)).startswith(type(build(0.0)).__name__)
+    assert many.assembled.shape == (len(drive), 3) and repr(build(steps)).startswith(type(build(0.0)).__name__)
     for k, step in enumerate(steps):
         alone = gk.move(build(step), drive, asked, speed=2.0, acceleration=-3.0)
-        assert np.array_equal(many.closed[:, k], alone.closed) and alone.closed.any()
+        assert np.array_equal(many.assembled[:, k], alone.assembled) and alone.assembled.any()
         for body in alone.bodies:
             one, other = many.bodies[body], alone.bodies[body]
             assert one.direction[:, k] == pytest.approx(other.direction, abs=1e-13, nan_ok=True)
@@ -214,7 +214,7 @@ def test_long_rows_are_the_same_as_short_ones(monkeypatch):
 
 def test_an_open_frame_is_nan_in_everything():
     motion = gk.move(gk.StephensonSixBar(FOUR_BAR, 20, 60, 60 + 120j), TURN, speed=2.0)
-    away = ~motion.closed
+    away = ~motion.assembled
     assert away.any()
     for name, body in motion.bodies.items():
         if name != "ground":
@@ -283,7 +283,7 @@ def test_parallel_slides_place_nothing():
         "in",
         (gk.Slider("a", "disc", "in"), gk.Slider("b", "disc", "out")),
     )
-    assert not gk.move(parallel, TURN).closed.any()
+    assert not gk.move(parallel, TURN).assembled.any()
 
 
 def test_branches_are_asked_for_by_joint():
@@ -358,7 +358,7 @@ def test_a_linkage_s_size_is_its_farthest_point_or_line_one_for_each_of_many():
 
     def size(point=0j, through=0j):
         linkage = gk.Linkage(bodies, "crank", (gk.Slider("slide", "sled", "ground", point, through),))
-        assert linkage.many and linkage.shape == (2,)
+        assert linkage.is_batch and linkage.shape == (2,)
         return linkage.size.tolist()
 
     assert size() == [30, 20] and size(25j, -3) == [30, 25] and size(-3, 25j) == [30, 25] and size(0, 40) == [40, 40]

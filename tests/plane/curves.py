@@ -9,8 +9,8 @@ import numpy as np
 
 import geomkin as gk
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import AbstractCurve, Mirrored, Moved, Offset, Reversed, Stretch
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.curve import AbstractCurve, Mirrored, Moved, Offset, Reversed, SubCurve
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.roulettes import Cycloid, Involute, Trochoid
 from geomkin.plane.vec import Pose
@@ -94,19 +94,19 @@ def examples(s: float = 1.0) -> dict[str, AbstractCurve]:
         "trochoid of a point outside": Trochoid(12 * s, -0.9 * s, 0.0, -0.9, 1.0),
         "trochoid at once": Trochoid(12 * s, 1e-9 * s, 0.4 * s, -1.1, 0.3),
         "trochoid at no depth": Trochoid(12 * s, 0.0, 0.4 * s, -1.1, 0.3),
-        "ring": Ring(third, 3),
+        "ring": PolarArray(third, 3),
         "moved": Moved(bulged, turned),
         "moved trochoid": Moved(trochoid, turned),
         "reversed": Reversed(bulged),
         "reversed trochoid": Reversed(trochoid),
-        "reversed ring": Reversed(Ring(third, 3)),
+        "reversed ring": Reversed(PolarArray(third, 3)),
         "mirrored": Mirrored(Involute(3 * s, 0.3, 1.5)),
         "mirrored path": Mirrored(Path((Involute(3 * s, 0.3, 1.5),))),
         "offset": Offset(trochoid, -0.3 * s),
         "offset outline": Offset(slot(0j, 4 * s + 0j, s), 0.5 * s),
         "offset past the centre": Offset(Circle(1j * s, 3 * s), -5 * s),
         "offset of a plain contract": Offset(Bezier((0j, s * (2 + 1j), s * (3 - 1j), s * (5 + 1j))), 0.2 * s),
-        "stretch": Stretch(bulged, np.array([1.0, 2.0, 3.0])),
+        "stretch": SubCurve(bulged, np.array([1.0, 2.0, 3.0])),
         "bezier": Bezier((0j, s * (3 + 4j), s * (1 - 4j), 4 * s + 0j)),
         "flower": Flower(3 * s),
         "path": Path((Segment(0j, 3 * s), bend, joined)),

@@ -10,7 +10,7 @@ from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.arcs import _merge, to_arcs
 from geomkin.plane.curve import Moved, Offset, Reversed
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
 
@@ -171,18 +171,18 @@ def test_ring_of_copies_has_copies_of_arcs():
 def test_arcs_that_meet_in_a_corner_from_copy_to_copy_stay_two():
     """Of the same radius: only the corner tells them apart."""
     piece = Polyline(np.array([3, 2.5 + 1j, 1 + 2.5j, 3j]), np.array([0.2, 0.0, 0.2]), False)
-    line = to_arcs(Ring(piece, 4), 1e-3)
-    assert len(line.vertices) == 12 and np.isclose(measure.signed_area(line), measure.signed_area(Ring(piece, 4)))
+    line = to_arcs(PolarArray(piece, 4), 1e-3)
+    assert len(line.vertices) == 12 and np.isclose(measure.signed_area(line), measure.signed_area(PolarArray(piece, 4)))
 
 
 def test_ring_of_straight_pieces_has_straight_edges():
-    star = Ring(Polyline(np.array([2, 1 + 1j, 2j]), None, False), 4)
+    star = PolarArray(Polyline(np.array([2, 1 + 1j, 2j]), None, False), 4)
     line = to_arcs(star, 1e-3)
     assert np.isclose(measure.signed_area(line), measure.signed_area(star)) and (edges(line)[2] == 0).all()
 
 
 def test_ring_of_one_closed_piece_is_that_piece():
-    ring = Ring(Flower(3.0), 1)
+    ring = PolarArray(Flower(3.0), 1)
     assert deviation(ring, to_arcs(ring, 1e-3)) <= 1e-3 * (1 + 1e-3)
 
 

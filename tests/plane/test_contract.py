@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Circle, Segment
 from geomkin.plane.vec import Pose
@@ -93,7 +93,7 @@ def test_it_is_moved_mirrored_offset_joined_and_shown_like_any_other():
     assert path.closed and gk.area(path) == pytest.approx(8 - 8 / 3)
     # Turned so that its chord of 20^0.5 is the side of a square about the origin.
     side = Moved(Parabola(), Pose(np.sqrt(10) + 0j, np.sqrt(10) * (1j - 1) / (2 + 4j)))
-    ring = Ring(side, 4)
+    ring = PolarArray(side, 4)
     assert gk.area(ring) == pytest.approx(20 + 4 * 4 / 3) and gk.length(ring) == pytest.approx(
         4 * gk.length(Parabola())
     )

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.curve import AbstractCurve, Reversed, Stretch
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.curve import AbstractCurve, Reversed, SubCurve
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Circle, Polyline
 
 from .curves import cam_profile, derivative, examples, flank, inside, size
@@ -118,7 +118,7 @@ def test_ring_at_a_break_answers_for_the_copy_that_starts_there(half):
     count, corner = 31, np.tan(np.pi / 31)
     radius = corner / (np.sin(half) - corner * np.cos(half))
     # A scallop: the part of a circle about 1 within its sector, so that copies meet at an angle.
-    ring = Ring(Stretch(Circle(1 + 0j, radius), np.array([-half, half])), count)
+    ring = PolarArray(SubCurve(Circle(1 + 0j, radius), np.array([-half, half])), count)
     turns = np.exp(2j * np.pi * np.arange(count) / count)
     assert np.allclose(ring.velocity(ring.breaks[:-1]), turns * 1j * radius * np.exp(-1j * half))
     back = Reversed(ring)

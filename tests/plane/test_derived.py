@@ -6,7 +6,7 @@ import pytest
 from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
 from geomkin.plane.roulettes import Involute
 from geomkin.plane.vec import Pose, cross, direction_deg, dot, unit, xy
@@ -96,12 +96,14 @@ def test_ring_is_its_copies_turned():
     count = 7
     piece = Segment(2 + 0j, 2 * np.exp(2j * np.pi / count))
     heptagon = 2 * np.exp(2j * np.pi * np.arange(count) / count)
-    ring = Ring(piece, count)
+    ring = PolarArray(piece, count)
     assert ring.closed and np.allclose(ring.point(np.arange(count)), heptagon)
     assert np.isclose(measure.signed_area(ring), 0.5 * count * 4 * np.sin(2 * np.pi / count))
 
 
-@pytest.mark.parametrize("closed", [Path((Circle(-1 + 0j, 1.0),)), Ring(Circle(0j, 1.0), 1)], ids=["path", "ring"])
+@pytest.mark.parametrize(
+    "closed", [Path((Circle(-1 + 0j, 1.0),)), PolarArray(Circle(0j, 1.0), 1)], ids=["path", "ring"]
+)
 def test_one_closed_piece_makes_a_closed_curve(closed):
     """Also where the piece starts at the origin, so that no share of its distance from there is a measure."""
     assert closed.closed and np.isclose(measure.signed_area(closed), np.pi)
@@ -111,7 +113,7 @@ def test_pieces_that_do_not_meet_are_refused_by_name():
     with pytest.raises(DesignError, match="piece 1 ends 0.1 mm"):
         Path((Segment(0j, 1 + 0j), Segment(1 + 0j, 2 + 0j), Segment(2.1 + 0j, 3 + 0j)))
     with pytest.raises(DesignError, match="next copy") as refusal:
-        Ring(Segment(2 + 0j, 2j), 5)
+        PolarArray(Segment(2 + 0j, 2j), 5)
     assert refusal.value.field == "piece"
 
 

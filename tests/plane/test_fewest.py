@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomkin.plane.arcs import to_arcs
-from geomkin.plane.curve import Stretch
+from geomkin.plane.curve import SubCurve
 from geomkin.plane.flatten import flatten
 
 from .curves import Flower, cam_profile, edges, examples, flank, off_arcs, off_chord
@@ -95,7 +95,7 @@ def fewest_biarcs(curve, tolerance):
 
 def moving_pieces(curve):
     """The rise and the return of the cam, the second and the last quarter of its turn."""
-    return [Stretch(curve, curve.breaks[k : k + 2]) for k in (1, 3)]
+    return [SubCurve(curve, curve.breaks[k : k + 2]) for k in (1, 3)]
 
 
 @pytest.mark.parametrize("curve", [flank(), *moving_pieces(cam_profile())], ids=["flank", "cam rise", "cam return"])

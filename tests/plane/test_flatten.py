@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from geomkin.core.errors import DesignError
 from geomkin.gear.cutters import RackCutter
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
+from geomkin.plane.curve import Moved, Offset, Reversed, SubCurve
 from geomkin.plane.flatten import flatten
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.measure import signed_area
 from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
@@ -160,7 +160,7 @@ def test_open_has_both_ends():
 
 def lens():
     """Two shallow arcs, each the other turned by half a turn."""
-    return Ring(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2)
+    return PolarArray(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2)
 
 
 def test_ring_of_two_shallow_arcs_keeps_an_area():
@@ -169,7 +169,7 @@ def test_ring_of_two_shallow_arcs_keeps_an_area():
 
 
 def test_ring_of_one_closed_piece_loses_no_point():
-    ring = Ring(Flower(3.0), 1)
+    ring = PolarArray(Flower(3.0), 1)
     assert deviation(ring, flatten(ring, 1e-3)) <= 1e-3 * (1 + 1e-3)
 
 
@@ -304,9 +304,9 @@ def test_more_chords_than_are_drawn_are_refused_with_the_least_tolerance(monkeyp
 def test_two_bows_keep_a_triangle_each_at_any_tolerance(breaks):
     """Of a parabola that three even chords follow a ninth of the area is left out."""
     bow = Bezier((-3 + 0j, -1 - 2j, 1 - 2j, 3 + 0j))
-    pieces = tuple(Stretch(bow, np.linspace(a, a + 1 / breaks, 2)) for a in np.arange(breaks) / breaks)
-    side = Path(pieces) if breaks > 1 else Stretch(bow, np.array([0, 0.3, 1.0]))
-    lens = Path((Stretch(side, side.breaks), Moved(Stretch(side, side.breaks), Pose(0j, -1 + 0j))))
+    pieces = tuple(SubCurve(bow, np.linspace(a, a + 1 / breaks, 2)) for a in np.arange(breaks) / breaks)
+    side = Path(pieces) if breaks > 1 else SubCurve(bow, np.array([0, 0.3, 1.0]))
+    lens = Path((SubCurve(side, side.breaks), Moved(SubCurve(side, side.breaks), Pose(0j, -1 + 0j))))
     z = flatten(lens, 1e3)
     assert len(z) == 6 and {-3, 3} <= set(np.round(z, 12).tolist())
     places(lens, z)

@@ -12,7 +12,7 @@ from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Reversed
 from geomkin.plane.flatten import flatten
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, slot
 from geomkin.plane.roulettes import Involute, Trochoid
 from geomkin.plane.vec import Pose, xy
@@ -116,8 +116,8 @@ def test_centroid_of_nothing_is_nan():
 
 def test_centroid_of_a_ring_is_its_axis_unless_it_has_one_copy():
     assert measure.centroid(SpurGear(11, 2, 0.4).outline) == 0
-    assert np.isclose(measure.centroid(Ring(Circle(3 + 1j, 1.0), 1)), 3 + 1j)
-    assert measure.centroid(Ring(Path((Arc(1 + 0j, 3 + 0j, 2.0), Segment(1 + 2 * np.exp(2j), -3 + 0j))), 2)) == 0
+    assert np.isclose(measure.centroid(PolarArray(Circle(3 + 1j, 1.0), 1)), 3 + 1j)
+    assert measure.centroid(PolarArray(Path((Arc(1 + 0j, 3 + 0j, 2.0), Segment(1 + 2 * np.exp(2j), -3 + 0j))), 2)) == 0
 
 
 @pytest.mark.parametrize("name", CURVES)

@@ -6,9 +6,9 @@ import shapely
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.curve import Moved, Offset, Reversed, Stretch
+from geomkin.plane.curve import Moved, Offset, Reversed, SubCurve
 from geomkin.plane.flatten import flatten
-from geomkin.plane.joined import Path, Ring
+from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
@@ -19,7 +19,7 @@ FINE = 1e-5
 SQUARE = Polyline(np.array([0, 4, 4 + 4j, 4j]))
 BULGED = Polyline(np.array([0, 4, 5 + 3j, 1 + 4j]), np.array([0.1, 0.2, 0.05, 0.15]))
 HULL = rounded_hull([0, 5, 1 + 3j], 0.8)
-STAR = Ring(Polyline(np.array([3, 2 * np.exp(1j * np.pi / 5), 3 * np.exp(2j * np.pi / 5)]), None, False), 5)
+STAR = PolarArray(Polyline(np.array([3, 2 * np.exp(1j * np.pi / 5), 3 * np.exp(2j * np.pi / 5)]), None, False), 5)
 GEAR = SpurGear(24, 2).outline
 
 GROWN = {
@@ -33,7 +33,7 @@ GROWN = {
     "flower inward": (Flower(3.0), -0.2),
     "cam": (cam_profile(), 0.7),
     "gear": (GEAR, 0.1),
-    "lens": (Ring(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2), 0.3),
+    "lens": (PolarArray(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2), 0.3),
 }
 
 
@@ -46,7 +46,7 @@ def test_parallel_encloses_what_a_polygon_grown_as_far_does(name):
     curve, distance = GROWN[name]
     moved = parallel(curve, distance)
     expected = polygon(curve).buffer(distance, quad_segs=500)
-    assert moved.closed
+    assert moved.assembled
     assert np.isclose(measure.signed_area(moved), expected.area, rtol=0, atol=3 * FINE * expected.length)
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
     # Everywhere at the distance from the outline, corner arcs included.
@@ -98,7 +98,7 @@ def test_sides_of_a_corner_that_closes_end_where_they_meet(curve, distance):
     moved = parallel(curve, distance)
     sense = np.sign(measure.signed_area(curve))
     expected = polygon(curve).buffer(distance * sense, quad_segs=500, join_style="round")
-    assert moved.closed
+    assert moved.assembled
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
     # The ends meet to rounding, and no end stands nearer to the outline than the distance.
     ends = moved.point(moved.breaks)
@@ -124,7 +124,7 @@ def test_outline_whose_only_corner_is_its_start():
     drop = Path((Segment(0j, 3 - 3j), Arc(6 + 0j, 3 - 3j, 1.5 * np.pi), Segment(3 + 3j, 0j)))
     moved = parallel(drop, 0.5)
     expected = measure.signed_area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
-    assert moved.closed and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
+    assert moved.assembled and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
     inward = parallel(drop, -0.5)
     assert np.isclose(measure.area(inward), polygon(drop).buffer(-0.5, quad_segs=500).area, rtol=1e-5)
 
@@ -145,7 +145,7 @@ def test_gear_whose_flanks_start_at_the_cusp():
 
 def test_ring_stays_a_ring():
     moved = parallel(GEAR, 0.1)
-    assert isinstance(moved, Ring) and moved.count == 24
+    assert isinstance(moved, PolarArray) and moved.count == 24
 
 
 @pytest.mark.parametrize("curve", [SQUARE, STAR, HULL, Circle(0j, 2.0)], ids=["square", "star", "hull", "circle"])
@@ -156,7 +156,7 @@ def test_no_distance_moves_nothing(curve):
 
 
 def test_stretch_is_its_part_of_the_curve():
-    part = Stretch(BULGED, BULGED.breaks[1:3])
+    part = SubCurve(BULGED, BULGED.breaks[1:3])
     assert not part.closed and np.array_equal(part.breaks, [1, 2])
     assert np.isclose(part.velocity(2.0), BULGED.velocity(2 - 1e-12), rtol=1e-9)
     assert np.isclose(part.curvature(2.0), BULGED.curvature(1.5))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.subdivision import MOST_TURN, Intervals, spread
+from geomkin.plane.subdivision import MOST_TURN, Intervals, adaptive_subdivision
 
 DENSITIES = {
     "even": lambda t: t,
@@ -14,7 +14,7 @@ DENSITIES = {
 BREAKS = np.array([0, np.pi, 2 * np.pi])
 
 
-def judged(density, order):
+def design_checks(density, order):
     """Error of an interval: the order-th power of the density's integral over it; nothing turns."""
 
     def judge(intervals):
@@ -29,8 +29,8 @@ def judged(density, order):
 @pytest.mark.parametrize("name", DENSITIES)
 def test_intervals_are_as_few_as_can_be_and_alike(name, tolerance, order):
     density = DENSITIES[name]
-    judge = judged(density, order)
-    (edges,) = spread(judge, [BREAKS], tolerance, order)
+    judge = design_checks(density, order)
+    (edges,) = adaptive_subdivision(judge, [BREAKS], tolerance, order)
     assert edges[0] == 0 and edges[-1] == 2 * np.pi and (np.diff(edges) > 0).all()
     error, _ = judge(Intervals(edges[:-1], edges[1:], np.array([0])))
     assert error.max() <= tolerance
@@ -46,22 +46,22 @@ def test_what_has_no_error_is_divided_by_its_turn(turn):
     def judge(intervals):
         return np.zeros(len(intervals.low)), (intervals.high - intervals.low) * turn
 
-    (edges,) = spread(judge, [np.array([0.0, 1.0])], 1e-3, 2)
+    (edges,) = adaptive_subdivision(judge, [np.array([0.0, 1.0])], 1e-3, 2)
     assert len(edges) - 1 == np.ceil(turn / MOST_TURN)
     assert np.ptp(np.diff(edges)) < 1e-6
 
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
 def test_runs_at_once_come_to_what_they_come_to_one_by_one(tolerance):
-    judge, looks = judged(DENSITIES["wavy"], 2), []
+    judge, looks = design_checks(DENSITIES["wavy"], 2), []
 
     def counted(intervals):
         looks.append(len(intervals.first))
         return judge(intervals)
 
     runs = [np.linspace(low, low + 0.3, 1 + count) for low, count in zip(np.arange(20) * 0.3, [1, 2, 3, 1] * 5)]
-    together = spread(counted, runs, tolerance, 2)
+    together = adaptive_subdivision(counted, runs, tolerance, 2)
     alone = len(looks)
     for run, edges in zip(runs, together):
-        assert np.array_equal(spread(counted, [run], tolerance, 2)[0], edges)
+        assert np.array_equal(adaptive_subdivision(counted, [run], tolerance, 2)[0], edges)
     assert looks[0] == 20 and len(looks) - alone > 4 * alone

@@ -47,7 +47,7 @@ def test_the_table_tells_the_stroke_and_what_it_lifts(lift):
 
 
 def test_its_checks_and_notes_are_about_a_stroke(lift, tmp_path):
-    checks = lift.judged
+    checks = lift.design_checks
     assert checks[0].name == "share of the lift's stroke reached" and all(check.passed for check in checks)
     assert lift.notes["driver_reaches_mm"] == [[45, 120]]
     # As far as arm and cylinder reach in one line, and no farther.
@@ -56,7 +56,7 @@ def test_its_checks_and_notes_are_about_a_stroke(lift, tmp_path):
         changed(tmp_path, end=("end = 120", "end = 300"), files=("[stroke]", "[branches]\nF = -1\n[stroke]"))
     )
     assert longer.notes["driver_reaches_mm"][-1][-1] <= reach + 1e-6
-    assert not longer.judged[0].passed
+    assert not longer.design_checks[0].passed
 
 
 def test_rod_and_cylinder_are_plates_and_the_slot_is_as_long_as_the_stroke(lift):

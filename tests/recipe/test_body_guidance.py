@@ -13,7 +13,7 @@ THREE = "poses = [[0, 0, 0], [40, 20, 30], [60, 60, 80]]"
 
 
 def recipe(wanted=THREE, rest=""):
-    return gk.load(f'kind = "body-guidance"\n{rest}\n[wanted]\n{wanted}\n').called("poses")
+    return gk.load(f'kind = "body-guidance"\n{rest}\n[wanted]\n{wanted}\n').with_name("poses")
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_it_is_made_and_what_it_found_goes_through_the_poses(tmp_path, wanted):
     assert found == goal.design
     if not goal.found.defects:
         point = found.motion.point("rod_point" if "rod" in found.motion.bodies else "coupler_point").position
-        assert found.motion.closed.all()
+        assert found.motion.assembled.all()
         for x, y, _ in goal.wanted.poses:
             assert np.abs(point - complex(x, y)).min() < 2.0
         assert [abs(point[k] - complex(*goal.wanted.poses[j][:2])) < 1e-3 for k, j in ends(goal)] == [True, True]

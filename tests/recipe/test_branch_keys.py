@@ -52,7 +52,7 @@ def test_a_parallelogram_can_be_followed_crossed():
     drive = "[drive]\nstart_deg = 30\nend_deg = 390\n"
     recipe = parse(f'kind = "four-bar"\nbranch = "follow"\n[branches]\nrocker_pin = -1\n{sizes}{drive}')
     turned = np.unwrap(np.angle(recipe.motion.rocker.direction))
-    assert recipe.motion.closed.all() and np.all(np.diff(turned) < 0)
+    assert recipe.motion.assembled.all() and np.all(np.diff(turned) < 0)
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_an_open_part_of_the_way_is_told_and_the_rest_is_judged():
     recipe = parse(
         'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n[drive]\nend_deg = 180\n'
     )
-    checks = {check.name: check for check in recipe.judged}
+    checks = {check.name: check for check in recipe.design_checks}
     reached, least = checks["share of the crank's turn reached"], checks["least transmission angle"]
     assert not reached.passed and "rocker_pin opens first, at crank 79 deg" in str(reached)
     # At 78 deg, the last frame reached: cosine rule at the rocker pin.

@@ -50,9 +50,9 @@ def test_one_built_in_python_makes_the_files_that_its_text_makes(tmp_path):
     )
     linkage = gk.FourBar(ground=100, crank=30, coupler=90, rocker=70)
     recipe = gk.linkage.FourBarRecipe(linkage=linkage, files=gk.recipe.Files(kerf=0.2))
-    assert recipe == gk.load(text) and recipe.motion.closed.all()
+    assert recipe == gk.load(text) and recipe.motion.assembled.all()
     (tmp_path / "bars.toml").write_text(text)
-    gk.make(recipe.called("bars"), tmp_path / "built")
+    gk.make(recipe.with_name("bars"), tmp_path / "built")
     gk.make(str(tmp_path / "bars.toml"), str(tmp_path / "read"))
     assert contents(tmp_path / "built" / "bars") == contents(tmp_path / "read" / "bars")
 
@@ -61,7 +61,7 @@ def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
     (tmp_path / "from-file.toml").write_text(GEAR)
     made = [
         gk.make(tmp_path / "from-file.toml", tmp_path),
-        gk.make(gk.load(tmp_path / "from-file.toml").called("called"), tmp_path),
+        gk.make(gk.load(tmp_path / "from-file.toml").with_name("called"), tmp_path),
         gk.make(GEAR, tmp_path),
         gk.make(TABLE, tmp_path),
         gk.make(gk.gear.SpurGearRecipe(gear=gk.SpurGear(17, 2)), tmp_path, only=["csv"]),
@@ -71,10 +71,10 @@ def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
 
 
 def test_another_recipe_of_the_same_name_replaces_the_first_ones_files(tmp_path):
-    bars = gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).called("same")
+    bars = gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).with_name("same")
     gk.make(bars, tmp_path)
     (tmp_path / "same" / "mine.txt").write_text("kept")
-    gk.make(gk.load(GEAR).called("same"), tmp_path)
+    gk.make(gk.load(GEAR).with_name("same"), tmp_path)
     assert sorted(contents(tmp_path / "same")) == ["mine.txt", "same.csv", "summary.json"]
 
 
@@ -82,8 +82,8 @@ def test_what_is_known_of_a_recipe_is_worked_out_once_and_stays_when_it_is_renam
     recipe = gk.load(GEAR)
     for what in ("design", "table", "parts", "checks"):
         first = getattr(recipe, what)
-        assert getattr(recipe, what) is first and getattr(recipe.called("b"), what) is first
-    assert recipe.called("b") == recipe and hash(recipe.called("b")) == hash(recipe) and recipe.name == ""
+        assert getattr(recipe, what) is first and getattr(recipe.with_name("b"), what) is first
+    assert recipe.with_name("b") == recipe and hash(recipe.with_name("b")) == hash(recipe) and recipe.name == ""
     with pytest.raises(dataclasses.FrozenInstanceError):
         recipe.name = "c"
 
@@ -183,7 +183,7 @@ def test_formats_that_the_recipe_does_not_write_are_told(tmp_path, only):
 
 @pytest.mark.parametrize("name", ["..", "a/b", "con", " a", "\ud800", "x" * 300, "a\nb", "/etc/passwd"])
 def test_a_name_that_makes_no_plain_files_is_refused(tmp_path, name):
-    recipe = gk.load(GEAR).called(name)
+    recipe = gk.load(GEAR).with_name(name)
     for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
         with pytest.raises(gk.RecipeError, match="its name") as caught:
             verb(recipe, **more)
@@ -194,7 +194,7 @@ def test_a_name_that_makes_no_plain_files_is_refused(tmp_path, name):
 @pytest.mark.parametrize("name", [None, 3, b"a", ["a"]])
 def test_a_name_is_a_text(name):
     with pytest.raises(gk.DesignError, match="^name: found"):
-        gk.load(GEAR).called(name)
+        gk.load(GEAR).with_name(name)
 
 
 @pytest.mark.parametrize("place", ["taken", "taken/deeper", "no\0file"])

@@ -17,7 +17,7 @@ def recipe(poses=POSES, **more):
 
 
 def test_dyads_of_the_file_go_through_all_poses(tmp_path):
-    gk.make(recipe(rows=60).called("curves"), tmp_path)
+    gk.make(recipe(rows=60).with_name("curves"), tmp_path)
     with (tmp_path / "curves/curves.csv").open() as file:
         rows = list(csv.DictReader(file))
     fixed, moving = (
@@ -62,7 +62,7 @@ def test_rows_are_even_along_a_piece_and_dashes_as_long_as_their_gaps(length):
 
 
 def test_poles_and_slides_are_told(tmp_path):
-    gk.make(recipe().called("curves"), tmp_path)
+    gk.make(recipe().with_name("curves"), tmp_path)
     summary = json.loads((tmp_path / "curves/summary.json").read_text())
     assert all(check["passed"] for check in summary["checks"])
     assert set(summary["poles_mm"]) == {"1 and 2", "1 and 3", "1 and 4", "2 and 3", "2 and 4", "3 and 4"}

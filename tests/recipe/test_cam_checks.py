@@ -51,16 +51,16 @@ def test_pressure_angles_are_the_peaks_of_rise_and_return(tmp_path, follower, la
         assert check.limit == (45 if "arm" in follower else 30)
 
 
-def judged(follower, *segments, base=40):
+def design_checks(follower, *segments, base=40):
     return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, gk.Program(segments), base))}
 
 
 def test_a_level_face_leans_by_nothing_and_of_a_cam_at_rest_nothing_is_said():
     way = gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=5, end_deg=180), gk.Return("cycloidal", end_deg=360)
-    level = judged(gk.TranslatingFlat(), *way)
+    level = design_checks(gk.TranslatingFlat(), *way)
     assert [level[f"pressure angle on the {name}"].value for name in ("rise", "return")] == [0, 0]
     for follower in (gk.TranslatingFlat(tilt_deg=5), gk.TranslatingRoller(8, offset=9)):
-        still = judged(follower, gk.Dwell(end_deg=360))
+        still = design_checks(follower, gk.Dwell(end_deg=360))
         assert still and not any("pressure" in name or "jump" in name for name in still)
         assert all(check.passed for check in still.values())
 
@@ -69,7 +69,7 @@ def test_of_several_jumps_in_velocity_the_largest_is_told_with_its_place():
     steps = [(60, 10), (60, 20), (30, 6)]
     ends = np.cumsum([60, *(turn for turn, _ in steps)])
     rises = [gk.Rise("uniform", rise=rise, end_deg=end) for (_, rise), end in zip(steps, ends[1:])]
-    found = judged(
+    found = design_checks(
         gk.TranslatingRoller(8),
         gk.Dwell(end_deg=60),
         *rises,
@@ -80,7 +80,7 @@ def test_of_several_jumps_in_velocity_the_largest_is_told_with_its_place():
     jump = found["jump in velocity"]
     assert jump.value == pytest.approx(max(np.abs(np.diff(slopes)))) and not jump.passed and jump.limit == 0
     assert f"worst at {ends[np.abs(np.diff(slopes)).argmax()]:.4g} deg" in jump.advice
-    smooth = judged(
+    smooth = design_checks(
         gk.TranslatingRoller(8), gk.Rise("cycloidal", rise=5, end_deg=180), gk.Return("cycloidal", end_deg=360)
     )
     assert "jump in velocity" not in smooth

@@ -42,7 +42,7 @@ LIMITS = [
 
 def checks(text):
     recipe = parse(text)
-    return {check.name: check for check in recipe.judged}
+    return {check.name: check for check in recipe.design_checks}
 
 
 @pytest.mark.parametrize(("text", "name", "edge", "limit", "worse", "unit"), LIMITS)

@@ -187,8 +187,8 @@ def test_an_end_where_the_speed_does_not_go_is_refused(make, field):
 def test_limits_are_the_same_from_either_end_of_a_span(name):
     recipe = gk.load(RECIPES / f"{name}.toml")
     low, high = recipe.way.rising
-    rising = gk.driver_limits(recipe.linkage, recipe.signs, (low, high))
-    falling = gk.driver_limits(recipe.linkage, recipe.signs, (high, low))
+    rising = gk.driver_limits(recipe.linkage, recipe.branch, (low, high))
+    falling = gk.driver_limits(recipe.linkage, recipe.branch, (high, low))
     assert np.array(falling) == pytest.approx(np.array(rising))
 
 

@@ -75,6 +75,6 @@ def test_pins_drawn_out_do_not_touch_a_ring_with_their_outer_sides(clearance, pa
         'kind = "lantern-gears"\n[pinion]\npins = 12\nmodule = 4\npin_diameter = 6\n[mate]\nteeth = 20\naddendum = 3\n'
     )
     recipe = parse(text + f"internal = true\nclearance = {clearance}\n")
-    check = recipe.judged[0]
+    check = recipe.design_checks[0]
     assert check.name == "contact ratio" and check.passed == passes
     assert passes or "clearance = 0" in check.advice

@@ -113,7 +113,7 @@ def test_a_copy_stays_on_the_branch_that_the_first_has_at_its_first_frame():
 
 def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
     alone = gk.load(LEG)
-    gk.make(walker.called("walker"), tmp_path, ["dxf", "bom"])
+    gk.make(walker.with_name("walker"), tmp_path, ["dxf", "bom"])
     outlines = ezdxf.readfile(tmp_path / "walker" / "walker.dxf").modelspace().query("*[layer=='CUT']")
     assert len(outlines) == 3 * sum(part.count for part in alone.parts)
     bill = (tmp_path / "walker" / "walker-bom.csv").read_text("utf-8").splitlines()

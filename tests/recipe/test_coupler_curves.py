@@ -26,7 +26,7 @@ def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_c
     drive = np.radians(values.pop("crank_angle_deg"))
     time = drive / recipe.drive.speed
     motion = gk.move(recipe.linkage, drive, recipe.branch, recipe.drive.speed)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     x = np.linspace(-0.5, 0.5, grid["columns"]) * grid["length"]
     y = np.linspace(-0.5, 0.5, grid["rows"]) * grid["height"]
     rows, seen = (
@@ -104,8 +104,8 @@ def test_the_tables_of_cognates_are_those_of_three_linkages_that_run_beside_each
         assert tracks[-1] == pytest.approx(motion.point("coupler_point").position, abs=1e-9)
     assert np.ptp(tracks, axis=0) == pytest.approx(np.zeros(len(drive)), abs=1e-9)
     assert recipe.steps[-1] == "drawing is joined to nothing"
-    assert [check.name for check in recipe.judged][1:3] == [
+    assert [check.name for check in recipe.design_checks][1:3] == [
         "distance between the three traced points",
         "way of the third pivot",
     ]
-    assert max(check.value for check in recipe.judged[1:3]) < 1e-6
+    assert max(check.value for check in recipe.design_checks[1:3]) < 1e-6

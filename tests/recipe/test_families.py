@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from tests.texts import parse, recipe_of, template_of
 
-KINDS = ["crank-rocker", "double-rocker", "slider-crank-stroke"]
+KINDS = ["crank-rocker-synthesis", "double-rocker-synthesis", "slider-crank-stroke"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -47,10 +47,10 @@ def test_others_are_good_members_from_the_whole_family_the_best_first(kind, limi
     text = template_of(kind)
     recipe = parse(text if limit is None else text.replace("[wanted]", f"[wanted]\nlargest_ratio = {limit}"))
     best, *others = recipe.ranked
-    most = limit or (100.0 if kind == "double-rocker" else 6.0)
+    most = limit or (100.0 if kind == "double-rocker-synthesis" else 6.0)
     assert len(others) <= 20 and (limit or len(others) >= 10)
     assert [recipe.rank(one) for one in others] == sorted(recipe.rank(one) for one in others)
-    if kind != "double-rocker":
+    if kind != "double-rocker-synthesis":
         angles = [one.transmission_angle_deg for one in others]
         assert angles == sorted(angles, reverse=True) and len(set(angles)) > 1
     assert all(one.ratio <= most and not one.defects for one in others)
@@ -59,13 +59,13 @@ def test_others_are_good_members_from_the_whole_family_the_best_first(kind, limi
         low = max(low, np.degrees(np.arctan2(1, most)))
         angles = np.sort([one.free_angle_deg for one in others])
         # Half a step from either end, where the family has no defects there: double rockers stop half their way.
-        near = 0.3 if kind == "double-rocker" else 0.07
+        near = 0.3 if kind == "double-rocker-synthesis" else 0.07
         assert angles[0] - low < near * (high - low) and high - angles[-1] < 0.04 * (high - low)
     limits = recipe.choice.plots[1].limits
     assert [one.value for one in limits] == [most]
 
 
-@pytest.mark.parametrize("kind", ["crank-rocker", "slider-crank-stroke"])
+@pytest.mark.parametrize("kind", ["crank-rocker-synthesis", "slider-crank-stroke"])
 def test_a_time_ratio_tells_the_crank_s_turn(kind):
     recipe = recipe_of(kind)
     turns = []

@@ -10,7 +10,7 @@ from tests.texts import parse, template_of
 
 
 def checks(recipe):
-    return {check.name: check for check in recipe.judged}
+    return {check.name: check for check in recipe.design_checks}
 
 
 @pytest.mark.parametrize(("teeth", "undercut"), [(8, True), (14, True), (18, False), (40, False)])
@@ -79,10 +79,10 @@ def test_checks_of_a_linkage_are_those_of_a_plain_call_on_its_motion():
     recipe = parse(template_of("four-bar"))
     motion, stock = gk.move(recipe.design, recipe.drive.frames), recipe.stock
     stack = gk.linkage.stack_links(gk.move(recipe.design, recipe.drive.fine), stock)
-    assert recipe.judged == (
+    assert recipe.design_checks == (
         *gk.linkage.linkage_checks(motion),
         gk.linkage.hole_check(stock.hole_diameter, stock.thickness),
-        dataclasses.replace(gk.linkage.collision_check(len(stack.collisions)), advice=recipe.judged[-1].advice),
+        dataclasses.replace(gk.linkage.collision_check(len(stack.collisions)), advice=recipe.design_checks[-1].advice),
     )
     for wrong in (recipe.design, gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), [1.0])):
         with pytest.raises(gk.DesignError) as caught:

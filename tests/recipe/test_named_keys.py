@@ -13,8 +13,8 @@ from geomkin.export.mesh import solid_cut
 GALLERY = Path(__file__).parent.parent.parent / "recipes"
 # Gallery recipe, dotted key, value: each is refused once the parts are worked out.
 MUTATED = [
-    ("double-rocker", "wanted.rocker_start_deg", 40),
-    ("double-rocker", "wanted.crank_swing_deg", 6),
+    ("double-rocker-synthesis", "wanted.rocker_start_deg", 40),
+    ("double-rocker-synthesis", "wanted.crank_swing_deg", 6),
     ("shaper", "linkage.ground", 1e6),
     ("stephenson-dwell", "linkage.link", 1e6),
     ("motor-crank", "linkage.rocker", 2e-4),

@@ -24,7 +24,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg"><g><path id="a" d="M 0 0 L 40 0 L
 
 
 def test_it_is_made_and_what_it_found_runs_by_itself(tmp_path):
-    made = gk.make(gk.load(FIVE).called("five"), tmp_path)
+    made = gk.make(gk.load(FIVE).with_name("five"), tmp_path)
     folder = tmp_path / "five"
     assert {"five.dxf", "five.csv", "five.svg", "path.stl", "crank.stl", "five.found.toml"} <= {
         p.name for p in made.files
@@ -193,7 +193,7 @@ def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_dra
     left = spoilt.parts[-1].marks
     assert [type(mark) for mark in left] == [type(mark) for mark in drawn if not isinstance(mark, CouplerCurve)]
     assert len(drawn) == len(left) + 1
-    (check,) = (check for check in spoilt.judged if "path" in check.name or "defects" in check.name)
+    (check,) = (check for check in spoilt.design_checks if "path" in check.name or "defects" in check.name)
     assert not check.passed and check.advice == "it has a defect of branch"
 
 
@@ -210,7 +210,7 @@ def test_angles_are_given_one_by_one_or_in_equal_steps():
     [
         ("crank = [5, 2]", "bounds: crank from 5 to 2 is no range; give the lower one first"),
         ("crank = [-5, -2]", "bounds: crank is at most -2 mm; give a length above 0"),
-        ("[search]\nseconds = 1e-9", "search.seconds: found 1e-09 s, too short"),
+        ("[search]\ntime_limit = 1e-9", "search.time_limit: found 1e-09 s, too short"),
     ],
 )
 def test_what_the_search_refuses_is_told_under_the_table_that_holds_it(more, key):

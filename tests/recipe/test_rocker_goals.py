@@ -9,9 +9,9 @@ import pytest
 import geomkin as gk
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
-SWING = {"kind": "crank-rocker", "wanted": {"swing_deg": 50, "crank_turn_deg": 200, "ground": 100}}
+SWING = {"kind": "crank-rocker-synthesis", "wanted": {"swing_deg": 50, "crank_turn_deg": 200, "ground": 100}}
 SWINGS = {
-    "kind": "double-rocker",
+    "kind": "double-rocker-synthesis",
     "wanted": {
         "crank_start_deg": 60,
         "crank_swing_deg": 60,
@@ -72,7 +72,7 @@ def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     third = gk.load(SWING | {"choose": 3})
     assert third.found.linkage == third.design.linkage != recipe.design.linkage
     assert third.found.lengths == pytest.approx(recipe.ranked[2].lengths, abs=1e-4)
-    assert all(check.passed for check in third.judged[:3])
+    assert all(check.passed for check in third.design_checks[:3])
     placed = gk.load(changed(SWING, free_angle_deg=30))
     assert placed.found.free_angle_deg == pytest.approx(30) and len(placed.ranked) == 1
     assert gk.load(changed(SWINGS, crank=40)).found.linkage.crank == 40
@@ -89,7 +89,7 @@ def test_a_turn_and_its_time_ratio_are_one_wish():
 def test_a_branch_defect_is_a_check_that_fails_and_is_told():
     wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
     recipe = gk.load(changed(SWINGS, **wish))
-    failed = {check.name: str(check) for check in recipe.judged if not check.passed}
+    failed = {check.name: str(check) for check in recipe.design_checks if not check.passed}
     assert "defects" in failed and "it has a defect of circuit" in failed["defects"]
     assert "missed swing" in failed and recipe.notes["found"]["defects"] == ["circuit"]
 

@@ -98,7 +98,7 @@ def lengths_of(thing, path=""):
 
 # What keys say that are no lengths, by hand: nothing of this is read from the declarations.
 PLAIN = (
-    "deg", "rpm", "rad", "branch", "choose", "seed", "seconds", "ratio", "rows", "columns", "chosen", "degree", "decimals",
+    "deg", "rpm", "rad", "branch", "choose", "seed", "time_limit", "ratio", "rows", "columns", "chosen", "degree", "decimals",
     "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
     "intervals", "jerk_limit",
 )  # fmt: skip
@@ -107,9 +107,9 @@ PLAIN = (
 @pytest.mark.parametrize("name", SCALED)
 def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
     """By the names of keys: a number whose key says no other unit is a length."""
-    wishes = [key for key, kinds in choices_of(name).items() if list(kinds) == [""] and key not in UNSCALED]
-    wishes = [key for key in wishes if not key.startswith(("stock", "base", "copies", "follower"))]
-    for text in {template_of(name), template_of(name, wishes)}:
+    options = [key for key, kinds in choices_of(name).items() if list(kinds) == [""] and key not in UNSCALED]
+    options = [key for key in options if not key.startswith(("stock", "base", "copies", "follower"))]
+    for text in {template_of(name), template_of(name, options)}:
         held = tomllib.loads(text)
         for key in ("stock", "base", "files"):
             held.pop(key, None)

@@ -19,7 +19,7 @@ def test_every_kind_that_turns_says_so(name):
     (check,) = recipe.drive.checks
     assert not check.passed and str(check).endswith("6.283 looks like radians; the same in degrees is 360")
     if name in ("four-bar", "four-bar-atlas", "cognates", "inflection-circle", "centrodes", "shaking-force"):
-        assert str(check) in map(str, recipe.judged)
+        assert str(check) in map(str, recipe.design_checks)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ def spoilt(kind, **kept):
 
 
 def check(recipe, words):
-    return next(one for one in recipe.judged if words in one.name)
+    return next(one for one in recipe.design_checks if words in one.name)
 
 
 @pytest.mark.parametrize("row", [0, 17, -1])
@@ -69,4 +69,4 @@ def test_the_circle_is_measured_by_the_longest_link(sizes):
     recipe = replace(recipe, linkage=gk.FourBar(*sizes, coupler_point=40 + 25j), position_deg=75)
     assert recipe.longest == max(sizes)
     circle = gk.linkage.inflection_circle(recipe.position, "coupler")
-    assert recipe.judged[0].value == pytest.approx(float(circle.diameter[0]) / max(sizes))
+    assert recipe.design_checks[0].value == pytest.approx(float(circle.diameter[0]) / max(sizes))

@@ -66,7 +66,7 @@ class WasherRecipe(AbstractRecipe):
         return (gk.Part("washer", gk.plane.Circle(0, self.washer.radius), (hole,), self.thickness),)
 
     @property
-    def judged(self) -> tuple[gk.Check, ...]:
+    def design_checks(self) -> tuple[gk.Check, ...]:
         return (gk.Check("washer's radius", self.washer.radius, "at least", 10.0, "mm"),)
 
     @cached_property
@@ -102,9 +102,9 @@ class RockerSwingRecipe(AbstractGoal):
         return gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, crank, 90, 70), files=self.files)
 
     @property
-    def judged(self) -> tuple[gk.Check, ...]:
+    def design_checks(self) -> tuple[gk.Check, ...]:
         off = np.degrees(swing_of(self.design.linkage.crank)) - self.swing_deg
-        return (gk.Check("missed swing", abs(off), "at most", 1e-9, "deg"), *super().judged)
+        return (gk.Check("missed swing", abs(off), "at most", 1e-9, "deg"), *super().design_checks)
 
     @property
     def notes(self) -> dict[str, object]:
@@ -181,7 +181,7 @@ def test_a_drawing_is_made_though_the_table_cannot_be(tmp_path):
         def table(self):
             raise gk.DesignError("thickness", "found no table", "give none")
 
-    recipe = NoTable(washer=Washer(20)).called("bare")
+    recipe = NoTable(washer=Washer(20)).with_name("bare")
     assert len(gk.make(recipe, tmp_path, ["dxf", "stl"]).files) == 3
     gk.write(recipe, tmp_path / "bare.dxf")
     with pytest.raises(gk.RecipeError, match="^bare: thickness: found no table; give none$"):
@@ -235,7 +235,7 @@ def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
 
 
 def test_the_recipe_that_a_goal_found_is_written_and_runs_by_itself(tmp_path):
-    goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n').called("swing")
+    goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n').with_name("swing")
     made = gk.make(goal, tmp_path)
     found = tmp_path / "swing" / "swing.found.toml"
     assert (
@@ -249,5 +249,5 @@ def test_the_recipe_that_a_goal_found_is_written_and_runs_by_itself(tmp_path):
     for file in (tmp_path / "swing").glob("*.stl"):
         assert file.read_bytes() == (tmp_path / "swing.found" / file.name).read_bytes()
     # Made again as no goal, it is gone.
-    gk.make(goal.design.called("swing"), tmp_path)
+    gk.make(goal.design.with_name("swing"), tmp_path)
     assert not found.exists()

@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up
 from geomkin.linkage import coupler_curve as curves
-from geomkin.linkage.kinds.linkages import SlidRecipe, TurnedRecipe
+from geomkin.linkage.kinds.linkages import SlidingLinkageRecipe, TurningLinkageRecipe
 from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
 from geomkin.recipe.kinds import KINDS
@@ -64,7 +64,9 @@ def test_rows_of_a_stroke_too(name):
     assert refusal(changed(text, step=0.998 * advised(words)))[0] == key
 
 
-@pytest.mark.parametrize("name", [name for name in DRIVEN if issubclass(KINDS[name], (TurnedRecipe, SlidRecipe))])
+@pytest.mark.parametrize(
+    "name", [name for name in DRIVEN if issubclass(KINDS[name], (TurningLinkageRecipe, SlidingLinkageRecipe))]
+)
 def test_columns_are_never_more_than_were_counted(monkeypatch, name):
     counted = []
     real = settings.Turn.check_rows
@@ -158,7 +160,7 @@ def test_what_is_rounded_is_never_on_the_wrong_side_and_hardly_off(digits):
 
 # Sizes that may be 0, and those that may not.
 LENGTHS = [("four-bar", "crank", False), ("four-bar", "clearance", True), ("spur-gear", "module", False),
-           ("spur-gear", "kerf", True), ("spur-gear", "thinning", True), ("disk-cam", "base_radius", False),
+           ("spur-gear", "kerf", True), ("spur-gear", "tooth_thickness_allowance", True), ("disk-cam", "base_radius", False),
            ("gear-pair", "centre_distance", False), ("rack-and-pinion", "distance", False),
            ("shaking-force", "weight_density", False)]  # fmt: skip
 

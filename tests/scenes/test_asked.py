@@ -23,7 +23,7 @@ def test_a_cam_by_itself_shows_the_follower_in_lines(name):
     (contact,) = marks(scene, "point", "contact")
     pins = {mark.label: mark.place for mark in scene.marks if mark.sort.endswith("pin")}
     assert ("pivot" in pins) == follower.oscillates and ("roller" in pins) == bool(follower.rounding)
-    assert scene.cyclic and scene.closed.all() and not any(body.parts for body in scene.bodies)
+    assert scene.cyclic and scene.assembled.all() and not any(body.parts for body in scene.bodies)
     if follower.rounding:
         # Where it touches is a roller's radius from its centre, all the time.
         assert np.abs(pins["roller"] - contact.place) == pytest.approx(np.full(121, follower.rounding))
@@ -86,7 +86,7 @@ def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_cran
     own, alone = gk.load(text), gk.load(LIMITED)
     scene = own.scene
     there = np.array([np.isfinite(body.direction) for body in scene.bodies]).all(axis=0)
-    assert np.array_equal(scene.closed, there) and 0 < scene.closed.sum() < alone.scene.closed.sum()
+    assert np.array_equal(scene.assembled, there) and 0 < scene.assembled.sum() < alone.scene.assembled.sum()
     crank = named(scene, "crank, copy 2").direction
     ahead = np.exp(1j * np.radians(np.asarray(scene.drive.values) + 40))
     assert np.abs(crank - ahead)[np.isfinite(crank)].max() < 1e-9
@@ -101,13 +101,13 @@ def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_cran
 
 def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
     scene = gk.load(LIMITED).scene
-    assert not scene.closed.all()
+    assert not scene.assembled.all()
     plotted = {header for plot in scene.plots for header in plot.columns}
     known = {header for header, values in scene.table.to_columns().items() if np.isfinite(values).any()}
     assert plotted <= known
     assert {"coupler_angle_deg", "rocker_angle_deg", "transmission_angle_deg", "coupler_omega_rad_per_s"} <= plotted
     never = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(3, 3.2, 7))
-    assert not never.closed.any()
+    assert not never.assembled.any()
     told = {
         header
         for plot in gk.linkage.linkage_scene(never, gk.linkage.motion_table(never)).plots

@@ -70,7 +70,7 @@ def test_limits_of_the_checks_are_lines_in_the_plots():
 def test_faces_have_the_sharpest_edge_of_the_check_for_a_line(name, steepest):
     scene = recipe(name).scene
     lines = {plot.title: [(limit.value, limit.label) for limit in plot.limits] for plot in scene.plots}
-    (sharpest,) = (check for check in recipe(name).judged if check.name == "least convex radius of the profile")
+    (sharpest,) = (check for check in recipe(name).design_checks if check.name == "least convex radius of the profile")
     ((line, label),) = lines["curvature of the profile"]
     assert line * sharpest.limit == pytest.approx(1) and label == "sharper edges wear"
     # What the check finds is the highest point under that line.

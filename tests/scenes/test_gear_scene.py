@@ -30,11 +30,13 @@ def both(pair):
 
 PAIRS = {
     "tight": lambda: GearPair(SpurGear(17, 2), SpurGear(31, 2)),
-    "with play": lambda: GearPair(SpurGear(20, 3, thinning=0.2), SpurGear(25, 3, thinning=0.1)),
+    "with play": lambda: GearPair(
+        SpurGear(20, 3, tooth_thickness_allowance=0.2), SpurGear(25, 3, tooth_thickness_allowance=0.1)
+    ),
     "apart": lambda: GearPair(SpurGear(24, 2), SpurGear(36, 2), 60.4),
-    "ring": lambda: GearPair(SpurGear(20, 2, thinning=0.1), RingGear(60, 2, addendum=0.8)),
-    "rack, even": lambda: RackPair(SpurGear(14, 2.5, 0.2, thinning=0.1), GearRack(15, 2.5)),
-    "rack, odd": lambda: RackPair(SpurGear(19, 2), GearRack(12, 2, thinning=0.1)),
+    "ring": lambda: GearPair(SpurGear(20, 2, tooth_thickness_allowance=0.1), RingGear(60, 2, addendum=0.8)),
+    "rack, even": lambda: RackPair(SpurGear(14, 2.5, 0.2, tooth_thickness_allowance=0.1), GearRack(15, 2.5)),
+    "rack, odd": lambda: RackPair(SpurGear(19, 2), GearRack(12, 2, tooth_thickness_allowance=0.1)),
 }
 
 
@@ -147,7 +149,7 @@ def test_pins_of_a_lantern_run_clear_of_the_wheel():
     [
         lambda: SpurGear(24, 2),
         lambda: SpurGear(8, 4),
-        lambda: SpurGear(17, 2, 0.4, thinning=0.1),
+        lambda: SpurGear(17, 2, 0.4, tooth_thickness_allowance=0.1),
         lambda: RingGear(48, 2, addendum=0.8),
     ],
 )
@@ -167,7 +169,7 @@ def test_the_tool_cuts_the_gear_and_nothing_more(gear):
         gap.append(cutter.distance(wheel))
         # Where it is said to cut, both are; and there the tooth is as thick as the plate is.
         for mark in marks(scene, "point"):
-            if np.isfinite(mark.place[frame]) and not gear.thinning:
+            if np.isfinite(mark.place[frame]) and not gear.tooth_thickness_allowance:
                 assert max(cutter.distance(point(mark.place[frame])), wheel.distance(point(mark.place[frame]))) < NEAR
         radius = scene.table["radius"][frame]
         if np.isfinite(radius):

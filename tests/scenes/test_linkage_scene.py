@@ -42,7 +42,7 @@ def test_centres_that_are_no_joints_are_where_links_cross_as_far_as_anybody_look
         (shown,) = [held for other, held in found.items() if set(other.split()) == set(label.split())]
         with np.errstate(invalid="ignore"):
             near = np.abs(place) < 3 * float(np.max(motion.linkage.size))
-        assert 0 < near.sum() < motion.closed.sum() and np.array_equal(np.isfinite(shown), near)
+        assert 0 < near.sum() < motion.assembled.sum() and np.array_equal(np.isfinite(shown), near)
         assert np.abs(shown - place)[near].max() < 1e-6
 
 

@@ -16,7 +16,7 @@ def test_a_scene_has_a_row_for_each_frame(name):
     assert frames > 50 and np.all(np.diff(scene.time) > 0) and np.all(np.diff(scene.drive.values) > 0)
     for body in scene.bodies:
         assert body.origin.shape == body.direction.shape == (frames,)
-        np.testing.assert_allclose(np.abs(body.direction[scene.closed]), 1, atol=1e-12)
+        np.testing.assert_allclose(np.abs(body.direction[scene.assembled]), 1, atol=1e-12)
     for mark in scene.marks:
         rows = [row for row in (mark.place, mark.vector, mark.direction, mark.radius) if row is not None]
         assert all(row.shape == (frames,) for row in rows)
@@ -52,7 +52,7 @@ def test_what_goes_round_comes_back(name):
 def test_the_other_assembly_mode_is_shown_on_the_same_drive():
     scene = recipe("crank-rocker").scene
     (other,) = scene.others.values()
-    assert np.array_equal(other.drive.values, scene.drive.values) and other.closed.all()
+    assert np.array_equal(other.drive.values, scene.drive.values) and other.assembled.all()
 
     def side(shown):
         crank, rocker = named(shown, "coupler").origin, named(shown, "rocker")

@@ -100,7 +100,7 @@ def moving(recipe):
     """(body, its frame's origin and direction) of all bodies but the ground, frame by frame."""
     for body in recipe.scene.bodies:
         if body.name != "ground":
-            yield body, np.broadcast_to(body.origin, recipe.scene.closed.shape), body.direction
+            yield body, np.broadcast_to(body.origin, recipe.scene.assembled.shape), body.direction
 
 
 def test_shafts_in_the_drawing_stand_at_the_working_distance_of_the_involute_equation(written):

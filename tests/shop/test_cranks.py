@@ -85,7 +85,7 @@ def over_pivot(recipe):
     for part in recipe.parts:
         if part.body and part.name in recipe.stack.layers and part.body not in (linkage.driver, linkage.ground):
             body = motion.bodies[part.body]
-            seen = ((pivot - body.origin.position) * np.conj(body.direction))[motion.closed]
+            seen = ((pivot - body.origin.position) * np.conj(body.direction))[motion.assembled]
             z = gk.flatten(part.outline, 0.05)
             plate = shapely.Polygon(np.column_stack([z.real, z.imag]))
             if (shapely.distance(plate, shapely.points(seen.real, seen.imag)) < 2.5).any():

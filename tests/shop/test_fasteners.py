@@ -54,12 +54,12 @@ def hits(motion, stack, stock):
             body = motion.bodies[stack.plates[plate].body]
             seen = (place - body.origin.position) * np.conj(body.direction)
             edge = gk.flatten(gk.plane.rounded_hull(stack.plates[plate].centres, stock.bar_width / 2), 0.02)
-            near = distances(seen[motion.closed], edge)
+            near = distances(seen[motion.assembled], edge)
             for radius, low, high in solids:
                 if low < (layer + 1) * t - 1e-6 and high > layer * t + 1e-6 and (near < radius).any():
                     found.add((name, plate))
     for (one, a, these), (two, b, those) in combinations(all_discs, 2):
-        apart = abs(a - b)[motion.closed].min()
+        apart = abs(a - b)[motion.assembled].min()
         for r, low, high in these:
             if any(low < up - 1e-6 and high > down + 1e-6 and apart < r + s for s, down, up in those):
                 found.add((one, two))
@@ -131,7 +131,7 @@ def test_no_head_of_the_gallery_meets_anything_in_quarter_degrees(path):
     way = recipe.way if hasattr(recipe, "way") else recipe.drive
     frames = way.frames
     fine = np.linspace(frames[0], frames[-1], 1441)
-    motion = gk.move(recipe.linkage, fine, recipe.signs)
+    motion = gk.move(recipe.linkage, fine, recipe.branch)
     assert not hits(motion, recipe.stack, recipe.stock)
 
 

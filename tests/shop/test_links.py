@@ -228,7 +228,7 @@ def test_pins_at_one_place_are_one_however_they_are_named():
     plain, paired = (gk.move(star(*names), TURN) for names in (("p", "p", "p"), ("p", "q", "r")))
     (one, two) = (assemble(motion, STOCK) for motion in (plain, paired))
     for motion, found in ((plain, one), (paired, two)):
-        assert motion.closed.all()
+        assert motion.assembled.all()
         (joint,) = [pin for pin in found.pins if pin.name in ("p", "q", "r")]
         assert joint.name == "p" and sorted(joint.plates) == ["coupler_0", "coupler_1", "coupler_2", "crank"]
     assert [pin.name for pin in one.pins] == [pin.name for pin in two.pins]
@@ -262,7 +262,7 @@ def test_of_two_bodies_that_could_be_a_pin_the_one_with_fewer_points_is(block, l
     }
     motion = gk.move(gk.Linkage(bodies | more, driver="crank", sliders=tuple(slides)), TURN)
     plates = assemble(motion, STOCK).plates
-    assert motion.closed.all() and {"block", "lever"} - set(plates) == {pin}
+    assert motion.assembled.all() and {"block", "lever"} - set(plates) == {pin}
     # From the lever's pivot the crank pin is 50 to 110 mm away, and the slot as long as that.
     slotted = "lever" if pin == "block" else "block"
     (slot,) = [places for places in plates[slotted].openings.values() if len(places) == 2]

@@ -95,7 +95,7 @@ def test_nor_do_uneven_frames_or_how_many_are_looked_at_at_once_change_it(seed, 
     pairs = list(pairs_at_random(motion, seed, 5))
     # The crank's own pivot, which stands still.
     pairs.append(Pair("ground", np.array([-40 - 9j, -5 - 9j]), "crank", np.array([0j]), 10.0))
-    if motion.closed.any():
+    if motion.assembled.any():
         pairs += list(only_just(motion, pairs))
     wanted = [bool((gaps(motion, pair) < pair.near).any()) for pair in pairs]
     with pytest.MonkeyPatch.context() as patch:

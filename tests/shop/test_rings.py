@@ -45,11 +45,11 @@ def places(motion, stack, stock):
     """Where each pin is in the fixed frame at all frames that close."""
     ground = motion.bodies[motion.linkage.ground]
     for pin in assemble(motion, stock).pins:
-        yield pin.name, motion.bodies[pin.body].point(pin.place).position[motion.closed]
+        yield pin.name, motion.bodies[pin.body].point(pin.place).position[motion.assembled]
     for pin in stack.pins:
         if pin.name.startswith("spacer_"):
             place = ground.point(stack.plates[motion.linkage.ground].openings[pin.name][0]).position
-            yield pin.name, np.broadcast_to(place, motion.drive.shape)[motion.closed]
+            yield pin.name, np.broadcast_to(place, motion.drive.shape)[motion.assembled]
 
 
 def pairs(motion, stack, stock):
@@ -71,8 +71,8 @@ def pairs(motion, stack, stock):
         for name, what, r, low, high in round_pins:
             if low < (layer + 1) * t - 1e-6 and high > layer * t + 1e-6:
                 z = np.full(motion.drive.shape, np.nan, complex)
-                z[motion.closed] = at[name]
-                seen = ((z - body.origin.position) * np.conj(body.direction))[motion.closed]
+                z[motion.assembled] = at[name]
+                seen = ((z - body.origin.position) * np.conj(body.direction))[motion.assembled]
                 note((name, what, plate), distances(seen, edge).min() - r)
     return found
 

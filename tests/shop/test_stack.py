@@ -100,7 +100,7 @@ def test_no_plate_meets_another_and_no_pin_a_plate_it_does_not_join(name):
     linkage, branch, layers, bridge = BUILDABLE[name]
     stack, model = built(linkage, branch)
     assert stack.collisions == ()
-    assert model.motion.closed.all()
+    assert model.motion.assembled.all()
     assert model.troubles() == {}
     assert 1 + max(stack.layers.values()) == layers
     assert ("bridge" in stack.layers) == bridge == any(pin.name == "spacer_1" for pin in stack.pins)
@@ -180,7 +180,7 @@ def test_collisions_of_a_sliding_driver_are_told_in_millimetres():
         driver="pusher",
     )
     motion = gk.move(pushed, np.linspace(172, 326, 309), {"crank_pin": -1, "slide": -1, "ram_pin": 1})
-    assert motion.closed.all()
+    assert motion.assembled.all()
     collisions = {(c.pin, c.plate): c for c in stack_links(motion, STOCK).collisions}
     assert {c.unit for c in collisions.values()} == {"mm"}
     # The crank lies right over the lever's pivot when it points down: by Pythagoras.
@@ -201,7 +201,7 @@ def test_collisions_of_an_actuator_are_told_in_millimetres():
         driver="push",
     )
     motion = gk.move(pushed, np.linspace(125, 275, 301), {"crank_pin": -1, "slide": -1})
-    assert motion.closed.all()
+    assert motion.assembled.all()
     collisions = {(c.pin, c.plate): c for c in stack_links(motion, STOCK).collisions}
     assert {c.unit for c in collisions.values()} == {"mm"}
     # The crank lies right over the lever's pivot when it points down: by Pythagoras.
@@ -301,7 +301,7 @@ def test_the_order_is_the_best_of_all_orders(crossings, seed):
     meets, pins, crosses = puzzle(seed, crossings)
     count = len(meets)
 
-    def judged(rows):
+    def design_checks(rows):
         """Collisions, layers and pin length of an assignment; None where plates that meet share a layer."""
         top = max(rows) + 1
         if set(rows) != set(range(1, top)):
@@ -319,7 +319,7 @@ def test_the_order_is_the_best_of_all_orders(crossings, seed):
         length = sum(min(s[-1], top - 1) - s[0] for s in spans)
         return collisions, top - 1, length
 
-    every = [j for rows in product(range(1, count + 1), repeat=count) if (j := judged(rows))]
+    every = [j for rows in product(range(1, count + 1), repeat=count) if (j := design_checks(rows))]
     clean, least = order(meets, pins), order(meets, pins, clean=False)
     best = min(every)
     assert (clean is None) == (best[0] > 0) == (least.collisions > 0)
@@ -337,7 +337,7 @@ def test_more_plates_than_the_search_takes_are_refused():
         star[f"coupler_{k}"] = {"crank_pin": 0j, f"pin_{k}": 90 + 0j}
         star[f"rocker_{k}"] = {f"pivot_{k}": 0j, f"pin_{k}": 70 + 0j}
     motion = gk.move(gk.Linkage(star, driver="crank"), TURN)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     with pytest.raises(gk.DesignError, match="17 plates that move"):
         stack_links(motion, STOCK)
     assert len(link_parts(motion, STOCK)) == 18
@@ -363,11 +363,11 @@ def test_frames_that_do_not_close_are_left_out():
     drive = np.linspace(0, 2 * np.pi, 361)
     linkage = gk.FourBar(100, 70, 30, 90)
     motion = gk.move(linkage, drive)
-    assert 0 < motion.closed.mean() < 1
+    assert 0 < motion.assembled.mean() < 1
     stack = stack_links(motion, STOCK)
     assert set(stack.layers) >= {"ground", "crank", "coupler", "rocker"}
     with pytest.raises(gk.DesignError, match="closes at no frame"):
-        stack_links(gk.move(linkage, drive[~motion.closed]), STOCK)
+        stack_links(gk.move(linkage, drive[~motion.assembled]), STOCK)
 
 
 def test_the_summary_lists_layers_upwards_and_pins_with_their_lengths():

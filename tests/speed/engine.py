@@ -219,11 +219,11 @@ def compiled():
 def iterated():
     """A frame of linkages that are no chain of dyads, with the linkage made anew, beside the tenth of a ms aimed at."""
     loops, drive = locked()
-    ours = least_ms(lambda: gk.move(gk.Linkage(loops.bodies, "out", estimate=loops.estimate), drive).closed, 20)
+    ours = least_ms(lambda: gk.move(gk.Linkage(loops.bodies, "out", estimate=loops.estimate), drive).assembled, 20)
     yield "engine: six-bar by iteration, a frame", ours / len(drive), 0.1
     bars, start, _ = triad(1)
     turn = np.linspace(start, start + 2 * np.pi, 360)
-    ours = least_ms(lambda: gk.move(gk.Linkage(bars.bodies, "crank", estimate=bars.estimate), turn).closed, 10)
+    ours = least_ms(lambda: gk.move(gk.Linkage(bars.bodies, "crank", estimate=bars.estimate), turn).assembled, 10)
     yield "engine: three bars on a plate by iteration, 360 frames of a turn, a frame", ours / len(turn), 0.1
 
 

@@ -131,7 +131,7 @@ def geometry():
 
 
 def gears():
-    from geomkin.plane.curve import Moved, Stretch
+    from geomkin.plane.curve import Moved, SubCurve
     from geomkin.plane.flatten import smooth_runs
     from geomkin.plane.joined import Path as Joined
     from geomkin.plane.vec import Pose
@@ -148,7 +148,7 @@ def gears():
         space = Joined((other, Moved(side, Pose(0j, complex(outline.turns[1])))))
         for tolerance in (0.1, 0.01, 0.001, 0.0001):
             ours = len(gk.flatten(outline, tolerance)) // teeth
-            least = sum(least_chords(Stretch(space, run), tolerance) for run in smooth_runs(space))
+            least = sum(least_chords(SubCurve(space, run), tolerance) for run in smooth_runs(space))
             least += len(gk.flatten(top, tolerance)) - 1
             arcs = len(gk.to_arcs(outline, tolerance).vertices) // teeth
             print(f"  {teeth:4d} teeth {tolerance:8g} mm {ours:5d} {least:5d} {arcs:5d}")
@@ -217,7 +217,7 @@ def everything(motion):
     """The same outputs of a motion."""
     point, bodies = motion.point("coupler_point"), (motion.crank, motion.coupler, motion.rocker)
     turns = [value for body in bodies for value in (body.direction, body.omega, body.alpha)]
-    return *turns, point.position, point.velocity, point.acceleration, motion.transmission_angle, motion.closed
+    return *turns, point.position, point.velocity, point.acceleration, motion.transmission_angle, motion.assembled
 
 
 def linkages():

@@ -39,7 +39,7 @@ def figures(seeds: int) -> None:
         errors, usable, times = [], [], []
         for seed in range(seeds):
             start = time.process_time()
-            found = gk.path_generator(points, seed=seed, seconds=60, **asked)
+            found = gk.path_generator(points, seed=seed, time_limit=60, **asked)
             times.append(time.process_time() - start)
             moved = gk.move(found.linkage, found.drive, found.branch).point("coupler_point").position
             errors.append(np.sum(np.abs(moved - points) ** 2))
@@ -49,7 +49,7 @@ def figures(seeds: int) -> None:
         print(row, flush=True)
     for seed in range(min(3, seeds)):
         start = time.process_time()
-        found = gk.path_generator(NINE, seed=seed, seconds=120)
+        found = gk.path_generator(NINE, seed=seed, time_limit=120)
         spent = time.process_time() - start
         met = [one for one in found.ranked if one.square_error < 1e-16]
         sound = sum(not one.defects for one in met)

@@ -36,7 +36,7 @@ def here(tmp_path, monkeypatch):
         (lambda: TABLE, "four-bar"),
         (lambda: gk.load("in/bar 7.toml"), "bar 7"),
         (lambda: gk.load(BAR), "four-bar"),
-        (lambda: gk.load(BAR).called("mine"), "mine"),
+        (lambda: gk.load(BAR).with_name("mine"), "mine"),
     ],
     ids=["file", "text", "table", "recipe of a file", "recipe", "recipe called"],
 )
@@ -190,7 +190,7 @@ def test_of_a_column_with_gaps_least_and_largest_are_found_and_the_last_is_the_l
 @pytest.mark.parametrize(
     ("source", "words"),
     [
-        (lambda: gk.load(BAR).called("con"), "con: (whole file): its name cannot name a folder and files: Windows"),
+        (lambda: gk.load(BAR).with_name("con"), "con: (whole file): its name cannot name a folder and files: Windows"),
         (lambda: {"kind": "con"}, "recipe: (whole file): its name cannot name"),
         (lambda: 'kind = "a/b"\n', "recipe: (whole file): its name cannot name"),
         (lambda: "in/aux.toml", "in/aux.toml: (whole file): its name cannot name"),

@@ -14,7 +14,7 @@ STEPS, LOOKS = 120, 5
 
 
 @dataclass
-class Driven:
+class InputDyad:
     """Many linkages at places: drives and second pins, (places, linkages), and where these can be at any drive.
 
     crossing(q) -> the two places of the second pin, and how far the loop is from opening; q (..., linkages).
@@ -97,7 +97,7 @@ def of_four_bar(first, second, pivots, driver):
     def crossing(q):
         return circles(pivots[0] + crank * np.exp(1j * q), pivots[1], reach, bar)
 
-    return Driven(np.angle(first - pivots[0]), second, crossing, True, crank + bar + reach)
+    return InputDyad(np.angle(first - pivots[0]), second, crossing, True, crank + bar + reach)
 
 
 def of_slider_crank(first, second, pivot, rail, driver):
@@ -107,13 +107,13 @@ def of_slider_crank(first, second, pivot, rail, driver):
         def crossing(q):
             return line(pivot + crank * np.exp(1j * q), second[0], rail, bar)
 
-        return Driven(np.angle(first - pivot), second, crossing, True, crank + bar)
+        return InputDyad(np.angle(first - pivot), second, crossing, True, crank + bar)
     through = second[0]
 
     def slid(q):
         return circles(through + q * rail, pivot, crank, bar)
 
-    return Driven(((second - through) * np.conj(rail)).real, first, slid, False, crank + bar)
+    return InputDyad(((second - through) * np.conj(rail)).real, first, slid, False, crank + bar)
 
 
 def of_trammel(first, second, slots, driver):
@@ -124,7 +124,7 @@ def of_trammel(first, second, slots, driver):
         def slid(q):
             return line(through + q * slots[0], second[0], slots[1], bar)
 
-        return Driven(((first - through) * np.conj(slots[0])).real, second, slid, False, bar)
+        return InputDyad(((first - through) * np.conj(slots[0])).real, second, slid, False, bar)
 
     def turned(q):
         # The first pin on its slot, such that the second is on its own.
@@ -133,7 +133,7 @@ def of_trammel(first, second, slots, driver):
         at = first[0] - slots[0] * away / (slots[0] * np.conj(slots[1])).imag
         return at + rod, at + rod, np.ones_like(q)
 
-    return Driven(np.angle(second - first), second, turned, True, bar)
+    return InputDyad(np.angle(second - first), second, turned, True, bar)
 
 
 def three_poses(rng, count):

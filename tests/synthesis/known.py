@@ -42,7 +42,7 @@ def _moved(rng, count, poses, kind, size):
         motion = gk.move(make(), drive, int(rng.choice([1, -1])))
         body = motion.bodies["coupler"]
         for k in range(many):
-            frames = np.nonzero(motion.closed[:, k])[0]
+            frames = np.nonzero(motion.assembled[:, k])[0]
             if len(out) == count or len(frames) < poses:
                 continue
             frames = np.sort(rng.choice(frames, poses, replace=False))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.rockers import families as judged
+from geomkin.synthesis.rockers import families as design_checks
 
 
 def full_turn(linkage, branch, frames=3600):
@@ -14,7 +14,7 @@ def full_turn(linkage, branch, frames=3600):
     """
     drive = np.linspace(0, 2 * np.pi, frames + 1)
     motion = gk.move(linkage, drive, branch)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     angle = np.unwrap(np.angle(motion.rocker.direction))
     rising = np.diff(angle) > 0
     # One stroke there and one back: two changes around the circle.
@@ -57,9 +57,9 @@ def test_the_best_is_the_best_of_all_that_can_be_built_by_hand(swing, turn):
     top = 0.0
     for part in np.array_split(sizes, 8, axis=1):
         motion = gk.move(gk.FourBar(*part), drive)
-        angle = np.unwrap(np.angle(np.where(motion.closed, motion.rocker.direction, 1)), axis=0)
+        angle = np.unwrap(np.angle(np.where(motion.assembled, motion.rocker.direction, 1)), axis=0)
         rising = np.mean(np.diff(angle, axis=0) > 0, axis=0)
-        fits = motion.closed.all(axis=0) & (abs(np.ptp(angle, axis=0) - np.radians(swing)) < 3e-4)
+        fits = motion.assembled.all(axis=0) & (abs(np.ptp(angle, axis=0) - np.radians(swing)) < 3e-4)
         fits &= abs(360 * rising - turn) < 2.1
         angles = np.where(fits, motion.transmission_angle.min(axis=0), 0)
         top = max(top, np.degrees(angles.max()))
@@ -258,5 +258,5 @@ def test_the_number_that_a_ratio_s_refusal_names_works():
     ids=["double rocker", "double crank", "short rod"],
 )
 def test_what_does_not_go_there_and_back_once_has_no_full_turn(linkage):
-    told = judged.full_turn(linkage)
+    told = design_checks.full_turn(linkage)
     assert np.isnan([told.extent, told.start, told.turn, told.least]).all()

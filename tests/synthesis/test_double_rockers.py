@@ -16,9 +16,9 @@ def simulated(linkage, wish, frames=1801):
     drive = np.linspace(start, start + swing, frames)
     for branch in (1, -1):
         motion = gk.move(linkage, drive, branch)
-        if motion.closed[0] and abs(motion.rocker.direction[0] - np.exp(1j * out)) < 1e-7:
+        if motion.assembled[0] and abs(motion.rocker.direction[0] - np.exp(1j * out)) < 1e-7:
             angle = np.unwrap(np.angle(motion.rocker.direction))
-            sound = motion.closed.all() and abs(angle[-1] - angle[0] - turn) < 1e-6
+            sound = motion.assembled.all() and abs(angle[-1] - angle[0] - turn) < 1e-6
             back = sound and np.ptp(angle) > abs(turn) + 1e-6
             return branch, sound, back, np.degrees(motion.transmission_angle.min())
     raise AssertionError("it does not stand at the first place")
@@ -31,7 +31,7 @@ def kind_of_defect(linkage, wish, branch):
     other = {}
     for sign in (1, -1):
         motion = gk.move(linkage, drive, sign)
-        if motion.closed[1] and abs(motion.rocker.direction[1] - np.exp(1j * (out + turn))) < 1e-6:
+        if motion.assembled[1] and abs(motion.rocker.direction[1] - np.exp(1j * (out + turn))) < 1e-6:
             other[sign] = gk.linkage.circuits(linkage, motion)[1]
     first = gk.linkage.circuits(linkage, gk.move(linkage, drive, branch))[0]
     if first not in other.values():
@@ -163,8 +163,8 @@ def test_the_best_is_the_best_of_all_cranks_and_rockers(wish, ratio):
     drive = np.linspace(start, start + swing, 241)
     for branch in (1, -1):
         motion = gk.move(gk.FourBar(*sizes), drive, branch)
-        angle = np.unwrap(np.angle(np.where(motion.closed, motion.rocker.direction, 1)), axis=0)
-        fits = motion.closed.all(axis=0) & (abs(angle[-1] - angle[0] - turn) < 1e-6)
+        angle = np.unwrap(np.angle(np.where(motion.assembled, motion.rocker.direction, 1)), axis=0)
+        fits = motion.assembled.all(axis=0) & (abs(angle[-1] - angle[0] - turn) < 1e-6)
         fits &= (abs(motion.rocker.direction[0] - arms[0]) < 1e-6) & (np.ptp(angle, axis=0) < abs(turn) + 1e-6)
         top = max(top, np.degrees(np.where(fits, motion.transmission_angle.min(axis=0), 0)).max(initial=0))
     if top == 0:
@@ -188,8 +188,8 @@ def test_no_member_of_a_family_is_better_than_its_best():
         like = sizes.max(axis=0) < 100 * sizes.min(axis=0)
         for branch in (1, -1):
             motion = gk.move(many, np.linspace(start, start + swing, 181), branch)
-            angle = np.unwrap(np.angle(np.where(motion.closed, motion.rocker.direction, 1)), axis=0)
-            fits = like & motion.closed.all(axis=0) & (abs(angle[-1] - angle[0] - turn) < 1e-6)
+            angle = np.unwrap(np.angle(np.where(motion.assembled, motion.rocker.direction, 1)), axis=0)
+            fits = like & motion.assembled.all(axis=0) & (abs(angle[-1] - angle[0] - turn) < 1e-6)
             fits &= (abs(motion.rocker.direction[0] - np.exp(1j * out)) < 1e-6) & (
                 np.ptp(angle, axis=0) < abs(turn) + 1e-9
             )
@@ -212,7 +212,7 @@ def test_a_known_linkage_is_found_again_from_its_own_swings():
             continue
         known = gk.FourBar(1, crank, coupler, rocker)
         motion = gk.move(known, np.radians(np.linspace(start, start + swing, 181)), -1)
-        if not motion.closed.all() or motion.transmission_angle.min() < 0.02:
+        if not motion.assembled.all() or motion.transmission_angle.min() < 0.02:
             continue
         out = np.degrees(np.unwrap(np.angle(motion.rocker.direction)))
         if abs(out[-1] - out[0]) < 2:
@@ -322,7 +322,7 @@ def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
 
 def test_a_swing_that_a_defect_keeps_from_being_told_is_no_check():
     wanted = {"crank_start_deg": 60, "crank_swing_deg": 359, "rocker_start_deg": 79, "rocker_swing_deg": 41}
-    checks = gk.load({"kind": "double-rocker", "wanted": wanted | {"ground": 100}}).checks
+    checks = gk.load({"kind": "double-rocker-synthesis", "wanted": wanted | {"ground": 100}}).checks
     assert not np.isnan([check.value for check in checks]).any()
     failed = [check for check in checks if not check.passed]
     assert failed[0].name == "defects" and "branch" in failed[0].advice

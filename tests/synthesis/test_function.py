@@ -23,7 +23,7 @@ def moved(found, count=2001):
     """x, and the error of the output as the linkage moves: deg or mm."""
     x = np.linspace(found.wanted.x0, found.wanted.x1, count)
     motion = gk.move(found.linkage, found.input_at(x), found.branch)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     if isinstance(found.linkage, gk.SliderCrank):
         return x, motion.slider.origin.position.real - found.wanted_at(x), motion
     error = np.degrees(np.angle(motion.rocker.direction)) - found.wanted_at(x)
@@ -144,7 +144,7 @@ def test_known_linkages_are_given_back():
             continue
         drive = rng.uniform(0, 2 * np.pi) + np.linspace(0, np.radians(80), 61)
         motion = gk.move(linkage, drive)
-        if not motion.closed.all() or np.degrees(gk.least_transmission_angle(motion)) < 35:
+        if not motion.assembled.all() or np.degrees(gk.least_transmission_angle(motion)) < 35:
             continue
         out = np.unwrap(np.angle(motion.rocker.direction))
         if abs(out[-1] - out[0]) < 0.3 or np.ptp(out) > 1.5 * abs(out[-1] - out[0]):

@@ -29,7 +29,7 @@ output_mm = -40
 
 @pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
 def test_what_is_made(tmp_path, text):
-    recipe = gk.load(text).called("wish")
+    recipe = gk.load(text).with_name("wish")
     made = gk.make(recipe, tmp_path)
     unit = "mm" if "slider" in text else "deg"
     table = recipe.table.to_columns()
@@ -78,7 +78,7 @@ def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
     assert np.abs(recipe.ranked[0].error([1.2, 2, 2.8])).max() < 1e-7
     # Rounded to a millionth of its size.
     assert np.abs(recipe.found.error([1.2, 2, 2.8])).max() < 1e-3
-    assert not recipe.judged[0].passed and recipe.judged[0].limit == 0.001
+    assert not recipe.design_checks[0].passed and recipe.design_checks[0].limit == 0.001
     assert recipe.found.wanted_at(2.5) - recipe.found.wanted_at(1.0) == pytest.approx(90 * (2.5**2 - 1) / 8)
 
 

@@ -35,7 +35,7 @@ def check(guide, poses):
     body_turns = turns * np.exp(1j * np.radians(guide.body_angle_deg))
     met = (np.abs(places[::200] - origins) <= 1e-9 * size) & (np.abs(body_turns[::200] - directions) <= 1e-9)
     steps = np.diff(guide.drive)
-    goes = bool(motion.closed.all() and met.all() and ((steps > 0).all() or (steps < 0).all()))
+    goes = bool(motion.assembled.all() and met.all() and ((steps > 0).all() or (steps < 0).all()))
     assert goes == (not guide.defects), (guide.linkage, guide.defects)
     if goes:
         # The turn between frames stays small, or it has jumped to the other branch.
@@ -239,7 +239,7 @@ def test_limits_are_kept():
         ]
         places = [guide.linkage.origin, *(pins[0] if not guide.defects else ())]
         assert all(-60.001 <= z.real <= 120.001 and -60.001 <= z.imag <= 120.001 for z in places)
-    short = body_guides(THREE, seconds=0)
+    short = body_guides(THREE, time_limit=0)
     assert short[0].cut_short and not short[0].defects and not body_guides(THREE)[0].cut_short
 
 

@@ -53,12 +53,12 @@ def test_a_refusal_for_want_of_room_gives_a_region_that_is_large_enough(kind, ha
         poses = [(complex(*rng.uniform(-50, 50, 2)), float(t)) for t in np.sort(rng.uniform(0, 2.5, 4))]
         region = None if half is None else (complex(-half, -half), complex(half, half))
         try:
-            body_guides(poses, kind, region=region, seconds=60)
+            body_guides(poses, kind, region=region, time_limit=60)
         except gk.DesignError as error:
             refused += 1
             corners = re.search(r"\[(\[.*\]), (\[.*\])\]", error.remedy)
             low, high = (complex(*json.loads(corner)) for corner in corners.groups())
-            guides = body_guides(poses, kind, region=(low, high), seconds=60)
+            guides = body_guides(poses, kind, region=(low, high), time_limit=60)
             assert guides and (half is None or high.real > half)
     assert refused >= 1
     # Five poses without a region lack no room.
@@ -191,9 +191,9 @@ def test_points_of_a_circle_of_sliders_go_round_it_and_those_of_a_line_along_it(
 def test_time_that_is_too_short_is_told_as_such():
     poses = poses_of(KNOWN, DRIVE[:4])
     with pytest.raises(gk.DesignError, match="seconds: found 0 s, too short for any answer; give 10 or more"):
-        body_guides(poses, seconds=0)
+        body_guides(poses, time_limit=0)
     # Five poses need no search; and where time is enough it is the poses that have none.
-    assert has(body_guides(poses_of(KNOWN, DRIVE[:5]), seconds=0), KNOWN, DRIVE[:5])
+    assert has(body_guides(poses_of(KNOWN, DRIVE[:5]), time_limit=0), KNOWN, DRIVE[:5])
     with pytest.raises(gk.DesignError, match="poses: found no four-bar through them that keeps the limits"):
         body_guides(poses, "four-bar", least_transmission_angle_deg=89, largest_ratio=1.01, region=(0j, 1 + 1j))
 

@@ -203,13 +203,13 @@ def test_a_larger_region_is_tried_where_one_that_nobody_asked_for_has_nothing(mo
                 one, good, _ = rooms_of(monkeypatch, poses, kind, region=region)
                 assert one == [1.0] and good == 0
     assert met == {1, 2, 3}
-    assert rooms_of(monkeypatch, FOUR, "four-bar", seconds=0)[0] == [1.0]
+    assert rooms_of(monkeypatch, FOUR, "four-bar", time_limit=0)[0] == [1.0]
     # Of three poses the same.
     flat = [(0j, 0.0), (40 + 20j, 2.9), (60 - 10j, -2.9)]
     for poses, kind in ((THREE, "four-bar"), (flat, "elliptic-trammel")):
         rooms, sound, _ = rooms_of(monkeypatch, poses, kind)
         assert tuple(rooms) == guide_groups.ROOMS[: len(rooms)] and (len(rooms) == 3) == (not sound)
-    assert len(rooms) == 3 and rooms_of(monkeypatch, flat, "elliptic-trammel", seconds=0)[0] == [1.0]
+    assert len(rooms) == 3 and rooms_of(monkeypatch, flat, "elliptic-trammel", time_limit=0)[0] == [1.0]
     assert rooms_of(monkeypatch, flat, "elliptic-trammel", region=(-100 - 100j, 100 + 100j))[0] == [1.0]
 
 

@@ -56,7 +56,7 @@ def test_limits_that_are_held(asked, given, angle, ratio, nine):
 
 
 def test_points_are_told_about_their_middle_in_their_size(asked):
-    one = asked(POINTS, drive_deg=[10, 30, 90, 100], seed=7, seconds=3, closed=True)
+    one = asked(POINTS, drive_deg=[10, 30, 90, 100], seed=7, time_limit=3, closed=True)
     assert one.middle == POINTS.mean() and (one.points == POINTS).all() and (one.seed, one.seconds) == (7, 3)
     assert one.task.wanted.mean() == pytest.approx(0) and np.mean(np.abs(one.task.wanted) ** 2) == pytest.approx(1)
     assert one.size * one.task.wanted + one.middle == pytest.approx(POINTS) and one.task.closed

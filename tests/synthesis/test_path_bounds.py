@@ -254,7 +254,7 @@ def test_ranked_are_the_sound_by_their_error_then_by_their_angle_and_each_once(m
     assert found[1].square_error < 1e-15 and [one.branch for one in found[:2]] == [-1, 1]
     # So many are told at most, and that time was short is told of each.
     monkeypatch.setattr(search, "RANKED", 4)
-    few, cut = search_of(task_of(POINTS), seconds=0.0).ranked(0)
+    few, cut = search_of(task_of(POINTS), time_limit=0.0).ranked(0)
     assert [one.linkage for one in few] == [one.linkage for one in found[:4]]
 
 

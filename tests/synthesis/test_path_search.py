@@ -77,7 +77,7 @@ def test_all_of_many_points_count_though_few_are_searched_with(known, asked, mon
     monkeypatch.setattr(search, "SEARCHED", 12)
     monkeypatch.setattr(search, "timed_starts" if timed else "free_starts", given)
     asked = {"timed": {"drive_deg": np.degrees(drive)}, "open": {}, "closed": {"closed": True}}[asked]
-    found = gk.path_generator(points, slides=known is SLIDER, seconds=60, **asked)
+    found = gk.path_generator(points, slides=known is SLIDER, time_limit=60, **asked)
     wanted = (points - points.mean()) / np.sqrt(np.mean(np.abs(points - points.mean()) ** 2))
     assert len(seen[0]) == 12 and seen[0][[0, -1]] == pytest.approx(wanted[[0, -1]])
     assert np.isin(np.round(seen[0], 9), np.round(wanted, 9)).all()
@@ -255,14 +255,14 @@ def test_circuits_of_a_way_are_those_of_the_motion():
         drive = rng.uniform(0, 2 * np.pi, 200)
         motions = [gk.move(bar, drive, side) for side in (1, -1)]
         circuits = [gk.linkage.circuits(bar, motion).tolist() for motion in motions]
-        closed = np.flatnonzero(motions[0].closed)
+        closed = np.flatnonzero(motions[0].assembled)
         for i, j, side in zip(closed[:-1:12], closed[1::12], rng.integers(0, 2, 50).tolist()):
             of = circuits[0][i], circuits[side][j]
             branch = np.array([1, -1 if side else 1])
             found = way_through(free, in_units(bar, np.array([-1, 1])), drive[[i, j]], branch).defects
             assert ("circuit" in found) == (of[0] != of[1])
             assert ("branch" in found) == side
-            seen.add((of[0] != of[1], side, bool(motions[0].closed.all())))
+            seen.add((of[0] != of[1], side, bool(motions[0].assembled.all())))
     assert len(seen) >= 6
 
 

@@ -32,7 +32,7 @@ def test_random_linkages_turn_fully_where_they_must_and_are_of_every_kind(slides
         spread = np.log(coupler / rocker)
         assert abs(np.median(spread)) < 0.3 and np.ptp(spread) > 2
     least = np.degrees(gk.least_transmission_angle(motion))
-    fully = motion.closed.all(axis=0)
+    fully = motion.assembled.all(axis=0)
     if slides:
         # A coupler too short for its crank is drawn as well, and turns nowhere.
         assert fully.mean() > 0.5 and least[fully].min() > 0 and (least[fully] > 24.99).mean() > 0.95
@@ -41,7 +41,7 @@ def test_random_linkages_turn_fully_where_they_must_and_are_of_every_kind(slides
     # An open path may have one that swings.
     drawn = starts.random_linkages(task_of([0, 1], **limits), np.random.default_rng(0), 400)
     bar = gk.SliderCrank(1, drawn[:, 2], drawn[:, 0]) if slides else gk.FourBar(drawn[:, 0], 1, *drawn[:, 2:].T)
-    assert 0.3 < gk.move(bar, FULL).closed.all(axis=0).mean() < 0.9
+    assert 0.3 < gk.move(bar, FULL).assembled.all(axis=0).mean() < 0.9
 
 
 def test_the_best_of_each_kind_is_taken():

@@ -11,7 +11,7 @@ def full_turn(linkage, frames=3600):
     """The stroke, the crank's turn while the slider goes towards +x, and the least angle: fine steps, no formula."""
     drive = np.linspace(0, 2 * np.pi, frames + 1)
     motion = gk.move(linkage, drive)
-    assert motion.closed.all()
+    assert motion.assembled.all()
     place = motion.slider.origin.position.real
     rising = np.diff(place) > 0
     assert np.sum(rising != np.roll(rising, 1)) == 2
@@ -64,7 +64,7 @@ def test_the_best_is_the_best_of_all_that_can_be_built_by_hand(turn):
         motion = gk.move(gk.SliderCrank(*part), drive)
         place = motion.slider.origin.position.real
         rising = 360 * np.mean(np.diff(place, axis=0) > 0, axis=0)
-        fits = motion.closed.all(axis=0) & (abs(np.ptp(place, axis=0) - 1) < 1e-3) & (abs(rising - turn) < 2.1)
+        fits = motion.assembled.all(axis=0) & (abs(np.ptp(place, axis=0) - 1) < 1e-3) & (abs(rising - turn) < 2.1)
         top = max(top, np.degrees(np.where(fits, motion.transmission_angle.min(axis=0), 0)).max(initial=0))
     assert best.transmission_angle_deg - 2e-3 < top < best.transmission_angle_deg + 1e-6
 
@@ -110,7 +110,7 @@ def test_at_half_a_turn_the_slide_line_goes_through_the_pivot():
 def test_a_family_is_told_by_its_members_as_they_move():
     best = slider_crank_stroke(50, 165)
     members = gk.move(best.family.linkage, np.radians(np.arange(0, 361, 1.0)))
-    assert members.closed.all()
+    assert members.assembled.all()
     least = np.degrees(members.transmission_angle.min(axis=0))
     assert best.family.transmission_angle_deg == pytest.approx(least, abs=1e-9)
     assert np.ptp(members.slider.origin.position.real, axis=0) == pytest.approx(50, rel=3e-3)

@@ -10,13 +10,13 @@ WANTED = functions.problem()
 PLACES = np.linspace(0, 1, functions.FEW)
 
 
-def judged(a, b, c, start, output_start, branch):
+def design_checks(a, b, c, start, output_start, branch):
     """Largest error, rad, and least transmission angle, deg, and ratio of links; None where it cannot be."""
     try:
         motion = gk.move(gk.FourBar(1.0, a, b, c), start + WANTED.swing * PLACES, int(branch))
     except gk.DesignError:
         return None
-    if not motion.closed.all():
+    if not motion.assembled.all():
         return None
     right = np.exp(1j * (output_start + WANTED.out * np.log2(1 + PLACES)))
     error = np.abs(np.angle(motion.rocker.direction / right)).max()
@@ -33,7 +33,7 @@ def drawn(seed, count):
 @pytest.mark.parametrize("seed", range(6))
 def test_of_many_four_bars_the_one_is_chosen_that_errs_least_within_the_limits(seed):
     found = drawn(seed, 120)
-    known = [judged(*row) for row in found.T.tolist()]
+    known = [design_checks(*row) for row in found.T.tolist()]
     limits = [one is not None and (one[1] >= 30, one[2] <= 10) for one in known]
     kept = [k for k, one in enumerate(limits) if one and all(one)]
     best = min(kept, key=lambda k: known[k][0])

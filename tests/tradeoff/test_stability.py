@@ -19,7 +19,7 @@ from tests.tradeoff import kept
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
 
 
-def judged(cell, distances):
+def design_checks(cell, distances):
     found = [measured(cell, x) for x in distances]
     told = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
     assert cell.answer in ANSWERS and answered(found) == cell.answer, told
@@ -31,7 +31,7 @@ def judged(cell, distances):
 
 @every_cell
 def test_the_library_does_at_each_place_what_the_table_says(cell):
-    found = judged(cell, (1e-1, 1e-7, 1e-15))
+    found = design_checks(cell, (1e-1, 1e-7, 1e-15))
     # And the sizes are those of the kept table, to the rounding of its digits.
     (then,) = [[row[0], row[6], row[14]] for row in kept.study().found if row[0].cell is cell]
     assert [one.allowed for one in found] == pytest.approx([one.allowed for one in then], abs=0.06)
@@ -56,7 +56,7 @@ def test_beside_the_place_formula_and_library_are_one_for_any_sizes(cell):
 @every_cell
 @pytest.mark.campaign
 def test_it_does_so_at_all_distances(cell):
-    judged(cell, [10.0 ** -(k / 3) for k in range(3, 46)])
+    design_checks(cell, [10.0 ** -(k / 3) for k in range(3, 46)])
 
 
 def test_the_textbook_s_formula_breaks_where_the_library_s_does_not():
@@ -148,7 +148,7 @@ def test_cells_of_gears_stand_on_the_side_of_the_place_that_is_told():
     lost, thick = [], []
     for x in (1e-1, 1e-2, 1e-3):
         teeth, module, shift = under.sizes(x)
-        lost.append(gk.SpurGear(int(teeth), module, shift, pointed="cut").lost_to_undercut)
+        lost.append(gk.SpurGear(int(teeth), module, shift, on_pointed_tip="cut").lost_to_undercut)
         thick.append(gk.SpurGear(12, 2, tips.sizes(x)[1]).tip_thickness)
     for row in (lost, thick):
         assert row[0] > row[1] > row[2] > 0 and row[2] < 0.02 * row[0]

@@ -41,7 +41,7 @@ class AbstractFace(AbstractFollower):
     rounding = 0.0
     knife_edge = None
 
-    def covered_from(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
+    def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
         # Of the face's line, the point nearest to the axis.
         contact = self.contact(motion, base_radius, sense)
         return dot(contact.normal, contact.point)
@@ -57,7 +57,7 @@ class AbstractFace(AbstractFollower):
         radius, at = highest(program.breaks, below)
         return -radius, at
 
-    def excess(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
+    def undercut_violation(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
         contact = self.contact(motion, base_radius, sense)
         return least_radius * np.abs(contact.turn) - contact.advance
 

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from ...core.arguments import Sort
+from ...core.arguments import ArgumentType
 from ...core.errors import DesignError
 from ...core.fields import KindTable, OneOfKinds, rounded_up
 from ...core.records import record
@@ -262,7 +262,7 @@ class AbstractFollower(ABC):
         """
 
     @abstractmethod
-    def covered_from(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
+    def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
         """Distance from the cam's axis, mm, of a point that it covers, or whose far side it covers.
 
         Over a whole turn no cam is left beyond the largest of them.
@@ -276,7 +276,7 @@ class AbstractFollower(ABC):
         """
 
     @abstractmethod
-    def excess(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
+    def undercut_violation(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
         """Above 0 where the profile runs backwards, or has a convex radius of curvature below `least_radius`, mm."""
 
     @abstractmethod
@@ -303,7 +303,7 @@ class AbstractFollower(ABC):
 Follower = Annotated[
     AbstractFollower,
     OneOfKinds(),
-    Sort(
+    ArgumentType(
         lambda value: isinstance(value, AbstractFollower),
         "a follower, such as TranslatingRoller",
     ),

@@ -44,7 +44,7 @@ class AbstractRoller(AbstractFollower):
     def knife_edge(self) -> Self:
         return replace(self, roller_radius=0.0)
 
-    def covered_from(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
+    def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
         return np.abs(self.knife_edge.contact(motion, base_radius + self.roller_radius, sense).point)
 
     def joint(self, pose: Pose, start: complex, end: complex) -> Arc:
@@ -63,7 +63,7 @@ class AbstractRoller(AbstractFollower):
         with np.errstate(divide="ignore"):
             return np.where(bend > 0, 1 / np.maximum(bend, 0), np.inf) - self.roller_radius, at
 
-    def excess(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
+    def undercut_violation(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
         # A profile with this radius left is one that a roller larger by as much just does not undercut.
         larger = replace(self, roller_radius=self.roller_radius + least_radius) if least_radius else self
         return -larger.contact(motion, base_radius - least_radius, sense).advance

@@ -96,7 +96,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         return cam_checks(self.cam, self.cut)
 
     @cached_property
@@ -146,7 +146,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
-        notes |= self.joined
+        notes |= self.assembly_summary
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _peaks(self) -> dict[str, dict[str, object]]:
@@ -183,7 +183,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         }
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """Follower and programme of the kinds asked for; an arm is lifted by as many degrees as others by mm."""
         follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
         lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])

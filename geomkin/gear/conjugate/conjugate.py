@@ -14,7 +14,7 @@ from ...core.fields import Length, Size
 from ...core.records import record
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Reversed
-from ...plane.joined import Path, Ring
+from ...plane.joined import Path, PolarArray
 from ...plane.primitives import Arc
 from ...plane.vec import Pose, Real
 from ..contract import AbstractGear
@@ -151,7 +151,7 @@ def conjugate(
         tip_radius=tip,
         root_radius=root,
         is_ring=ring_mate,
-        outline=Ring(piece, mate_teeth),
+        outline=PolarArray(piece, mate_teeth),
         pose=Pose(1j * (pitch_radius + signed), complex(1 / turn)),
         steps=tuple(steps),
         untouched=untouched(material_left, swept, steps, tip, not ring_mate),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.records import record
-from ...plane.curve import AbstractCurve, Stretch
+from ...plane.curve import AbstractCurve, SubCurve
 from ...plane.vec import Complex, Mask, Real, unit
 
 # Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots
@@ -39,7 +39,7 @@ class TangentPoint(NamedTuple):
 class ToothRun:
     """A stretch of a tooth without a corner."""
 
-    curve: Stretch
+    curve: SubCurve
 
     @property
     def breaks(self) -> Real:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
 from ...core.records import record
-from ...plane.curve import AbstractCurve, Stretch
+from ...plane.curve import AbstractCurve, SubCurve
 from ...plane.flatten import smooth_runs
 from ...plane.subdivision import CORNER, direction
 from ...plane.vec import Complex, Mask, Real, Whole, cross
@@ -196,7 +196,7 @@ def _sides(tooth: AbstractCurve, step: complex) -> list[ToothRun | ToothCorner]:
     runs = smooth_runs(tooth)
     sides: list[ToothRun | ToothCorner] = []
     for k, run in enumerate(runs):
-        sides.append(ToothRun(Stretch(tooth, run)))
+        sides.append(ToothRun(SubCurve(tooth, run)))
         last = k == len(runs) - 1
         after = complex(direction(tooth, runs[(k + 1) % len(runs)][:1], after=True)[0]) * (step if last else 1)
         before = complex(direction(tooth, run[-1:], after=False)[0])

@@ -14,7 +14,7 @@ from ...core.fields import FARTHEST, Length, PointXY, entry, quantity, rounded_d
 from ...core.records import record
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import flatten
-from ...plane.joined import Path, Ring
+from ...plane.joined import Path, PolarArray
 from ...plane.primitives import Arc, Circle, Segment
 from ...plane.spline import Spline
 from ...plane.subdivision import direction
@@ -55,7 +55,7 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         return 2 * self.tip_radius * float(np.angle(1j / complex(self.flank.point(self.flank.breaks[-1]))))
 
     @cached_property
-    def outline(self) -> Ring:
+    def outline(self) -> PolarArray:
         """The whole gear as one closed counterclockwise curve of exact pieces; the flank is piece 0 of its tooth."""
         return self._toothed([self.flank])
 
@@ -105,7 +105,7 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         """Half the angle of the bottom land that a flank leaves, rad."""
         return max(0.0, np.pi / self.teeth - float(np.angle(1j / complex(flank.point(flank.breaks[0])))))
 
-    def _toothed(self, side: list[AbstractCurve]) -> Ring:
+    def _toothed(self, side: list[AbstractCurve]) -> PolarArray:
         """All teeth from the right-hand side of one."""
         return toothed(side, self.teeth, self._half_land(side[0]))
 

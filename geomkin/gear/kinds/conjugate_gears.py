@@ -94,7 +94,7 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
                 # The other side of the tooth is alike.
                 if u.start < 1
             ],
-            **self.joined,
+            **self.assembly_summary,
         }
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
@@ -159,7 +159,7 @@ class ToothedRecipe(AbstractShapedRecipe):
         return flank_table(self.design, self.mate.backlash)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         module = self.gear.module
         boss = boss_checks("gear", self.gear.root_radius, self.stock.motor, self.base)
         return (touch_check(self.design, module), *conjugate_checks(self.design, module), *boss)
@@ -225,7 +225,7 @@ class LanternGearsRecipe(AbstractShapedRecipe):
         return pin_table(self.design, self.own_quarters, self.mate.backlash)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         longer = ", or mate.clearance = 0" if self.mate.internal and self.mate.clearance else ""
         return conjugate_checks(self.design, self.pinion.module, self.own_quarters, longer)
 

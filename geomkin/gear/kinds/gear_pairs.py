@@ -96,7 +96,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         return contact_table(self.design)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
         boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
         return (*mesh_checks(self.design), *own, *boss)
@@ -141,7 +141,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """Shafts, where a base is asked for."""
         return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
 
@@ -153,7 +153,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
             "pair": mesh_notes(self.design, self.helix, width),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **self.joined,
+            **self.assembly_summary,
         }
 
 
@@ -191,7 +191,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         return contact_table(self.design)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         pinion = self.design.pinion
         own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
@@ -218,7 +218,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and pins that leave a thin rack its walls, where a base is asked for."""
         if "base" not in asked:
             return {}
@@ -238,4 +238,4 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
         measures = {"pinion": gear_notes(*sizes["pinion"])}
-        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.joined}
+        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.assembly_summary}

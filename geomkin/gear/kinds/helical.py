@@ -16,7 +16,7 @@ from ...making.motors import MOTORS, MotorName
 from ...model.check import Check
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
-from ...plane.joined import Ring
+from ...plane.joined import PolarArray
 from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
 from ..contract import AbstractInvoluteGear
@@ -113,7 +113,7 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
         return
     weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
     # What is larger than any sheet is refused for that.
-    toothed = [(c, weight) for c, weight in weights if isinstance(c, Ring) and abs(c.point(0.0)) < WIDEST / 2]
+    toothed = [(c, weight) for c, weight in weights if isinstance(c, PolarArray) and abs(c.point(0.0)) < WIDEST / 2]
 
     def points(tolerance: float) -> int:
         # Each pitch ends where the next begins.
@@ -250,7 +250,7 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     # Least normal backlash of ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
     least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
-    advice = f"teeth without backlash jam: give thinning to both gears, about {along / 2:.2f} mm each"
+    advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
     return {"backlash_mm": backlash, "backlash_advice": advice}
 
 

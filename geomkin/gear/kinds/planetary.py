@@ -94,7 +94,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         )
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         return (
             *planetary_checks(gears),
@@ -152,7 +152,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         return planetary_scene(self.design, self.table, self.parts)
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft and room for the ring's screws, where a base is asked for."""
         return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
 
@@ -171,5 +171,5 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **self.joined,
+            **self.assembly_summary,
         }

@@ -52,7 +52,7 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         return tooth_table(self.design, self.files.tolerance)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         return gear_checks(self.design, self.stock.rim_under(self.design))
 
     @cached_property
@@ -74,7 +74,7 @@ class SpurGearRecipe(AbstractHelicalRecipe):
     def notes(self) -> Mapping[str, object]:
         measures = gear_notes(self.design, self.helix, self.stock.thickness)
         helix = helix_notes(self.design, self.helix, self.stock.thickness)
-        return {**helix, "measures_mm": measures, **self.joined}
+        return {**helix, "measures_mm": measures, **self.assembly_summary}
 
 
 @record(kw_only=True)
@@ -97,7 +97,7 @@ class RingGearRecipe(AbstractHelicalRecipe):
         return tooth_table(self.design, self.files.tolerance)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         return gear_checks(self.design, self.stock.rim)
 
     @cached_property

@@ -84,7 +84,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
                 gain = 1j * (one.origin.second - two.origin.second - turn * apart)
                 arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)
             weight = settled(weight, abs(arm), motion.linkage.size)
-    return InstantCentre(*(known(motion.closed, v) for v in (reference, arm, weight)))
+    return InstantCentre(*(known(motion.assembled, v) for v in (reference, arm, weight)))
 
 
 @checked

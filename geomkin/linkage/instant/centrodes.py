@@ -81,7 +81,7 @@ class Centrodes:
         """
         if not reach > 0:
             raise DesignError("reach", f"found {reach}", "give a distance above 0, in mm")
-        if self.motion.closed.ndim > 1:
+        if self.motion.assembled.ndim > 1:
             raise DesignError("motion", "found many linkages at once", "give one, for the runs of each differ")
         with np.errstate(invalid="ignore"):
             kept = abs(self._arm) <= reach

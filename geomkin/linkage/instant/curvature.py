@@ -84,9 +84,9 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     """
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
-    if np.shape(local) not in ((), motion.closed.shape):
+    if np.shape(local) not in ((), motion.assembled.shape):
         raise DesignError(
-            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.closed.shape} of them"
+            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.assembled.shape} of them"
         )
     carrier, local = _guided(motion, body, local)
     moved, ground = motion.bodies[carrier], motion.linkage.ground
@@ -99,7 +99,7 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
     if rail is not None:
         along = motion.bodies[rail.along].direction * rail.direction
         backwards = np.where(dot(along, moved.origin.first) < 0, -1, 1)
-        return PathCurvature(position, known(motion.closed, along * backwards), 0 * position.real)
+        return PathCurvature(position, known(motion.assembled, along * backwards), 0 * position.real)
     return path_in(position, position - moved.origin.position, *second_order(motion, carrier, settle=False))
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_type_hints
 
 import numpy as np
 
-from ...core.arguments import Sort
+from ...core.arguments import ArgumentType
 from ...core.errors import DesignError, shown
 from ...core.fields import OneOfKinds
 from ...model.table import Column
@@ -32,7 +32,7 @@ OF = (
     linkages.LinkageRecipe,
 )
 PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["linkage"] for recipe in OF}
-USUAL = linkages.FourBarRecipe.kind
+DEFAULT_FORMATS = linkages.FourBarRecipe.kind
 for _kind, _plain in PLAIN.items():
     _own = [("kind", Literal[_kind], field(default=_kind))]
     LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)
@@ -54,12 +54,12 @@ def _values(linkage: AbstractLinkage, plain: type[Any]) -> dict[str, Any]:
     return {f.name: getattr(linkage, f.name) for f in fields(plain)}
 
 
-class AnyKind(Sort):
+class AnyKind(ArgumentType):
     """Marks a linkage of any kind in `LINKAGES`; in a recipe a table with its `kind`, in Python the linkage itself."""
 
     def __init__(self) -> None:
         def fits(value: Any) -> bool:
-            return any(isinstance(value, plain) and not value.linkage.many for plain in PLAIN.values())
+            return any(isinstance(value, plain) and not value.linkage.is_batch for plain in PLAIN.values())
 
         super().__init__(fits, f"one linkage: {', '.join(plain.__name__ for plain in PLAIN.values())}")
 
@@ -68,7 +68,7 @@ class AnyKind(Sort):
 
         tables = OneOfKinds().__get_pydantic_core_schema__(source, handler)
         usual = core_schema.no_info_before_validator_function(
-            lambda given: {"kind": USUAL, **given} if isinstance(given, dict) else given, tables
+            lambda given: {"kind": DEFAULT_FORMATS, **given} if isinstance(given, dict) else given, tables
         )
         told = core_schema.wrap_serializer_function_ser_schema(
             lambda linkage, dump: {"kind": "", **dump(with_kind(linkage))}, schema=tables
@@ -77,7 +77,7 @@ class AnyKind(Sort):
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
         found = handler(schema)
-        found["discriminator"]["usual"] = USUAL
+        found["discriminator"]["usual"] = DEFAULT_FORMATS
         return found
 
 
@@ -111,7 +111,7 @@ class AbstractBodyRecipe(AbstractMovedRecipe):
         return f"driver's {'stroke' if self.stroke else 'turn'}"
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         if "stroke" in asked:
             slider_crank = SliderCrank(30, 40, coupler_point=20 + 15j, driver="slider")
             return {"linkage": with_kind(slider_crank), "stroke": Stroke(start=50, end=68)}

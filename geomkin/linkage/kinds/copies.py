@@ -62,10 +62,10 @@ def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], l
     high = 1 + max(layers.values())
     bodies: list[SceneBody] = []
     marks: list[SceneMark] = []
-    closed = scene.closed
+    closed = scene.assembled
     for number, copy in enumerate(copies, 1):
         named = f", copy {number + 1}"
-        closed = closed & copy.motion.closed[copy.rows]
+        closed = closed & copy.motion.assembled[copy.rows]
         for body in placed_bodies(copy.motion, parts, layers):
             layer = number * high + (body.layer if copy.mirror is None else high - 1 - body.layer)
             held = tuple(copy.part(part) for part in body.parts)
@@ -74,7 +74,7 @@ def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], l
         marks += [
             replace(mark, place=copy.place(mark.place), label=mark.label + named) for mark in traced_points(copy.motion)
         ]
-    return replace(scene, closed=closed, bodies=(*scene.bodies, *bodies), marks=(*scene.marks, *marks))
+    return replace(scene, assembled=closed, bodies=(*scene.bodies, *bodies), marks=(*scene.marks, *marks))
 
 
 # Copies at most. More than these no page shows.
@@ -122,7 +122,7 @@ def copied(
     Each is followed from where the first one starts, through as much of the turn before as it is ahead, so that it
     moves on the same branch. Derived here.
     """
-    frames, k, driver = way.frames, int(np.argmax(first.closed)), linkage.linkage.driver
+    frames, k, driver = way.frames, int(np.argmax(first.assembled)), linkage.linkage.driver
     pivot = linkage.linkage.driver_pivot
     assert pivot is not None
     shaft = complex(first.point(pivot).position[k])

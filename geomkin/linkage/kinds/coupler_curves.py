@@ -123,7 +123,7 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         return replace(scene, marks=(*scene.marks, *marks))
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         return (reached(self.motion, "driver's turn", "curves break where it opens"), *self.drive.checks)
 
     @cached_property
@@ -133,8 +133,8 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         drawn = dashes(self.linkage, self.grid.points.ravel(), steps, self.files.tolerance, self.branch)
         # The linkage stands where it first closes, with the points of the grid on its coupler.
         marks: list[AbstractCurve] = strokes(run for runs in drawn for run in runs)
-        if motion.closed.any():
-            frame = int(np.argmax(motion.closed))
+        if motion.assembled.any():
+            frame = int(np.argmax(motion.assembled))
             marks += skeleton(motion, frame, self.stock)
             at = motion.bodies["coupler"]
             for _, _, place in _named(self.grid):
@@ -257,7 +257,7 @@ class CognatesRecipe(AbstractMovedRecipe):
         return replace(scene, marks=(*scene.marks, traced), others=others)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         tracks = [m.point("coupler_point").position for m in self.motions]
         apart = max(np.abs(t - tracks[0]).max() for t in tracks)
         pivot = np.abs(self.figure.point("third_pivot").position - third_pivot(self.linkage)).max()

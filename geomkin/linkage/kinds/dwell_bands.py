@@ -11,7 +11,7 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ..dwell import longest_dwell
 from ..linkage import Linkage
-from ..motion import Motion, goes_without_turning, on_ground
+from ..motion import Motion, is_translating, on_ground
 
 
 @record(checked=True)
@@ -47,7 +47,7 @@ class DwellBand:
     def found(self, motion: Motion) -> Mapping[str, object]:
         """The longest dwell, as the summary has it."""
         output = self.body(motion.linkage)
-        slides = goes_without_turning(motion, output)
+        slides = is_translating(motion, output)
         unit, factor = ("mm", 1.0) if slides else ("deg", 180 / np.pi)
         band = self.band_mm if slides else self.band_deg
         if band is None:

@@ -26,8 +26,8 @@ from ..instant.centrodes import CentrodeCurve, Centrodes
 from ..instant.curvature import path_curvature
 from ..instant.inflection import inflection_circle
 from ..linkage import AbstractLinkage
-from ..measures import opening
-from ..motion import Motion, goes_without_turning
+from ..measures import assembly_failure
+from ..motion import Motion, is_translating
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_instants import centrodes_scene, inflection_scene
@@ -99,10 +99,10 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         """The linkage where it is drawn, on the branch that it comes there on from the table's first frame."""
         general = self.linkage.linkage
         motion = move(general, [float(self.way.frames[0]), self.place], self.signs)
-        if not motion.closed[1]:
+        if not motion.assembled[1]:
             alone = move(general, [self.place], self.signs)
             found = self.place if self.stroke else np.degrees(self.place)
-            problem = f"found {found:g}, which is not reached: {opening(alone)}"
+            problem = f"found {found:g}, which is not reached: {assembly_failure(alone)}"
             raise DesignError(self.position_key, problem, "give another")
         if general.estimate:
             pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
@@ -150,11 +150,11 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         return inflection_scene(self.motion, self.table, self.body, self.local)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         size = inflection_circle(self.position, self.body).diameter[0] / self.longest
         remedy = f"give another {self.position_key}"
         advice = f"near a position with parallel cranks the circle does not fit a plate; {remedy}"
-        if goes_without_turning(self.position, self.body):
+        if is_translating(self.position, self.body):
             advice = f"the {self.body} does not turn, and has no such circle; give another body"
         check = Check("inflection diameter to longest link", size, "at most", LARGEST_DRAWN, "", advice)
         return (check, *self.way.checks)
@@ -241,7 +241,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
         """Drives over which the centrodes are drawn unbroken."""
         drive = self.motion.drive
         found = [drive[run] for run in self.centrodes.runs(self.reach)]
-        if not found and self.motion.closed.any() and goes_without_turning(self.motion, self.body):
+        if not found and self.motion.assembled.any() and is_translating(self.motion, self.body):
             raise DesignError("body", f"found {self.body}, which does not turn and has no centrodes", "give another")
         if not found:
             raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
@@ -280,7 +280,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
         return centrodes_scene(self.motion, self.table, self.body, *self.curves, centre)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         return (reached(self.motion, self.what), *self.way.checks)
 
     @cached_property

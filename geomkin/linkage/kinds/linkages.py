@@ -144,7 +144,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         return (
             *linkage_checks(self.motion),
@@ -184,7 +184,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.asked), **angle}}
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         return {"copies": (Copy(180.0),)} if "copies" in asked else {}
 
     @property
@@ -198,7 +198,7 @@ def _told(value: float | np.floating[Any]) -> float:
 
 
 @record(kw_only=True)
-class TurnedRecipe(AbstractLinkageRecipe):
+class TurningLinkageRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns."""
 
     kind: str
@@ -215,7 +215,7 @@ class TurnedRecipe(AbstractLinkageRecipe):
 
 
 @record(kw_only=True)
-class SlidRecipe(AbstractLinkageRecipe):
+class SlidingLinkageRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns or slides."""
 
     # The list of the turned ones, and `stroke` where it belongs: the order here is that of templates and summaries.
@@ -235,14 +235,14 @@ class SlidRecipe(AbstractLinkageRecipe):
     sliding: ClassVar[Mapping[str, object]]
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         # What slides has no shaft that copies could share.
         none = {"copies": ()} if "copies" in asked else {}
-        return {**none, **cls.sliding} if "stroke" in asked else super().fit(asked)
+        return {**none, **cls.sliding} if "stroke" in asked else super().example_values(asked)
 
 
 @record(kw_only=True)
-class FourBarRecipe(TurnedRecipe):
+class FourBarRecipe(TurningLinkageRecipe):
     """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
 
     kind: Literal["four-bar"] = "four-bar"
@@ -257,7 +257,7 @@ class FourBarRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class SliderCrankRecipe(SlidRecipe):
+class SliderCrankRecipe(SlidingLinkageRecipe):
     """A slider-crank, driven by crank, connecting rod or slider."""
 
     kind: Literal["slider-crank"] = "slider-crank"
@@ -267,7 +267,7 @@ class SliderCrankRecipe(SlidRecipe):
 
 
 @record(kw_only=True)
-class InvertedSliderCrankRecipe(TurnedRecipe):
+class InvertedSliderCrankRecipe(TurningLinkageRecipe):
     """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
 
     kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
@@ -275,7 +275,7 @@ class InvertedSliderCrankRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class StephensonSixBarRecipe(TurnedRecipe):
+class StephensonSixBarRecipe(TurningLinkageRecipe):
     """A four-bar whose coupler point drives an output, which can dwell."""
 
     kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
@@ -283,7 +283,7 @@ class StephensonSixBarRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class WattSixBarRecipe(TurnedRecipe):
+class WattSixBarRecipe(TurningLinkageRecipe):
     """Two four-bars in a row: the first one's rocker drives the second."""
 
     kind: Literal["watt-six-bar"] = "watt-six-bar"
@@ -291,7 +291,7 @@ class WattSixBarRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class ShaperRecipe(TurnedRecipe):
+class ShaperRecipe(TurningLinkageRecipe):
     """A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."""
 
     kind: Literal["shaper"] = "shaper"
@@ -299,7 +299,7 @@ class ShaperRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class EllipticTrammelRecipe(SlidRecipe):
+class EllipticTrammelRecipe(SlidingLinkageRecipe):
     """A rod whose pins run in two crossing slots: its points draw ellipses."""
 
     kind: Literal["elliptic-trammel"] = "elliptic-trammel"
@@ -308,7 +308,7 @@ class EllipticTrammelRecipe(SlidRecipe):
 
 
 @record(kw_only=True)
-class ScotchYokeRecipe(TurnedRecipe):
+class ScotchYokeRecipe(TurningLinkageRecipe):
     """A crank pin in a slotted yoke: straight harmonic motion."""
 
     kind: Literal["scotch-yoke"] = "scotch-yoke"
@@ -316,7 +316,7 @@ class ScotchYokeRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class OldhamCouplingRecipe(TurnedRecipe):
+class OldhamCouplingRecipe(TurningLinkageRecipe):
     """Two slotted hubs and a disc between: shafts apart that turn alike."""
 
     kind: Literal["oldham-coupling"] = "oldham-coupling"
@@ -324,7 +324,7 @@ class OldhamCouplingRecipe(TurnedRecipe):
 
 
 @record(kw_only=True)
-class LinkageRecipe(SlidRecipe):
+class LinkageRecipe(SlidingLinkageRecipe):
     """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
 
     kind: Literal["linkage"] = "linkage"
@@ -336,6 +336,6 @@ class LinkageRecipe(SlidRecipe):
     }
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        fitted = super().fit(asked)
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+        fitted = super().example_values(asked)
         return {"linkage": WITH_SLIDER, **fitted} if set(asked) - {"copies"} else fitted

@@ -20,7 +20,7 @@ from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..motion import Motion
 from ..moving import move
-from ..solve.branch import Chosen, chosen
+from ..solve.branch import BranchSpec, chosen
 
 # The branch of all dyads; the same where it may also be followed; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
@@ -55,11 +55,11 @@ def branches_entry() -> Any:
     )
 
 
-def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | complex]) -> Chosen:
+def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | complex]) -> BranchSpec:
     """The branch that a recipe's `branch` and `branches` ask for."""
     signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
     near = {name: value for name, value in branches.items() if isinstance(value, complex)}
-    return Chosen(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
+    return BranchSpec(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
 
 
 # Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
@@ -100,11 +100,11 @@ class AbstractMovedRecipe(AbstractRecipe):
         return self.stroke or self.drive
 
     @cached_property
-    def signs(self) -> Chosen:
+    def signs(self) -> BranchSpec:
         """The branch asked for."""
         return branch_of(self.branch, self.branches)
 
-    def moved(self, frames: Real, signs: Chosen) -> Motion:
+    def moved(self, frames: Real, signs: BranchSpec) -> Motion:
         """The linkage at some frames on a branch, with the driver's speed and acceleration."""
         way = self.way
         return move(self.linkage, frames, signs, way.speed, way.acceleration)
@@ -126,10 +126,10 @@ class AbstractMovedRecipe(AbstractRecipe):
             return None
         # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
         told, asked = sides[sides != 0], chosen(self.signs)
-        near = {name: place for name, place in asked.near.items() if name != joint}
-        other = replace(asked, signs={**asked.signs, joint: -int(told[0]) if told.size else -1}, near=near)
+        near = {name: place for name, place in asked.branch_points.items() if name != joint}
+        other = replace(asked, branch={**asked.branch, joint: -int(told[0]) if told.size else -1}, branch_points=near)
         motion = self.moved(self.way.frames, other)
-        return (joint, motion) if motion.closed.any() else None
+        return (joint, motion) if motion.assembled.any() else None
 
 
 def both_modes_entry() -> Any:

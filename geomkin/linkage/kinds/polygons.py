@@ -23,7 +23,7 @@ from ...recipe.settings import Files
 from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG
 from ..instant.centres import instant_centres
 from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
-from ..measures import opening
+from ..measures import assembly_failure
 from ..motion import Body, Motion, motion_table
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
@@ -75,8 +75,8 @@ class PolygonsRecipe(AbstractRecipe):
         """The linkage at its position."""
         place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
         motion = move(self.linkage, [place], branch_of(self.branch, self.branches), self.speed, self.acceleration)
-        if not motion.closed[0]:
-            problem = f"found {self.position:g}, which is not reached: {opening(motion)}"
+        if not motion.assembled[0]:
+            problem = f"found {self.position:g}, which is not reached: {assembly_failure(motion)}"
             raise DesignError("position", problem, "give another")
         return motion
 
@@ -121,7 +121,7 @@ class PolygonsRecipe(AbstractRecipe):
         return polygons_scene(motion, motion_table(motion))
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
         advice = "near a dead centre the polygons run off"
         return (Check("transmission angle here", angle, "at least", least, "deg", advice),)
@@ -169,7 +169,7 @@ class PolygonsRecipe(AbstractRecipe):
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
-    def fit(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         return {"linkage": WITH_SLIDER} if asked else {}
 
 

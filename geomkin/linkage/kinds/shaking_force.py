@@ -84,11 +84,11 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     @property
     def largest(self) -> dict[str, float]:
         """Largest force over the turn, N, with none, the given and the best counterbalance."""
-        judged = {
+        design_checks = {
             name: judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
             for name, product in (("none", 0.0), ("given", self.counterbalance))
         } | {"best": self.best}
-        return {name: c.largest * self.drive.speed**2 for name, c in judged.items()}
+        return {name: c.largest * self.drive.speed**2 for name, c in design_checks.items()}
 
     @cached_property
     def table(self) -> Table:
@@ -120,7 +120,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         largest = self.largest
         # Where the best leaves nothing, the rest is rounding, and so would be a quotient by it.
         least = max(largest["best"], ROUNDING * max(largest.values()))

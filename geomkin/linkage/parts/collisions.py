@@ -103,7 +103,7 @@ def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) ->
     local = np.atleast_1d(np.asarray(places, dtype=complex))
     world = moving.origin.position[:, None] + moving.direction[:, None] * local
     here = (world - seen.origin.position[:, None]) * np.conj(seen.direction[:, None])
-    return Sweep(motion.drive, np.where(motion.closed[:, None], here, np.nan))
+    return Sweep(motion.drive, np.where(motion.assembled[:, None], here, np.nan))
 
 
 # Frames from one that is looked at first to the next. With more, the ways between them are longer than the distances,
@@ -156,7 +156,7 @@ class Poses:
     def _poses(self, names: Sequence[str], frames: slice) -> Complex:
         for name in set(names) - set(self._known):
             body = self.motion.bodies[name]
-            pose = [np.where(self.motion.closed, z, np.nan) for z in (body.origin.position, body.direction)]
+            pose = [np.where(self.motion.assembled, z, np.nan) for z in (body.origin.position, body.direction)]
             self._known[name] = with_unknown(np.array(pose))
         return np.stack([self._known[name][:, frames] for name in names], axis=1)
 

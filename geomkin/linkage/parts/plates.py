@@ -27,7 +27,7 @@ from .stock import LinkStock
 APART = 2.0
 
 
-Opening = Sequence[complex]
+AssemblyFailure = Sequence[complex]
 Slot = tuple[complex, complex]
 
 
@@ -37,8 +37,8 @@ def guide_places(
     ahead: complex,
     point: complex,
     direction: complex,
-    taken: Iterable[Opening],
-    taken_on_guide: Iterable[Opening],
+    taken: Iterable[AssemblyFailure],
+    taken_on_guide: Iterable[AssemblyFailure],
 ) -> tuple[tuple[complex, complex], tuple[Slot, Slot]] | None:
     """Places of two guide pins on a sliding plate, and the ends of the slot of each on its guide.
 
@@ -280,9 +280,9 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     frames. Raises DesignError where no frame closes, where guide pins find no room, where the stock's motor has no
     crank to turn, and for many linkages at once.
     """
-    if motion.linkage.many:
+    if motion.linkage.is_batch:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
-    if not motion.closed.any():
+    if not motion.assembled.any():
         raise never_closed(motion)
     linkage = motion.linkage
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}

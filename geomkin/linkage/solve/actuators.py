@@ -17,7 +17,7 @@ from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot
 from .closing_roots import StrokeRoot, gap_of
 from .dyads import RRP, RRR
-from .input_dyads import Driven, DriverPoints
+from .input_dyads import DriverPoints, InputDyad
 from .placement import Coefficients, Placement, Poses
 
 
@@ -43,7 +43,7 @@ class Stroked:
 
 
 @record(eq=False)
-class ActuatedRRR(Driven):
+class ActuatedRRR(InputDyad):
     """An actuator and a bar pinned to it, on two points that stand still: a triangle with one driven side.
 
     With w from the actuator's base to the bar's, s = |w|, b the bar, c^2 = x^2 + n^2 the actuator's square:
@@ -133,7 +133,7 @@ class ActuatedRRR(Driven):
 
 
 @record(eq=False)
-class ActuatedRRP(Driven):
+class ActuatedRRP(InputDyad):
     """An actuator on a point that stands still, pinned to a body that slides on a rail that does.
 
     Seen along the rail the actuator is r + i k, r^2 = c^2 - k^2, c^2 = x^2 + n^2: it turns by (n - k x / r) / c^2.
@@ -189,7 +189,7 @@ class ActuatedRRP(Driven):
 
 def actuated_dyad(
     dyad: RRR | RRP, which: int, arm: Stroked, ground: str, placed: Sequence[Placement], follow: bool
-) -> Driven | None:
+) -> InputDyad | None:
     """The dyad with its bar `which` as an actuator, on points that stand still; None where they do not.
 
     Of an RRP the only bar is 0.

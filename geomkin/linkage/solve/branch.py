@@ -20,11 +20,11 @@ Start = int | Mapping[str, int | complex]
 
 
 @record
-class Follow:
+class Continuation:
     """Branches that run smoothly on from the first frame, also through change points.
 
     start: those of the first frame: +1 or -1 for all dyads, or a table as `move` takes it: signs by joint,
-    places of pins, mm. "follow" is short for Follow(1).
+    places of pins, mm. "follow" is short for Continuation(1).
     """
 
     start: Start = 1
@@ -34,7 +34,7 @@ class Follow:
 
 
 @record(eq=False)
-class Chosen:
+class BranchSpec:
     """A branch as asked for.
 
     default: the sign of a dyad that neither signs, by joint, nor near, places of points in mm, tells of. follow: those
@@ -42,54 +42,54 @@ class Chosen:
     """
 
     default: int
-    signs: Mapping[str, int]
-    near: Mapping[str, complex]
+    branch: Mapping[str, int]
+    branch_points: Mapping[str, complex]
     follow: bool
     field: str = "branch"
 
     def sign(self, joint: str) -> int:
         """Of a dyad by its inner joint, as far as signs tell of it."""
-        return self.signs.get(joint, self.default)
+        return self.branch.get(joint, self.default)
 
     def check(self, linkage: Linkage, joints: Sequence[str]) -> None:
         """Raise DesignError for a sign of no dyad, or a place of no point."""
-        unknown = [name for name in self.signs if name not in joints]
+        unknown = [name for name in self.branch if name not in joints]
         if unknown:
             raise DesignError(self.field, f"found {shown(unknown[0])}", f"give signs of {', '.join(joints) or 'none'}")
         points = dict.fromkeys(p for body in list(linkage.bodies)[1:] for p in linkage.bodies[body])
-        unknown = [name for name in self.near if name not in points]
+        unknown = [name for name in self.branch_points if name not in points]
         if unknown:
             raise DesignError(self.field, f"found {shown(unknown[0])}", f"give places of {', '.join(points)}")
 
 
 # One sign for all dyads, as most motions have it.
-PLAIN = {sign: Chosen(sign, {}, {}, False) for sign in (1, -1)}
-Branch = int | Literal["follow"] | Mapping[str, int | complex] | Follow | Chosen
+PLAIN = {sign: BranchSpec(sign, {}, {}, False) for sign in (1, -1)}
+Branch = int | Literal["follow"] | Mapping[str, int | complex] | Continuation | BranchSpec
 
 
-def chosen(branch: Branch) -> Chosen:
+def chosen(branch: Branch) -> BranchSpec:
     """What a branch asks for; DesignError for what is none."""
     if type(branch) is int and branch in PLAIN:
         return PLAIN[branch]
-    if isinstance(branch, Chosen):
+    if isinstance(branch, BranchSpec):
         return branch
-    if isinstance(branch, Follow):
+    if isinstance(branch, Continuation):
         return _told(branch.start, "start", True)
     if isinstance(branch, str) and branch == "follow":
-        return Chosen(1, {}, {}, True)
+        return BranchSpec(1, {}, {}, True)
     return _told(branch, "branch", False)
 
 
-def _told(start: object, field: str, follow: bool) -> Chosen:
+def _told(start: object, field: str, follow: bool) -> BranchSpec:
     if isinstance(start, Mapping):
         signs = {name: int(sign) for name, sign in start.items() if _is_sign(sign)}
         near = {name: complex(z) for name, z in start.items() if isinstance(z, complex) and np.isfinite(z)}
         if len(signs) + len(near) == len(start):
-            return Chosen(1, signs, near, follow)
+            return BranchSpec(1, signs, near, follow)
         wrong = next(value for name, value in start.items() if name not in signs and name not in near)
         raise DesignError(field, f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm")
     if _is_sign(start):
-        return Chosen(1 if start == 1 else -1, {}, {}, follow)
+        return BranchSpec(1 if start == 1 else -1, {}, {}, follow)
     words = "+1, -1" if follow else '+1, -1, "follow"'
     remedy = f"give {words}, or a table of signs by joint or of places of pins as complex numbers"
     raise DesignError(field, f"found {shown(start)}", remedy)

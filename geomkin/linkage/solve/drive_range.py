@@ -14,7 +14,7 @@ from ..linkage import Linkage
 from .branch import BESIDE, FollowedBranch
 from .dyads import Dyad
 from .loops import Loops
-from .placement import Coefficients, Placement, Poses, Turned
+from .placement import Coefficients, Placement, Poses, RevoluteInput
 
 # Steps that branches are followed in: rad, and of a slider as a share of the linkage's reach.
 # Coarser, and of two change points beside each other both are missed.
@@ -112,7 +112,7 @@ class DriveRange:
     def nodes(self) -> Real:
         """Drives in even steps over the whole range and a little beyond it, within the linkage's reach."""
         low, high = float(self.drive.min()), float(self.drive.max())
-        turns, many = isinstance(self.placements[0], Turned), int(np.prod(self.linkages))
+        turns, many = isinstance(self.placements[0], RevoluteInput), int(np.prod(self.linkages))
         if not turns:
             low, high = (float(np.clip(q, -self.unit, self.unit)) for q in (low, high))
         finest = FINEST_TURN if turns else FINEST_SHARE * self.unit

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
-from .placement import Anchor, Coefficients, Placement, Poses, Rail, times
+from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis, times
 
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
@@ -106,7 +106,7 @@ class RRP(Dyad):
     arm: complex | Complex
     base: Anchor
     start: Anchor
-    rail: Rail
+    rail: SlideAxis
 
     @property
     def leader(self) -> str:
@@ -217,7 +217,7 @@ class Crossed(Placement):
 
     body: str
     starts: tuple[Anchor, Anchor]
-    rails: tuple[Rail, Rail]
+    rails: tuple[SlideAxis, SlideAxis]
 
     def _rails(self, p0: Poses) -> tuple[Complex, Complex]:
         return self.rails[0].at(p0), self.rails[1].at(p0)

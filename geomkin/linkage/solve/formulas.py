@@ -88,7 +88,7 @@ def linkage_formulas(
     p1, p2 = (Coefficients({ground: np.zeros((), complex)}, {ground: np.zeros(())}) for _ in range(2))
     times = tape.start("speed", float, int(timing.speed.ndim > 0)), tape.start("acceleration")
     timing = Timing(times[0], np.zeros(()) if timing.steady else times[1])
-    local = tape.start("local", complex, 2 if linkage.many else 0)
+    local = tape.start("local", complex, 2 if linkage.is_batch else 0)
     with np.errstate(all="ignore"):
         for one in placements:
             one.place(p0, signs[one.joint] if isinstance(one, Dyad) else 1)
@@ -98,7 +98,7 @@ def linkage_formulas(
             one.second(p0, p1, p2)
         reached = [np.isfinite(told) for one in placements if (told := one.reached(p0)) is not None]
         angles = [angle for one in placements if (angle := one.transmission_angle(p0)) is not None]
-        directions = {body: p0.turn[body] * linkage.ahead for body in linkage.bodies}
+        directions = {body: p0.turn[body] * linkage.ground_direction for body in linkage.bodies}
         rates = {body: _rates(timing, turn, p2.turn[body]) for body, turn in p1.turn.items()}
         found: dict[Any, dict[str, Any]] = {
             "direction": {**directions, "": reduce(np.logical_and, reached) if reached else np.True_},
@@ -108,7 +108,9 @@ def linkage_formulas(
             "alpha": {body: alpha for body, (_, alpha) in rates.items()},
             "angle": {"": reduce(np.fmin, angles) if angles else np.nan},
         }
-        origins = {body: tuple([p.origin[body] * linkage.ahead for p in (p0, p1, p2)]) for body in linkage.bodies}
+        origins = {
+            body: tuple([p.origin[body] * linkage.ground_direction for p in (p0, p1, p2)]) for body in linkage.bodies
+        }
     moved = Moved(linkage, directions, origins, p1.turn, p2.turn, timing)
     groups: dict[Any, Mapping[str, Any]] = {
         group: {k: tape.result(v) for k, v in table.items()} for group, table in found.items()
@@ -162,11 +164,11 @@ class Moved:
 WORTH_LOADED, WORTH_LOADING = 200_000, 1_000_000_000
 # Frames of one linkage up to which what was asked for the last time comes with what is asked for first. More, and what
 # is not asked for this time takes time and room; fewer, and what several results go on from is worked out for each.
-USUAL = 16_384
+DEFAULT_FORMATS = 16_384
 COMPILED = f"{__package__}.compiled"
 
 
-class Worked:
+class LazyEvaluation:
     """What formulas make of given values over frames: each group when it is first asked for.
 
     Of few frames what was asked for the last time comes with it, since each run of a program takes its time.
@@ -186,12 +188,12 @@ class Worked:
         self._known = NOTHING
         self._done: tuple[Batch, ...] = ()
         self._usual, self._asked = formulas.start(of)
-        if frames > USUAL or linkages:
+        if frames > DEFAULT_FORMATS or linkages:
             self._usual = NOTHING
 
-    def at(self, body: str, name: str, value: Array) -> Worked:
+    def at(self, body: str, name: str, value: Array) -> LazyEvaluation:
         """The same of a point of a body, with one more value given, and what is worked out so far."""
-        other = Worked(self._formulas, self._frames, self._linkages, {name: value}, body)
+        other = LazyEvaluation(self._formulas, self._frames, self._linkages, {name: value}, body)
         other._values |= self._values
         other._done, other._known = self._done, self._known
         return other

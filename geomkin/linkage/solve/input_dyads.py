@@ -18,11 +18,23 @@ from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole
 from .closing_roots import ClosingRoot, Gaps, Roots, gap_of, half_limits
 from .dyads import RRP, RRR, Dyad
-from .placement import Anchor, Carried, Coefficients, Oriented, Placement, Poses, Turned, paired, plus, scaled, times
+from .placement import (
+    AlignedBody,
+    Anchor,
+    Coefficients,
+    PinnedBody,
+    Placement,
+    Poses,
+    RevoluteInput,
+    paired,
+    plus,
+    scaled,
+    times,
+)
 
 
 @record(eq=False)
-class Driven(Dyad):
+class InputDyad(Dyad):
     """A dyad that the driver alone moves. `follow`: run smoothly through change points.
 
     period: of the drive, after which everything comes again; 0 where the driver slides.
@@ -51,7 +63,7 @@ class Driven(Dyad):
 
 
 @record(eq=False)
-class CrankDriven(Driven):
+class CrankDriven(InputDyad):
     """Of a dyad between points of the ground and of a driver that turns: its second base from its first.
 
     That is C + K e^{iq}: still C and turning K, mm.
@@ -227,7 +239,7 @@ class DrivenRRP(CrankDriven):
         p2.turn[self.dyad.body] = p0.kept[self].tau_rate()
 
 
-def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follow: bool) -> Driven | None:
+def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follow: bool) -> InputDyad | None:
     """The dyad as one that the driver alone moves, where it is. placed: what was placed before."""
     points = DriverPoints(ground, placed)
     if isinstance(dyad, RRR):
@@ -258,12 +270,12 @@ class DriverPoints:
         self.turns: dict[str, Circling] = {ground: (1, 0)}
         self.origins: dict[str, Circling] = {ground: (0, 0)}
         for one in placed:
-            if isinstance(one, Turned):
+            if isinstance(one, RevoluteInput):
                 self.turns[one.body] = (0, 1)
-            elif isinstance(one, Oriented) and one.with_body in self.turns:
+            elif isinstance(one, AlignedBody) and one.with_body in self.turns:
                 still, turning = self.turns[one.with_body]
                 self.turns[one.body] = (still * one.turn, turning * one.turn)
-            elif isinstance(one, Carried) and one.body in self.turns:
+            elif isinstance(one, PinnedBody) and one.body in self.turns:
                 pin = self.at(one.pin)
                 if pin is not None:
                     still, turning = self.turns[one.body]

@@ -37,7 +37,7 @@ class Loops(Placement):
     follow: bool
 
     def __post_init__(self) -> None:
-        if self.linkage.many:
+        if self.linkage.is_batch:
             raise DesignError("bodies", "found arrays in a linkage that is no chain of dyads", "give one at a time")
         rows, columns = self.equations.rows, len(self.equations.columns)
         # Never more: the count is right as a whole, and the bodies that are placed have all the joints that this takes.

@@ -128,7 +128,7 @@ def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
 
 
 @record(eq=False)
-class Rail:
+class SlideAxis:
     """A direction that turns with a body."""
 
     body: str
@@ -169,7 +169,7 @@ class Placement(ABC):
 
 
 @record(eq=False)
-class Turned(Placement):
+class RevoluteInput(Placement):
     """The driver where it is a body's angle: its direction is e^{iq}."""
 
     body: str
@@ -186,13 +186,13 @@ class Turned(Placement):
 
 
 @record(eq=False)
-class Slid(Placement):
+class PrismaticInput(Placement):
     """The driver where it slides: a body of known direction whose `local` point is q beyond `through` along `rail`."""
 
     body: str
     local: complex | Complex
     through: Anchor
-    rail: Rail
+    rail: SlideAxis
 
     @cached_property
     def _anchor(self) -> Anchor:
@@ -213,7 +213,7 @@ class Slid(Placement):
 
 
 @record(eq=False)
-class Drawn(Placement):
+class StrokeInput(Placement):
     """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
 
     name: str
@@ -229,7 +229,7 @@ class Drawn(Placement):
 
 
 @record(eq=False)
-class Oriented(Placement):
+class AlignedBody(Placement):
     """A body that turns with another: `turn` from its x axis."""
 
     body: str
@@ -247,7 +247,7 @@ class Oriented(Placement):
 
 
 @record(eq=False)
-class Carried(Placement):
+class PinnedBody(Placement):
     """A body whose direction is known, pinned at a point that is: its own `local` on `pin`."""
 
     body: str

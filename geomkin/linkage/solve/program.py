@@ -36,7 +36,7 @@ NOTHING: Batch = frozenset()
 # A result: its number on the tape, or the constant that it is.
 Result = int | Array
 # The kind of a value by its letter, and its extent.
-Sort = tuple[str, int]
+ArgumentType = tuple[str, int]
 LETTERS = {float: "d", complex: "D", bool: "?"}
 
 
@@ -119,8 +119,8 @@ class Program:
     fixed: list[int]
     given: list[int]
     kept: list[int]
-    kept_sorts: list[tuple[Sort, int]]
-    made_sorts: list[tuple[Sort, int]]
+    kept_sorts: list[tuple[ArgumentType, int]]
+    made_sorts: list[tuple[ArgumentType, int]]
     views: list[tuple[int, Operation]]
     calls: list[tuple[Operation, Any]]
     prepared: dict[Any, Any] = field(default_factory=dict)
@@ -169,7 +169,7 @@ class Program:
             # Taken away while it is run, and put back as the youngest.
             bench = _own.benches.pop((self, frames), None)
             if bench is None:
-                bench = Bench(self, frames)
+                bench = Workspace(self, frames)
                 _own.make_room(frames)
             bench.run(values)
             _own.benches[self, frames] = bench
@@ -195,7 +195,7 @@ class Program:
                     operation(*arguments(places))
 
 
-class Bench:
+class Workspace:
     """A program with arrays for all that it works with, which its operations are told once and not at every run."""
 
     def __init__(self, program: Program, frames: int):
@@ -230,7 +230,7 @@ class Bench:
             operation(*arguments)
 
 
-def _rooms(sort: Sort, count: int, frames: int) -> tuple[Array, list[Array]]:
+def _rooms(sort: ArgumentType, count: int, frames: int) -> tuple[Array, list[Array]]:
     """A block of so many values over frames, and each of them; what is alike at every frame as an array of no axis.
 
     With such a one an operation takes half the time that it takes with a row of one.
@@ -244,7 +244,7 @@ class _Own(threading.local):
     """The benches of a thread, the oldest first."""
 
     def __init__(self) -> None:
-        self.benches: dict[tuple[Program, int], Bench] = {}
+        self.benches: dict[tuple[Program, int], Workspace] = {}
 
     def make_room(self, frames: int) -> None:
         """For another bench of so many frames."""
@@ -257,11 +257,11 @@ _own = _Own()
 _recording = threading.Lock()
 
 
-def shared(tape: Tape, steps: list[int], place: Mapping[int, int]) -> tuple[list[Sort], dict[int, int]]:
+def shared(tape: Tape, steps: list[int], place: Mapping[int, int]) -> tuple[list[ArgumentType], dict[int, int]]:
     """Arrays that are written over and over by what has no place, by sort, and which of them holds each value."""
     last = {base(tape, one): number for number in steps for one in tape.steps[number].of}
-    arrays: list[Sort] = []
-    free: dict[Sort, list[int]] = {}
+    arrays: list[ArgumentType] = []
+    free: dict[ArgumentType, list[int]] = {}
     holding: dict[int, int] = {}
     held: list[int] = []
     for number in steps:
@@ -286,11 +286,11 @@ def base(tape: Tape, number: int) -> int:
     return number
 
 
-def _sort(step: Step) -> Sort:
+def _sort(step: Step) -> ArgumentType:
     return LETTERS[step.kind], step.extent
 
 
-def _arrays(sorts: list[tuple[Sort, int]], rows: int, linkages: tuple[int, ...]) -> list[Array]:
+def _arrays(sorts: list[tuple[ArgumentType, int]], rows: int, linkages: tuple[int, ...]) -> list[Array]:
     """So many arrays of each sort."""
     found: list[Array] = []
     for (letter, extent), count in sorts:

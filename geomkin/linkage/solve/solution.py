@@ -12,13 +12,13 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
-from .branch import Chosen, FollowedBranch
+from .branch import BranchSpec, FollowedBranch
 from .drive_range import DriveRange, change_points
 from .dyads import Dyad
-from .formulas import Timing, Worked, linkage_formulas, tell_all
-from .input_dyads import Driven
+from .formulas import LazyEvaluation, Timing, linkage_formulas, tell_all
+from .input_dyads import InputDyad
 from .loops import Loops
-from .placement import Coefficients, Numbers, Placement, Poses, Turned
+from .placement import Coefficients, Numbers, Placement, Poses, RevoluteInput
 from .program import Group
 
 # Gap, as a share of the reach, below which rounding alone keeps it from zero: true meetings come out below 2e-16 behind
@@ -51,12 +51,15 @@ def _far(place: complex | Array) -> float:
 
 
 def with_branches(
-    linkage: Linkage, placements: Sequence[Placement], drive: Real, linkages: tuple[int, ...], asked: Chosen
+    linkage: Linkage, placements: Sequence[Placement], drive: Real, linkages: tuple[int, ...], asked: BranchSpec
 ) -> DriveRange:
     """The range of a motion's drives with the branch of every dyad: by sign, near given points, or followed."""
     dyads = {k: one for k, one in enumerate(placements) if isinstance(one, Dyad)}
-    turns, found = isinstance(placements[0], Turned), {one.joint: asked.sign(one.joint) for one in dyads.values()}
-    if turns and not asked.follow and not asked.near:
+    turns, found = (
+        isinstance(placements[0], RevoluteInput),
+        {one.joint: asked.sign(one.joint) for one in dyads.values()},
+    )
+    if turns and not asked.follow and not asked.branch_points:
         return DriveRange(linkage, placements, drive, linkages, 1.0, found)
     reach = reach_of(linkage)
     whole = DriveRange(linkage, placements, drive, linkages, 1.0 if turns else reach, {})
@@ -66,13 +69,13 @@ def with_branches(
     return whole
 
 
-def _branch(before: DriveRange, k: int, dyad: Dyad, asked: Chosen, reach: float) -> Whole | int | FollowedBranch:
+def _branch(before: DriveRange, k: int, dyad: Dyad, asked: BranchSpec, reach: float) -> Whole | int | FollowedBranch:
     """The branch of the dyad that is placed k-th, where those of the ones before it are known."""
-    told = _nearest(before, k, asked.near) if asked.near and dyad.joint not in asked.signs else None
+    told = _nearest(before, k, asked.branch_points) if asked.branch_points and dyad.joint not in asked.branch else None
     frame, sign = told or (0, asked.sign(dyad.joint))
     if not asked.follow:
         return sign
-    if not isinstance(dyad, Driven):
+    if not isinstance(dyad, InputDyad):
         return change_points(before, k, sign, before.drive[frame:], ROUNDING * reach) if before.drive.size else sign
     return dyad.sign_from(before.drive, int(sign)) if told is None else sign
 
@@ -123,7 +126,7 @@ class LinkageSolution:
     linkage: Linkage
     placements: tuple[Placement, ...]
     drive: Real
-    asked: Chosen
+    asked: BranchSpec
     timing: Timing
     # What was asked for so far, where it had to be made from what formulas tell.
     _kept: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
@@ -136,8 +139,8 @@ class LinkageSolution:
     def origin(self, body: str, order: int) -> Complex:
         """The place of a body's origin, mm, or its derivative of order 1 or 2 by the drive."""
         origin = (self.poses if order == 0 else self._first if order == 1 else self._second).origin[body]
-        if self.linkage.ahead != 1:
-            origin = origin * self.linkage.ahead
+        if self.linkage.ground_direction != 1:
+            origin = origin * self.linkage.ground_direction
         if order == 0 and self.linkage.shifted:
             origin = origin + self.linkage.origin
         return self.over_frames(body, origin)
@@ -161,7 +164,9 @@ class LinkageSolution:
         """The same of a body by its placements."""
         if what == "direction":
             turn = self.poses.turn[body]
-            return self.over_frames(body, turn if self.linkage.ahead == 1 else turn * self.linkage.ahead)
+            return self.over_frames(
+                body, turn if self.linkage.ground_direction == 1 else turn * self.linkage.ground_direction
+            )
         if what in ("first", "second"):
             return self.over_frames(body, (self._first if what == "first" else self._second).turn[body])
         if what == "omega":
@@ -172,11 +177,11 @@ class LinkageSolution:
     def over_frames(self, body: str, values: Numbers) -> Numbers:
         """Values at every frame, of what moves nan where the linkage is open."""
         if self._whole is None and body != self.linkage.ground:
-            values = known(self.closed, values)
-        return values if values.shape == self.closed.shape else spread(values, self.closed.shape)
+            values = known(self.assembled, values)
+        return values if values.shape == self.assembled.shape else spread(values, self.assembled.shape)
 
     @cached_property
-    def closed(self) -> Mask:
+    def assembled(self) -> Mask:
         """Whether every body can be where its joints want it."""
         if self.worked is not None:
             closed = self.worked.value("direction", "")
@@ -206,26 +211,26 @@ class LinkageSolution:
         return with_branches(self.linkage, self.placements, self.drive, self.shape[1:], self.asked)
 
     @cached_property
-    def worked(self) -> Worked | None:
+    def worked(self) -> LazyEvaluation | None:
         """By formulas on these branches; None where they are not worth writing down, or there is more than formulas."""
         asked, written, timing = self.asked, self.linkage.formulas, self.timing
         # Signs that were asked for tell which formulas; where places or the motion tell, their signs do.
-        plain = not (asked.follow or asked.near)
-        signs = asked.signs.items() if plain else map(_kept_by, self._range.branches.items())
+        plain = not (asked.follow or asked.branch_points)
+        signs = asked.branch.items() if plain else map(_kept_by, self._range.branches.items())
         key = self.placements, timing.steady, timing.speed.ndim, asked.default, *signs
         formulas = written.get(key, 0)
         if isinstance(formulas, int):
-            if asked.near and not tell_all(self.placements, self._range.branches):
+            if asked.branch_points and not tell_all(self.placements, self._range.branches):
                 # Its placements are its own: what is counted for them is never asked for again.
                 return None
             written[key] = moved = formulas + len(self.drive) * prod(self.linkage.shape) + MOVING
             if moved < WORTH or not tell_all(self.placements, self._range.branches):
                 return None
             written[key] = formulas = linkage_formulas(self.linkage, self.placements, self._range.branches, timing)
-        drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape)) if self.linkage.many else self.drive
-        return Worked(formulas, len(drive), self.linkage.shape, {"drive": drive, **timing.given})
+        drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape)) if self.linkage.is_batch else self.drive
+        return LazyEvaluation(formulas, len(drive), self.linkage.shape, {"drive": drive, **timing.given})
 
-    def worked_at(self, body: str, local: complex | Complex) -> Worked | None:
+    def worked_at(self, body: str, local: complex | Complex) -> LazyEvaluation | None:
         """The same for a point at this place of a body, mm, that goes on from the directions."""
         if self.worked is None:
             return None
@@ -239,7 +244,7 @@ class LinkageSolution:
         for dyad in self.placements:
             if isinstance(dyad, Dyad):
                 sign = self._range.sign(dyad, self.poses)
-                if isinstance(dyad, Driven):
+                if isinstance(dyad, InputDyad):
                     with np.errstate(invalid="ignore"):
                         r = dyad.roots(Poses(drive=self.poses.drive), sign).r
                     sign = np.where(np.isfinite(r), np.sign(r), sign)
@@ -249,7 +254,7 @@ class LinkageSolution:
     @cached_property
     def branches(self) -> Mapping[str, Whole]:
         """The branch of each dyad, by its inner joint: its sign, and 0 where the linkage is open."""
-        return {joint: np.where(self.closed, sign, 0).astype(int) for joint, sign in self.signs.items()}
+        return {joint: np.where(self.assembled, sign, 0).astype(int) for joint, sign in self.signs.items()}
 
     @property
     def transmission_angle(self) -> Real:
@@ -264,10 +269,10 @@ class LinkageSolution:
             angle = placement.transmission_angle(self.poses)
             if angle is not None:
                 least = np.fmin(least, angle)
-        return np.where(self.closed, least, np.nan)
+        return np.where(self.assembled, least, np.nan)
 
     @cached_property
     def _whole(self) -> tuple[int, ...] | None:
         """The shape of what needs no nan and is told as it is; None where the linkage is open at some frame."""
-        closed = self.closed
+        closed = self.assembled
         return closed.shape if np.count_nonzero(closed) == closed.size else None

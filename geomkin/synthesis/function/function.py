@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from ...core.arguments import Count, Reals, Sort, are_reals, between, checked, is_real, is_whole, numbers
+from ...core.arguments import ArgumentType, Count, Reals, are_reals, between, checked, is_real, is_whole, numbers
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST, Size, rounded_down
 from ...core.records import record
@@ -202,10 +202,10 @@ G = TypeVar("G", bound=AbstractFunctionGenerator)
 Method = Literal["minimax", "least-squares", "points"]
 
 
-def _from_to(least: float, most: float, unit: str) -> Sort:
+def _from_to(least: float, most: float, unit: str) -> ArgumentType:
     """Of a number whose size is so much, and whose sign tells the sense."""
     allowed = f"a number from {least:g} to {most:g}, or its negative, in {unit}"
-    return Sort(lambda value: is_real(value) and least <= abs(value) <= most, allowed)
+    return ArgumentType(lambda value: is_real(value) and least <= abs(value) <= most, allowed)
 
 
 def _are_points(value: Any) -> bool:
@@ -223,7 +223,7 @@ Place = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
 # Without these two limits many functions have no best linkage: it runs to a toggle, or to links without end.
 Transmission = Annotated[float, between(5, 85, "deg")]
 Ratio = Annotated[float, between(1.1, 100)]
-Points = Annotated[int | Sequence[float], Sort(_are_points, "3, 4 or 5, or a row of so many places x")]
+Points = Annotated[int | Sequence[float], ArgumentType(_are_points, "3, 4 or 5, or a row of so many places x")]
 
 
 @checked

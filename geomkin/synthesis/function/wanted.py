@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Reals, Sort, are_reals, checked, numbers
+from ...core.arguments import ArgumentType, Reals, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
 from ...core.records import record
 from ...plane.spline import Spline
@@ -39,7 +39,7 @@ class Expression:
     anything else, with its place. Called with an array it gives one; nan or inf where it has no value.
     """
 
-    text: Annotated[str, Sort(lambda value: isinstance(value, str), "a text such as log10(x)")]
+    text: Annotated[str, ArgumentType(lambda value: isinstance(value, str), "a text such as log10(x)")]
 
     def __post_init__(self) -> None:
         if len(self.text) > LONGEST:
@@ -213,7 +213,7 @@ def _is_function(value: Any) -> bool:
 
 Function = Annotated[
     Callable[..., Any] | str | Sequence[tuple[float, float]] | Real,
-    Sort(_is_function, "a function of one number, a text such as log10(x), or rows of x and y"),
+    ArgumentType(_is_function, "a function of one number, a text such as log10(x), or rows of x and y"),
 ]
 # Places at which the function is looked at. Fewer, and a pole between two of them may stay unseen.
 LOOKS = 1025

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ...core.arguments import Sort, between, checked, is_complex, whole_between
+from ...core.arguments import ArgumentType, between, checked, is_complex, whole_between
 from ...core.errors import DesignError
 from ...core.progress import Watch
 from ...core.records import record
@@ -33,7 +33,7 @@ ALIKE = 2
 
 Pair = Annotated[
     tuple[complex, complex],
-    Sort(
+    ArgumentType(
         lambda value: isinstance(value, (tuple, list)) and len(value) == 2 and all(is_complex(z) for z in value),
         "two places x + yj, mm",
     ),
@@ -109,7 +109,7 @@ def body_guides(
     least_transmission_angle_deg: Annotated[float, between(0, 89, "deg")] = 0.0,
     largest_ratio: Annotated[float, between(1, 1e9)] | None = None,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
-    seconds: Annotated[float, between(0, 3600, "s")] = 10.0,
+    time_limit: Annotated[float, between(0, 3600, "s")] = 10.0,
     driving_point: Literal["first", "either"] = "first",
 ) -> tuple[BodyGuide, ...]:
     """Linkages that carry a body through poses, three or more: those without defects first, the best angle first.
@@ -134,7 +134,7 @@ def body_guides(
     derived here. Transmission angles are the least on the way from the first pose to the last.
     """
     origins, directions = placed(poses, 3)
-    watch = Watch(seconds, "looking for linkages through the poses")
+    watch = Watch(time_limit, "looking for linkages through the poses")
     body = Displacements(origins, directions)
     chosen = moving_points is not None or fixed_points is not None
     free = len(origins) == 3 or body.translated
@@ -163,7 +163,7 @@ def body_guides(
     if found:
         return found
     if watch.cut:
-        raise DesignError("seconds", f"found {seconds:g} s, too short for any answer", "give 10 or more")
+        raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
     problem = f"found no {' or '.join(kinds)} through them that keeps the limits"
     # Points that are chosen for three poses, and dyads of more than four, are not kept out of any region of our own.
     if region is not None or not (chosen or len(origins) > 4):

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Sort, checked, is_complex, is_real
+from ...core.arguments import ArgumentType, checked, is_complex, is_real
 from ...core.errors import DesignError
 from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
@@ -42,7 +42,7 @@ def _is_angle(value: Any) -> bool:
 
 Poses = Annotated[
     Sequence[tuple[complex, float]] | Complex,
-    Sort(are_poses, "a row of poses, each a pair (origin x + yj in mm, angle in rad)"),
+    ArgumentType(are_poses, "a row of poses, each a pair (origin x + yj in mm, angle in rad)"),
 ]
 
 

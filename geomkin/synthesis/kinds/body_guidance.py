@@ -135,7 +135,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 wanted.least_transmission_angle_deg,
                 wanted.largest_ratio,
                 self.search.seed,
-                self.search.seconds,
+                self.search.time_limit,
                 wanted.driving_point,
             )
         except DesignError as error:

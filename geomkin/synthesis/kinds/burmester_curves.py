@@ -16,7 +16,7 @@ from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneCurve, SceneMark
 from ...model.table import Column, Table, xy_columns
-from ...plane.curve import AbstractCurve, Moved, Stretch
+from ...plane.curve import AbstractCurve, Moved, SubCurve
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, Pose, Real
 from ...recipe.recipe import AbstractRecipe
@@ -143,7 +143,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         )
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         """Distances by themselves, as the curves were not found by them."""
         lengths = np.abs(self.pins - self.dyads[1])
         missed = float(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])))
@@ -236,4 +236,4 @@ def _dashes(piece: BurmesterCurve, length: float) -> Iterator[AbstractCurve]:
     count = 2 * max(1, round(_length(piece)[1][-1] / (2 * length))) + 1
     ends = _even(piece, np.linspace(0, 1, count + 1))
     for start, end in zip(ends[::2], ends[1::2]):
-        yield Stretch(piece, np.array([start, end]))
+        yield SubCurve(piece, np.array([start, end]))

@@ -42,7 +42,7 @@ class Search:
     """How long to look, and from where."""
 
     seed: int = quantity("of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
-    seconds: float = quantity("after which the best so far is taken", "s", default=10.0, above=0, at_most=3600)
+    time_limit: float = quantity("after which the best so far is taken", "s", default=10.0, above=0, at_most=3600)
 
 
 def choose_entry() -> Any:
@@ -148,12 +148,12 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         return self.met_by(self.found)
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         defects = self.found.defects
         # A linkage that cannot go the whole way has no swing to miss: the defect says so, and a nan would say nothing.
         told = [check for check in self.met if not (defects and np.isnan(check.value))]
         advice = f"it has a defect of {', '.join(defects)}" if defects else ""
-        return (*told, Check("defects", len(defects), "at most", 0, "", advice), *super().judged)
+        return (*told, Check("defects", len(defects), "at most", 0, "", advice), *super().design_checks)
 
     @property
     def shown(self) -> Sequence[SceneCurve]:

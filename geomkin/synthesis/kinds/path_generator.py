@@ -116,7 +116,7 @@ NEAR = 0.05
 
 # Where a recipe has the arguments of the search that do not stand under `wanted`.
 TABLES = {
-    "search": ("seed", "seconds"),
+    "search": ("seed", "time_limit"),
     "limits": ("least_transmission_angle_deg", "largest_ratio"),
     "bounds": ("bounds",),
 }
@@ -265,7 +265,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 self.limits.largest_ratio,
                 self.bounds.given,
                 self.search.seed,
-                self.search.seconds,
+                self.search.time_limit,
                 wanted.slides,
             )
         except DesignError as error:

@@ -144,9 +144,9 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         """What to do if no linkage of the family drives well."""
 
     @property
-    def judged(self) -> tuple[Check, ...]:
+    def design_checks(self) -> tuple[Check, ...]:
         """With the bound of the links' ratio, and the reason if it or the family keeps the transmission angle low."""
-        checks = super().judged
+        checks = super().design_checks
         if not self.wanted.is_free:
             return checks
         ratio, largest = self.found.ratio, self.found.largest_ratio
@@ -314,7 +314,7 @@ class WantedSwing(AbstractTimed):
 class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
     """The crank-rocker of a swing and a time ratio that drives best, found and made: plates and motion."""
 
-    kind: Literal["crank-rocker"] = "crank-rocker"
+    kind: Literal["crank-rocker-synthesis"] = "crank-rocker-synthesis"
     wanted: WantedSwing
 
     @property
@@ -375,7 +375,7 @@ class WantedSwings:
 class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     """Two rockers that swing together from given places, as the four-bar that drives best: found and made."""
 
-    kind: Literal["double-rocker"] = "double-rocker"
+    kind: Literal["double-rocker-synthesis"] = "double-rocker-synthesis"
     wanted: WantedSwings
     drive: Drive = entry("how the driving rocker turns", default=Drive())
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Positive, Sort, between, checked, is_real, numbers, whole_between
+from ...core.arguments import ArgumentType, Positive, between, checked, is_real, numbers, whole_between
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST
 from ...plane.vec import Real
@@ -31,10 +31,12 @@ def _is_row(value: Any, kinds: str) -> bool:
     return row is not None and row.ndim == 1 and bool((np.abs(row) <= FARTHEST).all())
 
 
-Angles = Annotated[ArrayLike, Sort(lambda value: _is_row(value, "iuf"), "a row of angles in deg, one for each point")]
+Angles = Annotated[
+    ArrayLike, ArgumentType(lambda value: _is_row(value, "iuf"), "a row of angles in deg, one for each point")
+]
 Bounds = Annotated[
     Mapping[str, tuple[float, float]],
-    Sort(
+    ArgumentType(
         lambda value: (
             isinstance(value, Mapping)
             and all(
@@ -50,7 +52,7 @@ Bounds = Annotated[
 ]
 PathPoints = Annotated[
     ArrayLike,
-    Sort(
+    ArgumentType(
         lambda value: _is_row(value, "iufc"),
         f"a row of points as complex numbers x + yj, in mm, within {FARTHEST:g} of 0",
     ),
@@ -66,7 +68,7 @@ def path_generator(
     largest_ratio: Annotated[float, between(1, 1e6)] | None = None,
     bounds: Bounds | None = None,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
-    seconds: Positive = 10,
+    time_limit: Positive = 10,
     slides: bool = False,
 ) -> PathFound:
     """A four-bar, or where it `slides` a slider-crank, whose coupler point goes through the points (n,), mm.
@@ -79,7 +81,7 @@ def path_generator(
     `.at_limits` says where the answer stands on them; where all links are bounded, the bounds alone count. bounds: name
     -> (low, high) of ground (of a slider-crank offset), crank, coupler, rocker, coupler_point_x, coupler_point_y,
     origin_x, origin_y in mm, ground_angle_deg, and start_deg, the crank's first angle from the ground line; they hold
-    exactly. seconds: a stop; the search ends by itself.
+    exactly. time_limit: a stop; the search ends by itself.
 
     The least sum of squared distances that is found, from tens of thousands of random linkages held against the points
     in closed form, the best of them improved by least squares. Nine points that are free of other conditions have a
@@ -120,12 +122,12 @@ def path_generator(
         bounded=frozenset(bounds or ()),
         all_nine=bounds is None and least is None and largest_ratio is None,
         seed=seed,
-        seconds=seconds,
+        time_limit=time_limit,
     )
     ranked, cut = search.ranked(0)
     if not ranked:
         if cut:
-            raise DesignError("seconds", f"found {seconds:g} s, too short for any answer", "give 10 or more")
+            raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
         raise DesignError(
             "bounds" if bounds else "points",
             "no linkage was found that moves within the limits",

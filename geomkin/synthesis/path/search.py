@@ -227,7 +227,7 @@ class PathSearch:
     bounded: frozenset[str]
     all_nine: bool
     seed: int
-    seconds: float
+    time_limit: float
 
     def usable(self) -> PathFound | None:
         """The best within the limits of what is usable, and those that are set."""
@@ -242,12 +242,12 @@ class PathSearch:
 
     def ranked(self, number: int) -> tuple[tuple[PathFound, ...], bool]:
         """Distinct linkages, the best first, and whether it was cut short. number: of the search, for its seed."""
-        task, watch = self.task, Watch(self.seconds, "linkages for the path")
+        task, watch = self.task, Watch(self.time_limit, "linkages for the path")
         rng = np.random.default_rng([self.seed, number])
         found: list[PathFound] = []
         nine = self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9
         if nine:
-            part = Watch(NINE * self.seconds, watch.what)
+            part = Watch(NINE * self.time_limit, watch.what)
             found = self.through_nine(rng, part)
             watch.cut = part.cut
         if not any(not one.defects for one in found):

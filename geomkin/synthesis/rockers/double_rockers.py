@@ -381,7 +381,7 @@ def _measured(linkage: FourBar, branch: int, start: float, end: float) -> dict[s
     after = np.mod(way * (np.array(special) - start), 2 * np.pi)
     frames = np.sort(np.concatenate([np.linspace(0, abs(end - start), FRAMES), after[after < abs(end - start)]]))
     motion = move(linkage, start + way * frames, branch)
-    if not motion.closed.all():
+    if not motion.assembled.all():
         return dict.fromkeys(names, np.nan)
     out = np.unwrap(np.angle(motion.bodies["rocker"].direction))
     beyond = float(np.ptp(out)) - abs(float(out[-1] - out[0]))

@@ -182,7 +182,7 @@ def full_turn(linkage: FourBar | SliderCrank, branch: int = 1) -> FullTurn:
     # Crank and ground in line are the two places at which the transmission angle of a four-bar is least; of a
     # slider-crank it is crank and slide line at right angles. All three are frames.
     motion = move(linkage, frames, branch)
-    if len(dead) != 2 or not motion.closed.all():
+    if len(dead) != 2 or not motion.assembled.all():
         return FullTurn(extent=np.nan, start=np.nan, turn=np.nan, least=np.nan)
     body = move(linkage, dead, branch).bodies[output]
     if output == "rocker":

@@ -65,7 +65,7 @@ def _between(f: Callable[[Any], Any], low: Any, high: Any) -> Any:
 
 
 def _spur(teeth: float, module: float, shift: float) -> SpurGear:
-    return SpurGear(int(teeth), module, shift, pointed="cut")
+    return SpurGear(int(teeth), module, shift, on_pointed_tip="cut")
 
 
 def _limit() -> float:

@@ -92,7 +92,7 @@ def _moved(linkage: Any, drive: list[float], branch: Any = 1) -> Motion:
 
 def condition(motion: Callable[..., Motion], result: str) -> Callable[..., Any]:
     """What the condition says of a result: of rates, which go by the inverse of the angle's sine, its square."""
-    return lambda *sizes: motion(*sizes).condition ** (1 if result == "direction" else 2)
+    return lambda *sizes: motion(*sizes).error_amplification ** (1 if result == "direction" else 2)
 
 
 def slider_crank(result: str) -> Callable[..., Any]:
