@@ -14,12 +14,11 @@ from ..core.errors import DesignError
 from ..core.records import record
 from .breaking import cams as cams
 from .breaking import gears as gears
-from .breaking import linkages as instants
 from .breaking import linkages as linkages
 from .breaking import poses as poses
 from .cell import ANSWERS, Cell, Digits, answered, measured
 
-CELLS: tuple[Cell, ...] = (*linkages.CELLS, *instants.CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
+CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.INSTANT_CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
 # Powers of ten of the distance to the place where methods fail.
 POWERS = tuple(range(1, 16))
 # What digits are told of.

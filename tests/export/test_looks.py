@@ -274,7 +274,7 @@ def test_a_trail_of_what_slides_is_in_36_dashes():
     place = np.linspace(0, 300, frames) + 0j
     table = gk.Table((gk.Column("way", "mm", "of the driver", np.linspace(5, 30, frames)),))
     closed = np.ones(frames, dtype=bool)
-    scene = gk.model.Scene(
+    scene = gk.model.scene.Scene(
         table, np.arange(float(frames)), closed, (), marks=(SceneMark("point", place, "traced", trail=True),)
     )
     root = root_of(assembly(Job("still", StaticSource((), table, scene), 0.01)))

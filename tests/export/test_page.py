@@ -262,7 +262,7 @@ def test_the_worst_frame_is_told_by_the_column_that_a_check_is_of():
     # Of the same name, but not its value: of something else.
     other = gk.Check("least transmission angle", 10.0, "at least", 40, "deg")
     assert worst_frame(other, recipe.scene) is None
-    scene = dataclasses.replace(turning(), closed=np.arange(9) < 6)
+    scene = dataclasses.replace(turning(), assembled=np.arange(9) < 6)
     assert worst_frame(gk.Check("share of the turn reached", 66.7, "at least", 100, "%"), scene) == 6
     assert worst_frame(gk.Check("largest height", 20.0, "at most", 5, "mm"), scene) in (2, 6)
 

@@ -106,7 +106,7 @@ def test_a_driver_stands_at_the_frame_next_to_where_it_is_asked_for():
     assert frame_at(there_and_back, None) == 18
     closed = np.ones(37, dtype=bool)
     closed[12:30] = False
-    half = replace(there_and_back, closed=closed)
+    half = replace(there_and_back, assembled=closed)
     assert frame_at(half, None) == 11 and frame_at(half, 110.0) == 11
     for at, best in ((120.0, 110), (200.0, 110), (290.0, 300)):
         with pytest.raises(
@@ -114,7 +114,7 @@ def test_a_driver_stands_at_the_frame_next_to_where_it_is_asked_for():
         ):
             frame_at(half, at)
     with pytest.raises(gk.DesignError, match="the mechanism can be put together nowhere; change its sizes"):
-        frame_at(replace(half, closed=closed & False), None)
+        frame_at(replace(half, assembled=closed & False), None)
 
 
 def test_a_title_is_as_long_as_its_refusal_says():
