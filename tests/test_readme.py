@@ -23,8 +23,8 @@ CLAIMS = re.compile(rf"# *({CLAIM}(?:[\w ]*, {CLAIM})*)")
 
 
 def run_commands(block):
-    """The lines of a block that begin with `geomkin`; `> file` writes the output."""
-    for line in block.splitlines():
+    """The commands of a block that begin with `geomkin`; `> file` writes the output."""
+    for line in block.replace("\\\n", "").splitlines():
         command, _, file = line.partition(" > ")
         if command.startswith("geomkin "):
             result = CliRunner().invoke(cli, shlex.split(command)[1:])
