@@ -68,7 +68,8 @@ def _refuse_foreign(path: Path) -> None:
         ours = False
     if not ours:
         raise FileError(
-            f"{printable(path)}: it is not one of ours, and is left as it is; move it or choose another folder"
+            f"{printable(path)}: it is not one of ours, and is left as it is; move it or choose another folder",
+            "file-unwritable",
         )
 
 
