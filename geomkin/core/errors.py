@@ -98,14 +98,22 @@ class RecipeError(GeomkinError, ValueError):
 
 
 class FileError(GeomkinError, OSError):
-    """A file that could not be read or written; what stood under its name still stands there.
+    """A file that could not be read or written; the file that had its name before is unchanged.
 
-    `id` is "file-unreadable" or "file-unwritable".
+    Parameters
+    ----------
+    file : str or path
+    problem, remedy : str
+        What went wrong, and what to change.
+    id : {"file-unreadable", "file-unwritable"}
     """
 
-    def __init__(self, message: str, id: ProblemId = "file-unreadable"):
-        super().__init__(message)
-        self.id = id
+    def __init__(self, file: object, problem: str, remedy: str, id: ProblemId):
+        self.file, self.problem, self.remedy, self.id = printable(file), harmless(problem), harmless(remedy), id
+        super().__init__(f"{self.file}: {self.problem}; {self.remedy}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.problem, self.remedy, self.id), self.__dict__
 
 
 def harmless(text: object) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..export.still import SCREEN, kept_frames
 from ..export.svg_path import path
-from ..model.roles import ROLES
+from ..model.roles import ROLES, Role
 from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, SceneRegion, shown_columns
 from ..model.table import Column, significant
 from ..plane.curve import AbstractCurve
@@ -59,7 +59,10 @@ def island(scene: Scene, name: str) -> str:
 
 def _roles(scene: Scene) -> list[dict[str, object]]:
     """The roles that a scene and those beside it use, in the order of their switches."""
-    used = {item.role for one in (scene, *scene.others.values()) for item in (*one.curves, *one.marks, *one.regions)}
+    used: set[Role] = set()
+    for one in (scene, *scene.others.values()):
+        used |= {curve.role for curve in one.curves} | {mark.role for mark in one.marks}
+        used |= {region.role for region in one.regions}
     return [{"id": role, **style._asdict()} for role, style in ROLES.items() if role in used]
 
 

@@ -110,7 +110,8 @@ def _text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
-        raise FileError(f"{printable(path)}: cannot be read ({error.strerror}); give a recipe file") from error
+        problem = f"cannot be read ({error.strerror})"
+        raise FileError(path, problem, "give a recipe file", "file-unreadable") from error
     if len(content) > LARGEST:
         raise _whole(
             str(path), f"it is larger than {LARGEST:,} bytes", "give a recipe, a short TOML file", "too-much-work"

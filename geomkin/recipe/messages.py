@@ -35,7 +35,7 @@ UNSUPPORTED = {
 # pydantic's types of errors -> kinds of refusal; all others are of a wrong type.
 ID_OF: dict[str, ProblemId] = {
     "finite_number": "not-finite",
-    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), "out-of-range"),  # type: ignore[dict-item]
+    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), "out-of-range"),
 }
 
 

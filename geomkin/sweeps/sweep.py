@@ -150,6 +150,7 @@ class Sweep:
     """
 
     name: str
+    kind: str
     keys: tuple[str, ...]
     rows: tuple[SweepRow, ...]
     kept: int = 0
@@ -220,7 +221,9 @@ def swept(
         done += len(found)
         tell_progress(done / len(every), f"{done} of {len(every)} combinations")
     told = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
-    result = Sweep(name, tuple(keyed), told, kept, ledger is not None and ledger.anew, {})
+    result = Sweep(
+        name, str(task.recipe.get("kind", "")), tuple(keyed), told, kept, ledger is not None and ledger.anew, {}
+    )
     if out is None:
         return result
     folder = Path(out) / name
