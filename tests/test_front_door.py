@@ -164,7 +164,7 @@ def test_a_chart_tells_how_far_it_is_where_someone_watches(watched, monkeypatch)
     def chart(families, quick):
         tell(0.5, "measuring")
         tell(1, "measuring")
-        raise FileError("no\nroom")
+        raise FileError("no\nroom", "cannot be written", "free some", "file-unwritable")
 
     monkeypatch.setattr(results, "chart", chart)
     code, _, seen = watched("chart", "four-bar-position")

@@ -82,7 +82,7 @@ def part_of(hole, found):
 
 
 def test_checks_of_the_gallery_pass_but_for_those_that_show_a_failing_one_and_say_so(made):
-    failed = {check.name for check in made[2].checks if not check.passed}
+    failed = {check.id for check in made[2].checks if not check.passed}
     assert failed == set(gk.load(made[0]).expected_failures)
 
 

@@ -56,7 +56,7 @@ def test_a_scaled_mechanism_moves_as_a_similar_one(name):
     """Every column of the table, by its unit: lengths and their rates are multiplied, angles and times stay."""
     data = gallery(name)
     one, big = gk.load(data), gk.load(data | {"scale": BIG})
-    assert [c.name for c in one.table.columns] == [c.name for c in big.table.columns]
+    assert [c.id for c in one.table.columns] == [c.id for c in big.table.columns]
     for before, after in zip(one.table.columns, big.table.columns):
         if before.values.dtype.kind not in "fiu":
             assert list(before.values) == list(after.values)

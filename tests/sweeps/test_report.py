@@ -61,7 +61,7 @@ def test_what_would_share_a_header_is_told_apart_by_numbers():
     }  # fmt: skip
     third = columns(
         ["x"],
-        [SweepRow({"x": 0}, "", (), {"x": 1}), SweepRow({"x": 0}, "", (Check("x", 2.0, "at most", 1.0),), {"x": 3})],
+        [SweepRow({"x": 0}, "", (), {"x": 1}), SweepRow({"x": 0}, "", (Check("x", "x", 2.0, "at most", 1.0),), {"x": 3})],
     )
     assert [column.header for column in third] == ["x", "refused", "failed", "x_2", "x_3"]
     assert third[2].values.tolist() == ["", "x"] and third[4].values.tolist() == [1, 3]
@@ -92,9 +92,9 @@ def test_a_limit_is_a_line_where_it_is_the_same_for_all():
 
     def checks(one):
         yield Check("alike", one["x"] - 2.0, "at least", -0.5, "mm")
-        yield Check("apart", 1.0, "at most", float(one["x"]))
+        yield Check("apart", "apart", 1.0, "at most", float(one["x"]))
         if one["x"] > 1:
-            yield Check("seldom", 1e7, "at most", 2e7, "N")
+            yield Check("seldom", "seldom", 1e7, "at most", 2e7, "N")
 
     page, found, data = page_of(values, rows_of(values, checks))
     limits = {plot["title"]: plot["limits"] for plot in data["plots"]}
@@ -115,7 +115,7 @@ def test_a_limit_is_a_line_where_it_is_the_same_for_all():
 def test_a_refused_row_says_why_over_all_its_columns():
     values = {"x": [1, 2]}
     rows = rows_of(
-        values, lambda one: [Check("a", 1.0, "at least", 2.0)] * (one["x"] == 1),
+        values, lambda one: [Check("a", "a", 1.0, "at least", 2.0)] * (one["x"] == 1),
         lambda one: {"t": "<b>"} if one["x"] == 1 else {}, lambda one: "no & never" * (one["x"] == 2),
     )  # fmt: skip
     page, found, data = page_of(values, rows)
@@ -144,7 +144,7 @@ def test_without_checks_a_row_says_so_and_without_numbers_nothing_is_plotted():
 def test_names_on_plots_are_harmless():
     values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
     rows = rows_of(
-        values, lambda one: [Check("ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")], lambda one: {"to\x1bld": 1}
+        values, lambda one: [Check("ch_u202eeck", "ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")], lambda one: {"to\x1bld": 1}
     )
     page, _, data = page_of(values, rows)
     assert [plot["title"] for plot in data["plots"]] == ["Ch?eck", "To?ld"]

@@ -72,10 +72,10 @@ def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
             )
             continue
         assert not row["refused"]
-        assert row["failed"] == "; ".join(check.name for check in checks if not check.passed)
+        assert row["failed"] == "; ".join(check.id for check in checks if not check.passed)
         for check in checks:
             unit = f"_{check.unit}" if check.unit else ""
-            assert float(row[check.name.replace(" ", "_") + unit]) == pytest.approx(check.value, rel=1e-8, abs=1e-9)
+            assert float(row[check.id + unit]) == pytest.approx(check.value, rel=1e-8, abs=1e-9)
         column = recipe.table["transmission_angle"]
         if np.isfinite(column).any():
             assert float(row["transmission_angle_deg_least"]) == pytest.approx(np.nanmin(column), rel=1e-8, abs=1e-9)
