@@ -178,7 +178,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
             {
                 "values": row.values,
                 "refused": row.refused,
-                "checks": [check.data for check in row.checks],
+                "checks": [check.to_dict() for check in row.checks],
                 "told": row.told,
             }
             for row in found.rows
@@ -405,7 +405,7 @@ def _end(outcomes: Outcomes, as_json: bool = False) -> NoReturn:
             _print_json({"name": file.stem, "file": str(file), "problems": problems})
         else:
             about = {"name": outcome.name, "kind": outcome.kind, "file": str(file)}
-            checks = [check.data for check in outcome.checks]
+            checks = [check.to_dict() for check in outcome.checks]
             _print_json({**about, "checks": checks, "files": list(map(str, outcome.files)), "remarks": outcome.remarks})
     sys.exit(1 if len(_made(outcomes)) < len(outcomes) else 0)
 

@@ -68,7 +68,9 @@ def test_a_sweep_s_table_has_a_column_for_each_check_by_its_id(tmp_path):
     for teeth, row, failed in zip((8, 20), range(2), found.table["failed"].tolist(), strict=True):
         checks = gk.load(GEAR.format(teeth)).checks
         assert failed.split("; ") == [check.id for check in checks if not check.passed] or not failed
-        assert {check.id: found.table[check.id][row] for check in checks} == {c.id: pytest.approx(c.value) for c in checks}
+        assert {check.id: found.table[check.id][row] for check in checks} == {
+            c.id: pytest.approx(c.value) for c in checks
+        }
 
 
 def test_numbers_that_json_has_not_are_null_or_text(command, monkeypatch):

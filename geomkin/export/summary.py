@@ -42,7 +42,7 @@ def summary(
     told = {
         "name": job.name,
         "recipe": recipe,
-        "checks": [check.data for check in checks],
+        "checks": [check.to_dict() for check in checks],
         "parts": [_part(part) | _wall(job, part) | sizes.get(part, {}) for part in job.source.parts],
         **_sheets(job, written),
         **notes,

@@ -165,7 +165,7 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
 
 
 def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> tuple[Plot, ...]:
-    """Plots of the columns of `motion_table(motion)`, and of those of another mode (`other_...`); the clearest first."""
+    """Plots of the columns of `motion_table(motion)`, and of those of another mode, `other_...`; the clearest first."""
     linkage, limits = motion.linkage, tuple(limits)
     bodies, slides = list(motion.bodies), [slider.name for slider in linkage.sliders]
     points = [

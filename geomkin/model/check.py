@@ -51,8 +51,7 @@ class Check:
         """False also for nan: what could not be measured has not passed."""
         return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
 
-    @property
-    def data(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """As JSON files state it."""
         known: dict[str, object] = {"column": self.column} if self.column else {}
         known |= {"at": float(f"{self.at:.10g}")} if self.at is not None else {}

@@ -22,7 +22,7 @@ from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, Scene
 from geomkin.page.page import page
 from geomkin.page.page import write_page as write
 from geomkin.page.scene_json import floats, island, steps
-from geomkin.page.sections import notes, worst_frame
+from geomkin.page.sections import notes
 from geomkin.recipe import Files
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -12,7 +12,7 @@ from geomkin.export.job import Job, StaticSource
 from geomkin.model.part import Bought
 from geomkin.model.scene import Choice, Scene
 from geomkin.model.table import Column, Table
-from geomkin.page.sections import choice, joined, notes, worst_frame
+from geomkin.page.sections import choice, joined, notes
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 

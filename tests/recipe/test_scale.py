@@ -61,13 +61,13 @@ def test_a_scaled_mechanism_moves_as_a_similar_one(name):
         if before.values.dtype.kind not in "fiu":
             assert list(before.values) == list(after.values)
             continue
-        power = 1 if before.name in SIZES.get(data["kind"], ()) else POWER.get(before.unit, 0)
-        if "coefficient" in before.name or "advantage" in before.name:
+        power = 1 if before.id in SIZES.get(data["kind"], ()) else POWER.get(before.unit, 0)
+        if "coefficient" in before.id or "advantage" in before.id:
             continue
         values, wanted = np.asarray(after.values, float), np.asarray(before.values, float) * BIG**power
         assert before.unit == after.unit
         size = np.nanmax(np.abs(wanted), initial=0.0)
-        assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.name
+        assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.id
 
 
 @pytest.mark.parametrize("name", SCALED)

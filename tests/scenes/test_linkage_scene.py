@@ -163,7 +163,7 @@ def test_every_column_but_the_driver_and_the_time_is_in_one_plot_with_others_of_
         # What a plot shows is in its title: of a point its name, of bodies and slides what is told of them.
         name, _, what = plot.title.rpartition(", ")
         assert all(header.startswith(name.replace(" ", "_").replace("sliding", "")) for header in plot.columns)
-        assert what not in ("velocity", "acceleration") or all(f"_{what}_" in header for header in plot.columns)
+        assert what not in ("velocity", "acceleration") or all(f"_{what}" in header for header in plot.columns)
         assert plot.limits == ((limit,) if plot.columns == ("transmission_angle",) else ())
     # The most telling first: where a point goes, then angles.
     assert scene.plots[0].title.endswith(", place") and "_alpha" not in scene.plots[1].columns[0]
