@@ -192,7 +192,7 @@ def test_every_number_of_the_table_is_in_its_files(made):
     for shown, column in zip(data["columns"], shown_columns(recipe.scene), strict=True):
         told = unpacked(data["series"][shown["row"]], data["frames"])
         values = np.asarray(column.values, dtype=float)[kept_frames(len(column.values))]
-        assert told == pytest.approx(values, rel=1e-6, abs=1e-9, nan_ok=True), column.name
+        assert told == pytest.approx(values, rel=1e-6, abs=1e-9, nan_ok=True), column.id
 
 
 def test_a_pole_nearly_at_infinity_costs_the_others_no_digits(tmp_path):
