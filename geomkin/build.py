@@ -42,6 +42,7 @@ class Made:
     """
 
     name: str
+    kind: str
     checks: tuple[Check, ...]
     files: Mapping[Path, int]
     facts: tuple[str, ...] = ()
@@ -81,7 +82,9 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     wanted = [name for name in offered if only is None or name in only]
     if only is not None and not wanted:
         found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
-        raise RecipeError(file, [Problem("files.write", found, "ask for one that the recipe writes, or add it")])
+        raise RecipeError(
+            file, [Problem("files.write", found, "ask for one that the recipe writes, or add it", "conflict")]
+        )
     name = name_of(file, recipe.name or recipe.kind)
     with naming(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
@@ -99,7 +102,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     write_whole(folder, contents)
     for path in sorted(before - set(contents)):
         remove(folder / path)
-    return Made(name, checks, {folder / path: len(content) for path, content in contents.items()}, (), recipe.remarks)
+    files = {folder / path: len(content) for path, content in contents.items()}
+    return Made(name, recipe.kind, checks, files, (), (*recipe.remarks, *recipe.unknown_expectations))
 
 
 @checked
@@ -116,8 +120,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 writer.write(job)
         # The summary would refuse what these refuse.
         _ = recipe.notes
-        facts, remarks = recipe.facts, recipe.remarks
-    return Made(name, checks, {}, facts, remarks)
+        facts, remarks = recipe.facts, (*recipe.remarks, *recipe.unknown_expectations)
+    return Made(name, recipe.kind, checks, {}, facts, remarks)
 
 
 @checked
@@ -161,7 +165,9 @@ def write(
     name = format_of(path.name, needs)
     if not name:
         tails = [tail_of(name).removeprefix(".") for name, writer in WRITERS.items() if writer.needs in needs]
-        raise DesignError("path", f"found {printable(path)}", f"give a name that ends in {' or '.join(tails)}")
+        raise DesignError(
+            "path", f"found {printable(path)}", f"give a name that ends in {' or '.join(tails)}", "out-of-range"
+        )
     given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     stem = path.name[: -len(tail_of(name))]
@@ -214,10 +220,12 @@ def _job(name: str, source: Source, files: Files) -> Job:
 def name_of(file: str, name: str) -> str:
     """A recipe's name, where it can name its folder and files."""
     if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
-        raise RecipeError(file, [Problem("", "its name is too long for the files named after it", "shorten it")])
+        raise RecipeError(
+            file, [Problem("", "its name is too long for the files named after it", "shorten it", "out-of-range")]
+        )
     if flaw := file_name_flaw(name):
         problem = f"its name cannot name a folder and files: {flaw}"
-        raise RecipeError(file, [Problem("", problem, "rename the file, or call the recipe otherwise")])
+        raise RecipeError(file, [Problem("", problem, "rename the file, or call the recipe otherwise", "out-of-range")])
     return name
 
 
@@ -233,7 +241,7 @@ def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
             if _is_default(recipe, key)
             else error.problem
         )
-        raise RecipeError(file, [Problem(key, problem, error.remedy)]) from None
+        raise RecipeError(file, [Problem(key, problem, error.remedy, error.id)]) from None
 
 
 def _key(recipe: AbstractRecipe, field: str) -> str:

@@ -1,4 +1,4 @@
-"""The commands: run, check, sweep, list, new, schema, chart."""
+"""The commands: run, check, columns, sweep, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO
 
 import click
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from click._termui_impl import ProgressBar
 
     from .build import Made
+    from .core.errors import Problem
 
 
 # What helps where there is not enough memory.
@@ -26,6 +27,17 @@ _recipes = click.argument(
 )
 
 
+_as_json = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object per recipe instead; nan is null, infinity a text."
+)
+
+EXIT_STATES = """\b
+Exit states:
+  0  done; checks of a design may have failed
+  1  a recipe was refused or could not be made; with several recipes the others were made
+  2  the command was called wrongly; nothing was done"""
+
+
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
     """The formats in a list with commas."""
     chosen = None if value is None else [part.strip() for part in value.split(",")]
@@ -34,7 +46,7 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
     return chosen
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_STATES)
 @click.version_option(package_name="geomkin")
 def cli() -> None:
     """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, their motion as CSV and as a page."""
@@ -47,19 +59,24 @@ def cli() -> None:
     "--only", callback=_formats, metavar="FORMAT,...",
     help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
-def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
+@_as_json
+def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, as_json: bool) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
     from .build import index, make
     from .core.errors import FileError, harmless, printable
 
     files = _files(recipes)
     _refuse_twins(files)
-    made, failed = _each(files, lambda file: make(file, out, only))
+    outcomes = _each(files, lambda file: make(file, out, only))
+    made = _made(outcomes)
     if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
         try:
             index(out)
         except FileError as error:
             click.secho(str(error), fg="yellow", err=True)
+    if as_json:
+        _end(outcomes, as_json)
+    _print_refusals(outcomes)
     if made:
         click.echo(_report(made) if _is_terminal(sys.stdout) else "\n".join(map(_line, made)))
     for result in made:
@@ -68,18 +85,22 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
         for check in result.checks:
             if not check.passed:
                 click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
-    sys.exit(1 if failed else 0)
+    _end(outcomes)
 
 
 @cli.command("check")
 @_recipes
-def check_command(recipes: tuple[Path, ...]) -> None:
+@_as_json
+def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
     """Validate recipes and show their checks; write nothing."""
     from .build import check_recipe
     from .core.errors import harmless, printable
 
-    made, failed = _each(_files(recipes), check_recipe)
-    for result in made:
+    outcomes = _each(_files(recipes), check_recipe)
+    if as_json:
+        _end(outcomes, as_json)
+    _print_refusals(outcomes)
+    for result in _made(outcomes):
         click.echo(printable(result.name))
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
@@ -87,7 +108,26 @@ def check_command(recipes: tuple[Path, ...]) -> None:
             click.echo(f"        {printable(fact)}")
         for remark in result.remarks:
             click.echo(f"        {printable(remark)}")
-    sys.exit(1 if failed else 0)
+    _end(outcomes)
+
+
+@cli.command()
+@click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+def columns(recipe: Path) -> None:
+    """List the columns of a RECIPE's table: id, unit and meaning of each."""
+    from .build import load, naming
+    from .core.errors import GeomkinError, printable
+
+    try:
+        found = load(recipe)
+        with naming(str(recipe), found):
+            lines = [(column.id, column.unit, column.meaning) for column in found.table.columns]
+    except GeomkinError as error:
+        click.secho(str(error), fg="red", err=True)
+        sys.exit(1)
+    wide, units = (max(len(line[k]) for line in lines) for k in (0, 1))
+    for id, unit, meaning in lines:
+        click.echo(printable(f"{id:<{wide}}  {unit:<{units}}  {meaning}", 500))
 
 
 @cli.command()
@@ -102,7 +142,8 @@ def check_command(recipes: tuple[Path, ...]) -> None:
     help="Tell besides the checks: COLUMN:least, :largest or :last of the table, or an entry of the notes.",
 )  # fmt: skip
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
-def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: Path) -> None:
+@_as_json
+def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Work out a RECIPE for all combinations of values, into OUT/<recipe>/<recipe>.sweep.csv and .html.
 
     One that was stopped goes on where it was.
@@ -123,18 +164,39 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
         with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
             found = swept(recipe, values, tell, out, by_processes)
     except GeomkinError as error:
-        click.secho(str(error), fg="red", err=True)
+        refused = _refused(recipe, error)
+        _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
     if found.anew:
         click.echo(
             "begun anew: the rows of an earlier run are of another recipe, --tell or version of geomkin, or damaged",
             err=True,
         )
-    refused = [row.refused for row in found.rows if row.refused]
-    told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refused):,} refused"
-    click.echo(f"{', '.join(map(printable, found.files))}: {told}")
-    if len(refused) == len(found.rows):
-        click.secho(f"all are refused, the first for this: {harmless(refused[0])}", fg="red", err=True)
+    refusals = [row.refused for row in found.rows if row.refused]
+    if as_json:
+        rows = [
+            {
+                "values": row.values,
+                "refused": row.refused,
+                "checks": [check.to_dict() for check in row.checks],
+                "told": row.told,
+            }
+            for row in found.rows
+        ]
+        _print_json(
+            {
+                "name": found.name,
+                "kind": found.kind,
+                "file": str(recipe),
+                "rows": rows,
+                "files": list(map(str, found.files)),
+            }
+        )
+    else:
+        told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refusals):,} refused"
+        click.echo(f"{', '.join(map(printable, found.files))}: {told}")
+    if len(refusals) == len(found.rows):
+        click.secho(f"all are refused, the first for this: {harmless(refusals[0])}", fg="red", err=True)
         sys.exit(1)
 
 
@@ -245,13 +307,23 @@ def _refuse_twins(files: list[Path]) -> None:
         raise click.UsageError(f"{named} would write the same folder; run them with another --out")
 
 
-def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made], int]:
-    """Results of those that worked, and how many did not; each failure is told when all is done."""
-    from .core.errors import printable
+class Refused(NamedTuple):
+    """Why a recipe was not made: as text, and problem by problem."""
+
+    text: str
+    problems: tuple[Problem, ...]
+
+
+Outcomes = list[tuple[Path, "Made | Refused"]]
+
+
+def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
+    """What became of each recipe, in the order in which they were named."""
+    from .core.errors import Problem, printable
     from .core.processes import each
     from .core.progress import shown
 
-    outcomes: dict[int, Made | str] = {}
+    outcomes: dict[int, Made | Refused] = {}
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def tell(share: float, what: str) -> None:
@@ -277,30 +349,74 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
     )
     with counted as bar, shown(tell):
         for number, outcome in each(partial(_tried, action), files, begun):
-            outcomes[number] = outcome or f"{printable(files[number])}: its process was killed; {LARGER}"
+            killed = Problem("", "its process was killed", LARGER, "too-much-work")
+            outcomes[number] = outcome or Refused(f"{printable(files[number])}: {killed.problem}; {LARGER}", (killed,))
             bar.update(1)
-    # In the order in which they were named, whichever was done first.
-    every = [outcomes[number] for number in sorted(outcomes)]
-    failures = [outcome for outcome in every if isinstance(outcome, str)]
-    for failure in failures:
-        click.secho(failure, fg="red", err=True)
-    return [outcome for outcome in every if not isinstance(outcome, str)], len(failures)
+    return [(files[number], outcomes[number]) for number in sorted(outcomes)]
 
 
-def _tried(action: Callable[[Path], Made], file: Path) -> Made | str:
-    """What an action makes of a recipe, or in a text why not."""
-    from .core.errors import GeomkinError, printable
-
+def _tried(action: Callable[[Path], Made], file: Path) -> Made | Refused:
+    """What an action makes of a recipe, or why nothing."""
     try:
         return action(file)
-    except GeomkinError as error:
-        return str(error)
-    except MemoryError:
-        return f"{printable(file)}: not enough memory; {LARGER}"
     except Exception as error:
         # A fault of ours in one recipe is told like any other, and the rest are made.
-        fault = printable(f"{type(error).__name__}: {error}", 200)
-        return f"{printable(file)}: geomkin failed by a fault of its own ({fault}); please report it"
+        return _refused(file, error)
+
+
+def _refused(file: Path, error: Exception) -> Refused:
+    from .core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, printable
+
+    match error:
+        case RecipeError():
+            return Refused(str(error), error.problems)
+        case DesignError():
+            return Refused(str(error), (Problem(error.field, error.problem, error.remedy, error.id),))
+        case FileError():
+            return Refused(str(error), (Problem("", f"{error.file} {error.problem}", error.remedy, error.id),))
+        case GeomkinError():
+            return Refused(str(error), (Problem("", str(error), "", "internal"),))
+        case MemoryError():
+            problem = Problem("", "not enough memory", LARGER, "too-much-work")
+        case _:
+            fault = printable(f"{type(error).__name__}: {error}", 200)
+            what = f"geomkin failed by a fault of its own ({fault})"
+            problem = Problem("", what, "please report it", "internal")
+    return Refused(f"{printable(file)}: {problem.problem}; {problem.remedy}", (problem,))
+
+
+def _made(outcomes: Outcomes) -> list[Made]:
+    return [outcome for _, outcome in outcomes if not isinstance(outcome, Refused)]
+
+
+def _print_refusals(outcomes: Outcomes) -> None:
+    for _, outcome in outcomes:
+        if isinstance(outcome, Refused):
+            click.secho(outcome.text, fg="red", err=True)
+
+
+def _end(outcomes: Outcomes, as_json: bool = False) -> NoReturn:
+    """End the command with the state that the outcomes give; as JSON print them first."""
+    for file, outcome in outcomes if as_json else ():
+        if isinstance(outcome, Refused):
+            problems = [
+                {name: getattr(one, name) for name in ("id", "key", "problem", "remedy")} for one in outcome.problems
+            ]
+            _print_json({"name": file.stem, "file": str(file), "problems": problems})
+        else:
+            about = {"name": outcome.name, "kind": outcome.kind, "file": str(file)}
+            checks = [check.to_dict() for check in outcome.checks]
+            _print_json({**about, "checks": checks, "files": list(map(str, outcome.files)), "remarks": outcome.remarks})
+    sys.exit(1 if len(_made(outcomes)) < len(outcomes) else 0)
+
+
+def _print_json(data: dict[str, object]) -> None:
+    """On one line."""
+    import json
+
+    from .export.summary import as_json
+
+    click.echo(json.dumps(as_json(data)))
 
 
 def _is_terminal(stream: TextIO | None) -> bool:

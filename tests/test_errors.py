@@ -15,8 +15,7 @@ ERRORS = [
     gk.DesignError("crank", "found -1", "give a number above 0"),
     gk.RecipeError("a.toml", [errors.Problem(f"k{k}", "found 1", "give 2") for k in range(30)]),
     gk.RecipeError("a\n.toml", []),
-    gk.FileError("cannot write"),
-    gk.FileError(28, "No space left on device", "out/a.dxf"),
+    gk.FileError("a.toml", "cannot be read", "give a recipe file", "file-unreadable"),
 ]
 
 

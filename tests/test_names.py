@@ -139,5 +139,5 @@ def test_the_writer_refuses_two_names_that_differ_only_by_case(tmp_path):
 
 def test_columns_of_one_name_are_a_design_to_mend():
     ones = np.ones(3)
-    with pytest.raises(gk.DesignError, match="two columns would be named 'A_x_mm'"):
+    with pytest.raises(gk.DesignError, match="two columns would be named 'A_x'"):
         Table((Column("A_x", "mm", "", ones), Column("A_x", "mm", "", ones)))

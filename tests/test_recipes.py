@@ -82,7 +82,7 @@ def part_of(hole, found):
 
 
 def test_checks_of_the_gallery_pass_but_for_those_that_show_a_failing_one_and_say_so(made):
-    failed = {check.name for check in made[2].checks if not check.passed}
+    failed = {check.id for check in made[2].checks if not check.passed}
     assert failed == set(gk.load(made[0]).expected_failures)
 
 
@@ -192,7 +192,7 @@ def test_every_number_of_the_table_is_in_its_files(made):
     for shown, column in zip(data["columns"], shown_columns(recipe.scene), strict=True):
         told = unpacked(data["series"][shown["row"]], data["frames"])
         values = np.asarray(column.values, dtype=float)[kept_frames(len(column.values))]
-        assert told == pytest.approx(values, rel=1e-6, abs=1e-9, nan_ok=True), column.name
+        assert told == pytest.approx(values, rel=1e-6, abs=1e-9, nan_ok=True), column.id
 
 
 def test_a_pole_nearly_at_infinity_costs_the_others_no_digits(tmp_path):

@@ -162,12 +162,12 @@ def test_lines_of_what_a_shell_shows_most():
     )
     assert repr(table) == "Table(3 rows: crank_angle_deg)"
     assert repr(table.columns[0]) == (
-        "Column(name='crank_angle', unit='deg', meaning='angle of the crank', values=<3 real>)"
+        "Column(id='crank_angle', unit='deg', meaning='angle of the crank', values=<3 real>)"
     )
-    check = gk.Check("least wall", 1.234567, "at least", 1.5, "mm", "make it thicker")
+    check = gk.Check("least_wall", "least wall", 1.234567, "at least", 1.5, "mm", "make it thicker")
     assert repr(check) == "Check(FAILED: least wall 1.23457 mm, limit at least 1.5)"
     assert str(check) == "least wall 1.23 mm, should be at least 1.5 mm: make it thicker"
-    assert repr(gk.Check("lift", 2.0, "at most", 2.5)) == "Check(passed: lift 2, limit at most 2.5)"
+    assert repr(gk.Check("lift", "lift", 2.0, "at most", 2.5)) == "Check(passed: lift 2, limit at most 2.5)"
 
 
 @pytest.mark.parametrize("count", [LONGEST - 1, LONGEST, LONGEST + 1, 3 * LONGEST])

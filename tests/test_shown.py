@@ -53,7 +53,7 @@ def test_a_curve_s_columns_are_those_of_the_point_that_runs_along_it(curve):
     assert drawn.curve is curve and drawn.role == "construction" and mark.trail and mark.role == "traced"
     assert mark.place == pytest.approx(place) and mark.sort == "point"
     assert [plot.columns for plot in scene.plots] == [
-        ("curvature_1_per_mm",), ("point_x_mm", "point_y_mm"), ("speed_mm",),
+        ("curvature",), ("point_x", "point_y"), ("speed",),
     ]  # fmt: skip
     assert job.name == type(curve).__name__ and not job.source.parts and not job.source.checks
 

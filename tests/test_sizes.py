@@ -143,9 +143,9 @@ def test_a_table_of_kinds_counts_its_changes():
     ],
 )
 def test_a_check_in_words(value, side, limit, passed, told):
-    check = gk.Check("wall", value, side, limit, "mm", "cut less")
+    check = gk.Check("wall", "wall", value, side, limit, "mm", "cut less")
     assert check.passed is passed and str(check) == told
-    bare = gk.Check("wall", value, side, limit)
+    bare = gk.Check("wall", "wall", value, side, limit)
     assert str(bare) == told.replace(" mm", "").replace(": cut less", "")
     verdict = "passed" if passed else "FAILED"
     assert repr(check) == f"Check({verdict}: wall {value:.6g} mm, limit {side} {limit:.6g} mm)".replace(

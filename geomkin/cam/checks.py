@@ -58,23 +58,27 @@ def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
 
 def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     for name, way in (("rise", 1), ("return", -1)):
-        if (leaning := _most_leaning(cam, way)) is not None:
-            most, advice = most_pressure_angle(cam), "give a larger base_radius or a longer segment"
-            yield Check(f"pressure angle on the {name}", leaning, "at most", most, "deg", advice)
+        if (found := _most_leaning(cam, way)) is not None:
+            (leaning, at), most = found, most_pressure_angle(cam)
+            id, words = f"pressure_angle_{name}", f"pressure angle on the {name}"
+            advice = "give a larger base_radius or a longer segment"
+            yield Check(id, words, leaning, "at most", most, "deg", advice, "pressure_angle", at)
     jumps = np.abs(cam.program.jumps.velocity)
     if jumps.any():
-        at = np.degrees(cam.program.breaks[:-1][jumps.argmax()])
+        at = float(np.degrees(cam.program.breaks[:-1][jumps.argmax()]))
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
-        yield Check("jump in velocity", jumps.max(), "at most", 0, "mm/rad or rad/rad", advice)
+        unit = "mm/rad or rad/rad"
+        yield Check("velocity_jump", "jump in velocity", jumps.max(), "at most", 0, unit, advice, "velocity", at)
     jumps = np.abs(cam.program.jumps.acceleration)
     if jumps.any():
-        at = np.degrees(cam.program.breaks[:-1][jumps > 0])
-        places = ", ".join(f"{angle:.4g}" for angle in at[:MOST_PLACES]) + (
-            " and more" if len(at) > MOST_PLACES else ""
-        )
+        joints = np.degrees(cam.program.breaks[:-1])
+        angles, at = joints[jumps > 0], float(joints[jumps.argmax()])
+        places = ", ".join(f"{angle:.4g}" for angle in angles[:MOST_PLACES])
+        places += " and more" * (len(angles) > MOST_PLACES)
         advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
         unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
-        yield Check("jump in acceleration", jumps.max(), "at most", 0, unit, advice)
+        name, column = "jump in acceleration", "acceleration"
+        yield Check("acceleration_jump", name, jumps.max(), "at most", 0, unit, advice, column, at)
     for k, table in cam.program.tables.items():
         # What cannot be told is no check.
         if not np.isnan(table.noise):
@@ -82,7 +86,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
             if np.isinf(table.noise):
                 advice += ", or a dwell or a steady motion in its place, for they show no other"
             name = f"acceleration from scatter of the rows of program[{k}]"
-            yield Check(name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
+            yield Check(f"scatter_{k}", name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
     yield from _room(cam, cut)
 
 
@@ -90,17 +94,21 @@ def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
     """How far the cam is from undercut, or what undercut takes."""
     roller = cam.follower.rounding
     if roller:
-        room = tightest_convex(cam)[0] / roller
-        advice = "near 1 the cam gets a point"
-        yield Check("least pitch radius to roller radius", room, "at least", LEAST_PITCH_TO_ROLLER, "", advice)
+        tightest, angle = tightest_convex(cam)
+        at = float(np.degrees(angle)) if np.isfinite(tightest) else None
+        name, least = "least pitch radius to roller radius", LEAST_PITCH_TO_ROLLER
+        advice = "near 1 the profile becomes pointed: enlarge the base circle"
+        yield Check("pitch_radius", name, tightest / roller, "at least", least, "", advice, at=at)
     if cut.found:
-        (lost, at), (unit, size) = cut.worst, cam.follower.lift_unit
-        advice = f"undercut, worst at {np.degrees(at):.4g} deg: give a larger base_radius or a longer segment there"
-        yield Check("lift lost to undercut", lost * size, "at most", 0, unit, advice)
+        (lost, angle), (unit, size) = cut.worst, cam.follower.lift_unit
+        at = float(np.degrees(angle))
+        advice = f"undercut, worst at {at:.4g} deg: give a larger base_radius or a longer segment there"
+        yield Check("lost_lift", "lift lost to undercut", lost * size, "at most", 0, unit, advice, "lost_lift", at)
     elif not roller:
         sharpest = float(segment_limits(cam).convex_radius.min())
         advice = "a sharp edge wears: give a larger base_radius"
-        yield Check("least convex radius of the profile", sharpest, "at least", LEAST_CONVEX_RADIUS, "mm", advice)
+        name, least = "least convex radius of the profile", LEAST_CONVEX_RADIUS
+        yield Check("convex_radius", name, sharpest, "at least", least, "mm", advice)
 
 
 def _above(value: float) -> str:
@@ -109,8 +117,11 @@ def _above(value: float) -> str:
     return f"{np.ceil(value / step) * step:.2g}"
 
 
-def _most_leaning(cam: Cam, way: int) -> float | None:
-    """Largest pressure angle, deg, where the follower moves outward, way 1, or inward, -1; None where it never does."""
+def _most_leaning(cam: Cam, way: int) -> tuple[float, float] | None:
+    """Largest pressure angle, and the cam angle there, deg, while the follower moves outward, way 1, or inward, -1.
+
+    None if it never does.
+    """
     # At rest what is left of the velocity is rounding, whose sign says nothing.
     rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
 
@@ -118,5 +129,5 @@ def _most_leaning(cam: Cam, way: int) -> float | None:
         moving = way * cam.program.motion(angle).velocity > rest
         return np.where(moving, np.abs(pressure_angle(cam, angle)), -1.0)
 
-    most, _ = largest(cam.program.breaks, leaning)
-    return float(np.degrees(most)) if most >= 0 else None
+    most, at = largest(cam.program.breaks, leaning)
+    return (float(np.degrees(most)), float(np.degrees(at))) if most >= 0 else None

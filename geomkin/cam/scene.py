@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -32,14 +32,14 @@ LIFTED = 1e-6
 
 # Title of each plot and the columns that it shows, of those that there are, the most telling first.
 PLOTS = {
-    "lift": ("lift",),
-    "velocity": ("velocity",),
-    "acceleration": ("acceleration",),
-    "jerk": ("jerk",),
-    "pressure angle": ("pressure_angle",),
-    "lift lost to undercut": ("lost_lift",),
-    "curvature of the pitch curve": ("pitch_curvature",),
-    "curvature of the profile": ("profile_curvature",),
+    "lift": "lift",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "jerk": "jerk",
+    "pressure angle": "pressure_angle",
+    "lift lost to undercut": "lost_lift",
+    "curvature of the pitch curve": "pitch_curvature",
+    "curvature of the profile": "profile_curvature",
 }
 
 
@@ -49,12 +49,12 @@ def cam_scene(
     table: Table,
     parts: Sequence[Part] = (),
     cut: Undercut | None = None,
-    limits: Mapping[str, tuple[Limit, ...]] | None = None,
+    limits: Sequence[Limit] = (),
 ) -> Scene:
     """A cam turning under its follower, at the cam angles of its table.
 
     table: as `cam_table` gives it. parts: as `cam_parts` gives them. cut: what `undercut` found, where it is known
-    already. limits: lines across the plots, by the names of the columns that they are for. Where undercut takes lift
+    already. limits: lines across the plots of their columns. Where undercut takes lift
     the follower rests on the corner that is left, and what it should do is drawn beside it. Derived here.
     """
     cut = cut or undercut(cam)
@@ -78,7 +78,7 @@ def cam_scene(
         on_motor(tuple(riding.bodies(parts)), motor),
         tuple(curves),
         marks,
-        tuple(_plots(table, limits or {})),
+        tuple(_plots(table, limits)),
         around,
     )
 
@@ -189,12 +189,10 @@ class _Riding:
             yield SceneMark("line", end, "wanted", label, vector=self.asked.place(face[1]) - self.asked.place(face[0]))
 
 
-def _plots(table: Table, limits: Mapping[str, tuple[Limit, ...]]) -> Iterator[Plot]:
-    headers = {column.name: column.header for column in table.columns}
-    for title, names in PLOTS.items():
-        if shown := [name for name in names if name in headers]:
-            lines = tuple(limit for name in shown for limit in limits.get(name, ()))
-            yield Plot(title, tuple(headers[name] for name in shown), lines)
+def _plots(table: Table, limits: Sequence[Limit]) -> Iterator[Plot]:
+    for title, id in PLOTS.items():
+        if id in table.ids:
+            yield Plot(title, (id,)).with_limits(limits)
 
 
 # Direction of a base radius, deg: off the follower, and off its pivot.

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args,
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import DesignError, shown
+from .errors import DesignError, ProblemId, shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -28,10 +28,14 @@ ALONE = 8192
 
 @dataclasses.dataclass(frozen=True)
 class ArgumentType:
-    """What an argument may be: a test that never raises, and the same in words for the one who has to mend it."""
+    """What an argument may be: a test that never raises, and the same in words for the one who has to mend it.
+
+    types: those of which some values are allowed and others are out of range.
+    """
 
     fits: Callable[[Any], bool]
     allowed: str
+    types: tuple[type, ...] = ()
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -70,8 +74,9 @@ def refused(name: str, value: object, sort: ArgumentType) -> DesignError:
     if isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value)) and sort.fits(complex(*value)):
         # A place as a recipe has it.
         problem = f"found {shown(value)}, and a place is a complex number: {complex(*value):g}"
-        return DesignError(name, problem, f"give {sort.allowed}")
-    return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}")
+        return DesignError(name, problem, f"give {sort.allowed}", "wrong-type")
+    id: ProblemId = "out-of-range" if isinstance(value, sort.types) and not isinstance(value, bool) else "wrong-type"
+    return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}", "not-finite" if is_endless(value) else id)
 
 
 def _sorts(function: Callable[..., Any]) -> dict[str, ArgumentType]:
@@ -103,7 +108,7 @@ def argument_type(hint: Any) -> ArgumentType | None:
         return None if None in sorts else _either([sort for sort in sorts if sort])
     if origin is Literal:
         words = [str(choice) for choice in inner]
-        return ArgumentType(lambda value: _chosen(value, inner), _listed(words))
+        return ArgumentType(lambda value: _chosen(value, inner), _listed(words), (str,))
     if origin in (tuple, Sequence, list) and inner:
         return _row(argument_type(inner[0]), None if inner[-1] is ... or origin is not tuple else len(inner))
     if origin is Mapping:
@@ -124,19 +129,20 @@ def argument_type(hint: Any) -> ArgumentType | None:
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """Of one number from `least` to `most`."""
     allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
-    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed)
+    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL)
 
 
 def whole_between(least: int, most: int) -> ArgumentType:
     """Of one whole number from `least` to `most`."""
     return ArgumentType(
-        lambda value: is_whole(value) and bool(least <= value <= most), f"a whole number from {least} to {most}"
+        lambda value: is_whole(value) and bool(least <= value <= most), f"a whole number from {least} to {most}", REAL
     )
 
 
 def _either(sorts: list[ArgumentType]) -> ArgumentType:
     told = [sort.allowed for sort in sorts if sort is not NOTHING]
-    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(told))
+    types = tuple(each for sort in sorts for each in sort.types)
+    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(told), types)
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -204,6 +210,12 @@ def numbers(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
     except (TypeError, ValueError, OverflowError):
         return None
     return array if array.dtype.kind in kinds else None
+
+
+def is_endless(value: Any) -> bool:
+    """Whether this is a number or an array of numbers of which one is infinite or nan."""
+    array = numbers(value)
+    return array is not None and not np.isfinite(array).all()
 
 
 def _whole(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
@@ -294,8 +306,8 @@ Row = Annotated[
     NDArray[np.complexfloating[Any, Any]],
     ArgumentType(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj"),
 ]
-Count = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0")]
-Positive = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0")]
+Count = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0", REAL)]
+Positive = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0", REAL)]
 # What a number was found to be, which may be nothing.
 Found = Annotated[
     float, ArgumentType(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")

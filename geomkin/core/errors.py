@@ -3,7 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
+
+# The kinds of refusal. A program may rely on them: their texts may change, these do not.
+ProblemId = Literal[
+    "unknown-key",
+    "missing-key",
+    "unknown-kind",
+    "wrong-type",
+    "out-of-range",
+    "not-finite",
+    "conflict",  # two values that do not go together, each by itself allowed
+    "impossible-geometry",  # no such mechanism exists; also what nothing more specific applies to
+    "does-not-assemble",
+    "too-much-work",
+    "invalid-toml",
+    "file-unreadable",
+    "file-unwritable",
+    "internal",  # a fault of geomkin
+]
 
 
 class GeomkinError(Exception):
@@ -13,27 +31,46 @@ class GeomkinError(Exception):
 class DesignError(GeomkinError, ValueError):
     """A mechanism that cannot exist as asked.
 
-    field: the size that is wrong, as its class spells it; problem: what was found and what is
-    allowed; remedy: what to change.
+    Parameters
+    ----------
+    field : str
+        The size that is wrong, as its class spells it.
+    problem : str
+        What was found.
+    remedy : str
+        What is allowed, or what to change.
+    id : str
+        The kind of refusal, one of `ProblemId`.
     """
 
-    def __init__(self, field: str, problem: str, remedy: str):
+    def __init__(self, field: str, problem: str, remedy: str, id: ProblemId = "impossible-geometry"):
         field, problem, remedy = harmless(field), harmless(problem), harmless(remedy)
         super().__init__(f"{field}: {problem}; {remedy}")
-        self.field, self.problem, self.remedy = field, problem, remedy
+        self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
 
     def __reduce__(self) -> tuple[Any, ...]:
         # An exception is pickled as its class and its text, which this one is not made from.
-        return type(self), (self.field, self.problem, self.remedy), self.__dict__
+        return type(self), (self.field, self.problem, self.remedy, self.id), self.__dict__
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong in a recipe. key: dotted, as in `linkage.crank`; "" for the whole file."""
+    """One thing wrong in a recipe.
+
+    Parameters
+    ----------
+    key : str
+        Dotted, as in `linkage.crank`; "" for the whole file.
+    problem, remedy : str
+        What was found, and what to change.
+    id : str
+        The kind of refusal, one of `ProblemId`.
+    """
 
     key: str
     problem: str
     remedy: str
+    id: ProblemId = "impossible-geometry"
 
     def __repr__(self) -> str:
         return printable(f"Problem({self})", 120)
@@ -61,7 +98,22 @@ class RecipeError(GeomkinError, ValueError):
 
 
 class FileError(GeomkinError, OSError):
-    """A file that could not be read or written; what stood under its name still stands there."""
+    """A file that could not be read or written; the file that had its name before is unchanged.
+
+    Parameters
+    ----------
+    file : str or path
+    problem, remedy : str
+        What went wrong, and what to change.
+    id : {"file-unreadable", "file-unwritable"}
+    """
+
+    def __init__(self, file: object, problem: str, remedy: str, id: ProblemId):
+        self.file, self.problem, self.remedy, self.id = printable(file), harmless(problem), harmless(remedy), id
+        super().__init__(f"{self.file}: {self.problem}; {self.remedy}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.problem, self.remedy, self.id), self.__dict__
 
 
 def harmless(text: object) -> str:

@@ -20,8 +20,8 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import ArgumentType, between, check_fields, is_place, numbers
-from .errors import DesignError, shown
+from .arguments import ArgumentType, between, check_fields, is_endless, is_place, numbers
+from .errors import DesignError, ProblemId, shown
 from .reprs import clipped
 
 T = TypeVar("T")
@@ -104,17 +104,19 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if "unit" not in about or (value is None and field.default is None):
             continue
         if not _fits(value, about, many):
-            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}")
+            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
         if _is_tiny(value, about):
             least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
-            raise DesignError(field.name, f"found {shown(value)}, below what counts as a size", f"give {least}")
+            raise DesignError(
+                field.name, f"found {shown(value)}, below what counts as a size", f"give {least}", "out-of-range"
+            )
         if many and np.ndim(value):
             rows[field.name] = len(value)
     if len(set(rows.values()) - {1}) > 1:
         first, *others = (name for name, row in rows.items() if row != 1)
         other = next(name for name in others if rows[name] != rows[first])
         found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
-        raise DesignError(other, found, "give one number, or as many of each")
+        raise DesignError(other, found, "give one number, or as many of each", "conflict")
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
@@ -142,6 +144,13 @@ def rounded_down(most: float, digits: int = DIGITS) -> str:
 def _rounded(value: float, digits: int, way: str) -> str:
     # As it is written: in full, 0.0072 is a little less than its own digits say.
     return f"{float(Context(digits, way).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
+
+
+def _id_of(value: Any, about: Any) -> ProblemId:
+    """The kind of refusal of a value that does not fit."""
+    if is_endless(value):
+        return "not-finite"
+    return "out-of-range" if numbers(value, "iu" if about.get("whole") else "iuf") is not None else "wrong-type"
 
 
 _TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}

@@ -39,11 +39,13 @@ def check_names(field: str, names: Iterable[str], what: str) -> None:
     for name in names:
         flaw = _flaw(name)
         if flaw:
-            raise DesignError(field, f"{what} is named {shown(name)}, which {flaw}", f"give {ALLOWED}")
+            raise DesignError(field, f"{what} is named {shown(name)}, which {flaw}", f"give {ALLOWED}", "out-of-range")
         twin = seen.setdefault(folded(name), name)
         if twin != name:
             problem = f"{shown(twin)} and {shown(name)} differ only by case or look the same"
-            raise DesignError(field, problem, "give names that differ, since some file systems take these for one")
+            raise DesignError(
+                field, problem, "give names that differ, since some file systems take these for one", "conflict"
+            )
 
 
 @lru_cache(NAMES)
@@ -121,7 +123,9 @@ def text_beside(name: str | Path, folder: str | Path | None, what: str) -> str:
         path = (home / name).resolve()
         if folder is not None and not path.is_relative_to(home):
             problem = f"found {shown(str(name))}, which lies outside the folder that names it"
-            raise DesignError("file", problem, "put it beside the recipe or below, itself and not a link to it")
+            raise DesignError(
+                "file", problem, "put it beside the recipe or below, itself and not a link to it", "file-unreadable"
+            )
         if not path.is_file():
             raise FileNotFoundError(0, "it is no file")
         with path.open("rb") as file:
@@ -136,7 +140,9 @@ def text_beside(name: str | Path, folder: str | Path | None, what: str) -> str:
         # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
         told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
         reason = (error.strerror if isinstance(error, OSError) else None) or told
-        raise DesignError("file", f"{printable(name)} cannot be read ({reason})", f"give {what}") from None
+        raise DesignError(
+            "file", f"{printable(name)} cannot be read ({reason})", f"give {what}", "file-unreadable"
+        ) from None
 
 
 def csv_cells(text: str, name: str | Path) -> list[list[str]]:
@@ -150,7 +156,9 @@ def csv_cells(text: str, name: str | Path) -> list[list[str]]:
     try:
         cells = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:
-        raise DesignError("file", f"{printable(name)} is not CSV ({error})", "give a CSV file") from None
+        raise DesignError(
+            "file", f"{printable(name)} is not CSV ({error})", "give a CSV file", "file-unreadable"
+        ) from None
     if separator == ",":
         return cells
     return [[cell.replace(",", ".") if WITH_COMMA.fullmatch(cell) else cell for cell in line] for line in cells]

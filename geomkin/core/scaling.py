@@ -43,14 +43,16 @@ def scaled(thing: T, scale: Scale) -> T:
         If it is nothing that can be scaled, or a length leaves its range.
     """
     if not getattr(thing, "can_be_scaled", False) or isinstance(thing, type):
-        raise DesignError("thing", f"found {type(thing).__name__}", "give a linkage, a cam, or a recipe of either")
+        raise DesignError(
+            "thing", f"found {type(thing).__name__}", "give a linkage, a cam, or a recipe of either", "wrong-type"
+        )
     if scale == 1:
         return thing
     try:
         found: T = resized(thing, scale)
     except DesignError as error:
         problem = f"found {scale:g}, with which {error.field}: {error.problem}"
-        raise DesignError("scale", problem, error.remedy) from None
+        raise DesignError("scale", problem, error.remedy, error.id) from None
     return found
 
 

@@ -32,7 +32,7 @@ def assembly(job: Job) -> bytes:
     frame = frame_at(job.scene, job.assembly_at)
     still = Still(job.scene, np.array([frame]))
     drive = job.scene.drive
-    at = f"{drive.name.replace('_', ' ')} {with_unit(float(np.asarray(drive.values)[frame]), drive.unit)}"
+    at = f"{drive.id.replace('_', ' ')} {with_unit(float(np.asarray(drive.values)[frame]), drive.unit)}"
     names = place_labels(still)
     box = _wide_enough(page_box(still, names, BELOW), f"{at} and a length", still)
     body = ['<g transform="scale(1 -1)">', *_placed(still), "</g>", *_names(still, names), _scale_bar(still, box, at)]

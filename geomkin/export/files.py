@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..core.errors import FileError, printable, shown
+from ..core.errors import FileError, shown
 from ..core.names import file_name_flaw, folded
 
 # Of the names of files that are being written; hidden, so that nobody takes one for a part.
@@ -48,7 +48,8 @@ def _refuse_strange(folder: Path, names: Iterable[str]) -> None:
     for name in names:
         flaw = file_name_flaw(name) or ("another file has the same name" if folded(name) in seen else "")
         if flaw:
-            raise FileError(f"{printable(folder)}: no file can be written as {shown(name)} ({flaw}); give another name")
+            problem = f"no file can be written as {shown(name)} ({flaw})"
+            raise FileError(folder, problem, "give another name", "file-unwritable")
         seen.add(folded(name))
 
 
@@ -86,7 +87,8 @@ def naming(path: Path, done: str = "written") -> Iterator[None]:
     except (OSError, ValueError) as error:
         # A path with a sign that none may have is a ValueError.
         reason = getattr(error, "strerror", None) or str(error)
-        raise FileError(f"{printable(path)}: cannot be {done} ({reason}); choose another place (--out)") from error
+        problem = f"cannot be {done} ({reason})"
+        raise FileError(path, problem, "choose another place (--out)", "file-unwritable") from error
 
 
 def remove(path: Path) -> None:
@@ -94,7 +96,8 @@ def remove(path: Path) -> None:
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
-        raise FileError(f"{printable(path)}: cannot be removed ({error.strerror}); remove it yourself") from error
+        problem = f"cannot be removed ({error.strerror})"
+        raise FileError(path, problem, "remove it yourself", "file-unwritable") from error
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.records import record
 from ..model.part import Part
+from ..model.roles import ROLES
 from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
@@ -19,10 +20,10 @@ from ..plane.vec import Complex, Whole
 from .job import Job
 
 # What the page shows only when it is asked to: in a picture that stands still it hides the mechanism.
-ASIDE = ("bobillier", "centre", "velocity", "acceleration")
+ASIDE = tuple(role for role, style in ROLES.items() if not style.shown)
 # What may run far from the mechanism, and by how much of its size on each side it is followed. More, and the mechanism
 # is a dot between two long curves.
-FAR, ROOM = ("centrode", "inflection"), 0.3
+FAR, ROOM = tuple(role for role, style in ROLES.items() if style.shown and style.room), 0.3
 # Least width and height of a picture, share of the size of all that moves: one point is all that is seen of a block
 # that stands on its rail. Less, and a rail as long as the way has strokes by the million.
 LEAST = 0.01

@@ -42,33 +42,22 @@ def summary(
     told = {
         "name": job.name,
         "recipe": recipe,
-        "checks": [
-            {
-                "name": c.name,
-                "value": float(f"{c.value:.{c.digits(10)}g}"),
-                "side": c.side,
-                "limit": c.limit,
-                "unit": c.unit,
-                "passed": bool(c.passed),
-                **({"expected": c.expected} if c.expected and not c.passed else {}),
-            }
-            for c in checks
-        ],
+        "checks": [check.to_dict() for check in checks],
         "parts": [_part(part) | _wall(job, part) | sizes.get(part, {}) for part in job.source.parts],
         **_sheets(job, written),
         **notes,
         "files": files,
         "versions": _versions(written),
     }
-    return (json.dumps(_as_json(told), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
+    return (json.dumps(as_json(told), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
 
 
-def _as_json(held: object) -> object:
+def as_json(held: object) -> object:
     """The same with numbers that JSON has not as "inf", "-inf", or null for nan."""
     if isinstance(held, Mapping):
-        return {name: _as_json(value) for name, value in held.items()}
+        return {name: as_json(value) for name, value in held.items()}
     if isinstance(held, (list, tuple)):
-        return [_as_json(value) for value in held]
+        return [as_json(value) for value in held]
     if isinstance(held, float) and not isfinite(held):
         return None if held != held else str(float(held))
     return held

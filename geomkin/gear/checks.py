@@ -24,18 +24,21 @@ def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") ->
     rim: thickness under the teeth, mm, of a ring outside them; left out, the gear is solid, and a ring's is not
     judged. name: what the checks call the gear.
     """
-    before, module = f"{name} " if name else "", gear.module
+    before, prefix, module = f"{name} " if name else "", f"{name}_" if name else "", gear.module
     thinner = "give less profile_shift, addendum or tooth_thickness_allowance"
     tip = gear.tip_thickness / module
-    checks = [Check(f"{before}tip thickness", tip, "at least", LEAST_TIP_THICKNESS, "modules", thinner)]
+    least = LEAST_TIP_THICKNESS
+    checks = [Check(f"{prefix}tip_thickness", f"{before}tip thickness", tip, "at least", least, "modules", thinner)]
     if gear.lost_to_undercut is not None:
         lost, more = gear.lost_to_undercut / module, "give more teeth or profile_shift"
-        checks.append(Check(f"{before}involute lost to undercut", lost, "at most", 0, "modules", more))
+        words = f"{before}involute lost to undercut"
+        checks.append(Check(f"{prefix}undercut", words, lost, "at most", 0, "modules", more))
     rim = gear.solid_rim if rim is None else rim
     if rim is not None:
         where, advice = ("outside", "give a thicker rim") if gear.is_ring else ("under", "give a smaller bore")
         advice = advice if gear.hole_room else "give a higher bar"
-        checks.append(Check(f"{before}rim {where} the teeth", rim / module, "at least", LEAST_RIM, "modules", advice))
+        words = f"{before}rim {where} the teeth"
+        checks.append(Check(f"{prefix}rim", words, rim / module, "at least", LEAST_RIM, "modules", advice))
     return tuple(checks)
 
 
@@ -52,16 +55,21 @@ LEAST_PLANET_GAP = 0.5
 def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
     """Contact, clearance and interference of two gears. name: what the checks call the pair."""
     clear = min(pair.clearances) / pair.module
-    before = f"{name}: " if name else ""
+    before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
     teeth = "give more teeth, less shift or no undercut"
     meeting = f"at {', '.join(pair.interferences)}: cut the tips"
     return (
-        Check(f"{before}contact ratio", pair.contact_ratio, "at least", LEAST_CONTACT_RATIO, "", teeth),
         Check(
-            f"{before}clearance of tips from roots", clear, "at least", LEAST_CLEARANCE, "modules",
-            "give a smaller addendum",
+            f"{prefix}contact_ratio", f"{before}contact ratio", pair.contact_ratio,
+            "at least", LEAST_CONTACT_RATIO, "", teeth,
         ),
-        Check(f"{before}interferences", len(pair.interferences), "at most", 0, "", meeting),
+        Check(
+            f"{prefix}tip_clearance", f"{before}clearance of tips from roots", clear,
+            "at least", LEAST_CLEARANCE, "modules", "give a smaller addendum",
+        ),
+        Check(
+            f"{prefix}interferences", f"{before}interferences", len(pair.interferences), "at most", 0, "", meeting
+        ),
     )  # fmt: skip
 
 
@@ -69,7 +77,8 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
     """Both meshes of a planetary set, and the room between its planets where there are several."""
     room = gears.planet_gap / gears.sun.module
-    beside = Check("room between planets", room, "at least", LEAST_PLANET_GAP, "modules", "give fewer planets")
+    fewer, least = "give fewer planets", LEAST_PLANET_GAP
+    beside = Check("planet_gap", "room between planets", room, "at least", least, "modules", fewer)
     return (
         *mesh_checks(gears.inner, "sun"),
         *mesh_checks(gears.outer, "ring"),
@@ -92,8 +101,10 @@ def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer:
     thinner = "give a smaller mate.addendum or mate.backlash"
     teeth = f"give longer teeth, or more of them{longer}"
     return (
-        Check("contact ratio", ratio, "at least", LEAST_CONJUGATE_CONTACT_RATIO, "", teeth),
-        Check("mate's tip thickness", thickness, "at least", LEAST_TIP_THICKNESS, "modules", thinner),
+        Check("contact_ratio", "contact ratio", ratio, "at least", LEAST_CONJUGATE_CONTACT_RATIO, "", teeth),
+        Check(
+            "mate_tip_thickness", "mate's tip thickness", thickness, "at least", LEAST_TIP_THICKNESS, "modules", thinner
+        ),
     )
 
 
@@ -102,4 +113,4 @@ def touch_check(mate: Conjugate, module: Positive) -> Check:
     """Whether all of the gear's flank touches the mate."""
     lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
     advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
-    return Check("flank that cannot touch", lost / module, "at most", 0, "modules", advice)
+    return Check("untouched_flank", "flank that cannot touch", lost / module, "at most", 0, "modules", advice)

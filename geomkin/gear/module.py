@@ -30,7 +30,7 @@ def settle_module(gear: Any) -> None:
     """Set the module of a gear that has a diametral pitch. Raises DesignError if it has neither, or both disagree."""
     if gear.diametral_pitch is None:
         if gear.module is None:
-            raise DesignError("module", "found neither module nor diametral_pitch", "give one of them")
+            raise DesignError("module", "found neither module nor diametral_pitch", "give one of them", "missing-key")
         return
     module = INCH / gear.diametral_pitch
     if gear.module is not None and abs(gear.module - module) > 1e-9 * module:
@@ -38,6 +38,7 @@ def settle_module(gear: Any) -> None:
             "module",
             f"found {gear.module:g} mm, but a diametral_pitch of {gear.diametral_pitch:g} makes it {module:.6g} mm",
             "give one of them",
+            "conflict",
         )
     object.__setattr__(gear, "module", module)
     if not SMALLEST <= module <= LARGEST:
@@ -45,4 +46,5 @@ def settle_module(gear: Any) -> None:
             "diametral_pitch",
             f"found {gear.diametral_pitch:g}, which makes a module of {module:.6g} mm",
             f"give {INCH / LARGEST:g} to 1e5",
+            "out-of-range",
         )

@@ -13,7 +13,8 @@ from ..core.arguments import checked
 from ..core.records import record
 from ..making.motors import apart, on_motor
 from ..model.part import Part
-from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
+from ..model.roles import Role
+from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.primitives import Arc, Circle, Segment
@@ -153,7 +154,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
         curves.append(SceneCurve(Segment(first, last), "contact", "where the tool cuts a left-hand flank"))
         marks += contact_marks(first + line * gear.base_pitch * frames.all_since)
         columns += _cut(gear, start + gear.base_pitch * frames.since)
-        plots += [Plot(column.meaning, (column.header,)) for column in columns[1:]]
+        plots += [Plot(column.meaning, (column.id,)) for column in columns[1:]]
     return meshing_scene(
         Table(tuple(columns)), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, tuple(plots)
     )

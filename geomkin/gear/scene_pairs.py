@@ -83,8 +83,8 @@ def conjugate_scene(
         )
     )
     plots = (
-        Plot("pressure angle", ("pressure_angle_deg",)),
-        Plot("sliding", ("sliding_mm_per_rad",)),
+        Plot("pressure angle", ("pressure_angle",)),
+        Plot("sliding", ("sliding",)),
         Plot("contacts of right-hand flanks", ("contacts",)),
     )
     always = np.ones(turn.shape, bool)
@@ -253,7 +253,7 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     plots = (
         Plot("specific sliding", (f"{name}_sliding", f"{other}_sliding")),
         Plot("pairs of flanks in contact", ("pairs",)),
-        Plot("place of contact on the line of action", ("along_mm",)),
+        Plot("place of contact on the line of action", ("along",)),
     )
     columns = (*_turns(pair, roll), *_contact(pair, frames))
     return meshing_scene(Table(columns), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, plots)
@@ -328,8 +328,8 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     marks += [
         SceneMark("pin", np.asarray(pose.origin), "construction", f"axis of {n}") for n, pose in zip(names, planets)
     ]
-    headers = [column.header for column in table.columns if column.name in ("carrier_angle", "planet_angle")]
-    plots = (Plot("angles", tuple(headers)),) if headers else ()
+    angles = tuple(id for id in ("carrier_angle", "planet_angle") if id in table.ids)
+    plots = (Plot("angles", angles),) if angles else ()
     time = np.asarray(table["time"], dtype=float)
     # Of a speed that changes no time is known: then it is shown in two seconds.
     time = time if np.isfinite(time).all() else np.linspace(0, 2, len(time))

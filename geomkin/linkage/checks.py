@@ -7,15 +7,13 @@ import numpy as np
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..model.check import Check
-from .measures import assembly_failure, least_transmission_angle
+from .measures import assembly_failure
 from .motion import Motion
 
 # deg. Below it the coupler pushes the rocker into its pivot more than round it, and play and friction grow quickly
 # (Norton, Design of Machinery, on the transmission angle: above about 40 deg; the angle itself: Alt, Der
 # Übertragungswinkel, Werkstattstechnik 26, 1932).
 LEAST_TRANSMISSION_ANGLE_DEG = 40
-# The name of its check.
-TRANSMISSION = "least transmission angle"
 # deg, the same of polygons, which only have to be drawn. At less, their vectors run off the plate; derived here, of
 # polygons drawn at many positions.
 LEAST_ANGLE_OF_POLYGONS_DEG = 5
@@ -31,7 +29,25 @@ LARGEST_DRAWN = 5.0
 
 def reached(motion: Motion, what: str, advice: str = "") -> Check:
     """Share of the frames that a motion reaches. what: whose way they are, such as "crank's turn"."""
-    return Check(f"share of the {what} reached", 100 * float(motion.assembled.mean()), "at least", 100, "%", advice)
+    share, at = 100 * float(motion.assembled.mean()), None
+    if not motion.assembled.all():
+        at = driver_at(motion, int(np.argmin(motion.assembled)))
+    return Check("share_reached", f"share of the {what} reached", share, "at least", 100, "%", advice, at=at)
+
+
+def driver_at(motion: Motion, frame: int) -> float:
+    """The driver at a frame as tables state it: deg, or mm if it slides."""
+    drive = float(motion.drive[frame])
+    return drive if motion.linkage.driven_slider else float(np.degrees(drive))
+
+
+def transmission_check(motion: Motion, advice: str = "") -> Check:
+    """The least transmission angle over the frames, deg."""
+    angle = np.degrees(np.where(motion.assembled, motion.transmission_angle, np.nan))
+    known = bool(np.isfinite(angle).any())
+    least, at = (float(np.nanmin(angle)), driver_at(motion, int(np.nanargmin(angle)))) if known else (np.nan, None)
+    name, column, limit = "least transmission angle", "transmission_angle", LEAST_TRANSMISSION_ANGLE_DEG
+    return Check("transmission_angle", name, least, "at least", limit, "deg", advice, column, at)
 
 
 @checked
@@ -47,21 +63,19 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, assembly_failure(motion)
     advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
-    least = float(np.degrees(least_transmission_angle(motion)))
-    if motion.assembled.any() and np.isnan(least):
-        return (share,)
-    along = "a driving link pushes the driven one along itself"
-    return share, Check(TRANSMISSION, least, "at least", LEAST_TRANSMISSION_ANGLE_DEG, "deg", along)
+    transmission = transmission_check(motion, "near a dead centre: change the link lengths")
+    return (share,) if motion.assembled.any() and np.isnan(transmission.value) else (share, transmission)
 
 
 @checked
 def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
     """Whether pin holes, mm, can be cut in a sheet of a thickness, mm: what cutting services ask for."""
     advice = "smaller holes burn or break out when cut"
-    return Check("pin hole to thickness", hole_diameter / thickness, "at least", LEAST_HOLE_TO_THICKNESS, "", advice)
+    ratio, least = hole_diameter / thickness, LEAST_HOLE_TO_THICKNESS
+    return Check("pin_hole", "pin hole to thickness", ratio, "at least", least, "", advice)
 
 
 @checked
 def collision_check(collisions: int, advice: str = "") -> Check:
     """Whether plates and pins pass each other. collisions: how many do not, `len(stack.collisions)`. Derived here."""
-    return Check("plates and pins that collide", collisions, "at most", 0, "", advice)
+    return Check("collisions", "plates and pins that collide", collisions, "at most", 0, "", advice)

@@ -96,7 +96,7 @@ def circuits(linkage: FourBar | SliderCrank, motion: Motion) -> Whole:
     and branches of single-degree-of-freedom planar linkages, Journal of Mechanical Design 115, 1993).
     """
     if not _is_of(motion, linkage):
-        raise DesignError("motion", "it is of another linkage", "give the motion of this one")
+        raise DesignError("motion", "it is of another linkage", "give the motion of this one", "conflict")
     if isinstance(linkage, FourBar):
         inequality = grashof(linkage)
         # Each joint by the two links that meet there, the first one's x axis and the second's.
@@ -153,7 +153,7 @@ def driver_limits(
             return ()
     first, (low, high) = span[0], sorted(span)
     if not high > low:
-        raise DesignError("span", f"found {span}", "give two different ends")
+        raise DesignError("span", f"found {span}", "give two different ends", "conflict")
 
     def closed(q: Real) -> Mask:
         # From the start on, where a branch that is followed, or near given pins, is told, and where an estimate holds.
@@ -403,7 +403,7 @@ def never_closed(motion: Motion) -> DesignError:
     elif not np.isnan(found.lacking) and (parts := _reached(motion, found)):
         driver = motion.linkage.driver
         remedy = f"drive the {printable(driver)} between {' or '.join(parts)}, where it closes"
-    return DesignError("drive", f"the linkage closes at no frame; {found.text}", remedy)
+    return DesignError("drive", f"the linkage closes at no frame; {found.text}", remedy, "does-not-assemble")
 
 
 def _open(one: Placement, solution: LinkageSolution, frame: int) -> bool:

@@ -371,7 +371,9 @@ def move(
     q = np.asarray(drive, dtype=float)
     q = q if q.ndim else q[None]
     if q.ndim != 1:
-        raise DesignError("drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm")
+        raise DesignError(
+            "drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm", "wrong-type"
+        )
     timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
     asked = chosen(branch)
     return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, asked), q, asked, timing))
@@ -383,7 +385,7 @@ def _time(name: str, told: Reals, drive: Real, linkage: Linkage) -> Real:
     if not values.ndim:
         return values
     if values.shape != drive.shape:
-        raise DesignError(name, f"found shape {values.shape}", f"give a number or {drive.shape} of them")
+        raise DesignError(name, f"found shape {values.shape}", f"give a number or {drive.shape} of them", "conflict")
     return values.reshape(-1, *(1,) * len(linkage.shape))
 
 

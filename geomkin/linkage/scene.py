@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
-from ..model.table import Column, Table
+from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
 from .motion import Motion
@@ -35,7 +36,7 @@ def linkage_scene(
     table: Table,
     parts: Sequence[Part] = (),
     layers: Mapping[str, int] | None = None,
-    limits: Mapping[str, Limit] | None = None,
+    plots: Sequence[Plot] | None = None,
     others: Mapping[str, Scene] | None = None,
     rates: bool = True,
 ) -> Scene:
@@ -43,8 +44,8 @@ def linkage_scene(
 
     table: `motion_table(motion)`, or another of its frames, for the plots. parts: as `link_parts` gives them, each
     placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
-    names. limits: lines across the plots, by the names of the columns that they are for. others: scenes of the same
-    linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations, instant
+    names. plots: of the table's columns; `motion_plots` unless given; columns of nan are left out. others: scenes of
+    the same linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations, instant
     centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays of
     linkages. Derived here.
     """
@@ -68,7 +69,7 @@ def linkage_scene(
         bodies,
         tuple(link_dimensions(motion.linkage)) if rates else (),
         marks,
-        tuple(_plots(table, limits or {})),
+        motion_plots(motion, table) if plots is None else _plottable(plots, table),
         turns and around != 0,
         dict(others or {}),
     )
@@ -163,44 +164,69 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
             yield SceneMark("point", place, "centre", f"instant centre of {' and '.join(pair)}")
 
 
-def _plots(table: Table, limits: Mapping[str, Limit]) -> Iterator[Plot]:
-    """Columns that belong together, by the ends of their names; the most telling first."""
-    named = {column.header: column for column in table.columns[1:] if column.name != "time"}
+def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> tuple[Plot, ...]:
+    """Plots of the columns of `motion_table(motion)`, and of those of another mode, `other_...`; the clearest first."""
+    linkage, limits = motion.linkage, tuple(limits)
+    bodies, slides = list(motion.bodies), [slider.name for slider in linkage.sliders]
+    points = [
+        point
+        for body, places in linkage.bodies.items()
+        for point in places
+        if body != linkage.ground and point not in linkage.pins
+    ]
+    modes = ("", "other_")
+    named = [f"{mode}{point}" for mode in modes for point in points]
 
-    def of(title: str, *ends: str, without: str = "") -> Iterator[Plot]:
-        found = {h: c.name for h, c in named.items() if c.name.endswith(ends) and c.name != without}
-        found = {h: name for h, name in found.items() if np.isfinite(table[h]).any()}
-        if found:
-            yield Plot(title, tuple(found), tuple(limits[name] for name in found.values() if name in limits))
+    def of(title: str, *ids: str) -> Plot:
+        return Plot(title, tuple(f"{mode}{id}" for mode in modes for id in ids))
 
-    points = [c.name[:-2] for c in named.values() if c.name.endswith("_x") and not _is_rate(c)]
-    for point in points:
-        yield from of(f"{point.replace('_', ' ')}, place", f"{point}_x", f"{point}_y")
-    yield from of("angles", "_angle", without="transmission_angle")
-    yield from of("transmission angle", "transmission_angle")
-    yield from of("angular velocities", "_omega")
-    yield from of("angular accelerations", "_alpha")
-    yield from of("sliding, place", "_displacement")
-    yield from of("sliding, velocity", "_velocity")
-    yield from of("sliding, acceleration", "_acceleration")
-    yield from of("Coriolis acceleration", "_coriolis_x", "_coriolis_y")
-    for point in points:
-        yield from of(f"{point.replace('_', ' ')}, velocity", f"{point}_velocity_x", f"{point}_velocity_y")
-        yield from of(f"{point.replace('_', ' ')}, acceleration", f"{point}_acceleration_x", f"{point}_acceleration_y")
+    def ending(title: str, names: Iterable[str], *ends: str) -> Plot:
+        return of(title, *(f"{name}{end}" for name in names for end in ends))
+
+    units = {column.id: column.unit for column in table.columns}
+    advantages: dict[str, list[str]] = {}
+    for id in (f"{mode}{body}_mechanical_advantage" for mode in modes for body in linkage.bodies):
+        if id in units:
+            advantages.setdefault(units[id], []).append(id)
+    plots = [
+        *(place_plot(point) for point in named),
+        ending("angles", bodies, "_angle"),
+        of("transmission angle", "transmission_angle"),
+        ending("angular velocities", bodies, "_omega"),
+        ending("angular accelerations", bodies, "_alpha"),
+        ending("sliding, place", slides, "_displacement"),
+        ending("sliding, velocity", slides, "_velocity"),
+        ending("sliding, acceleration", slides, "_acceleration"),
+        ending("Coriolis acceleration", slides, "_coriolis_x", "_coriolis_y"),
+    ]
+    for point in named:
+        plots += [place_plot(point, "velocity"), place_plot(point, "acceleration")]
     # Ratios and forces for a torque are not of one scale.
-    for unit in dict.fromkeys(c.unit for c in named.values() if c.name.endswith("_mechanical_advantage")):
-        names = tuple(c.name for c in named.values() if c.name.endswith("_mechanical_advantage") and c.unit == unit)
-        yield from of(f"mechanical advantage{f' in {unit}' * bool(unit)}", *names)
+    for unit, ids in advantages.items():
+        plots.append(Plot(f"mechanical advantage{f' in {unit}' * bool(unit)}", tuple(ids)))
     for order in ("first", "second"):
-        yield from of(f"{order} kinematic coefficients of angles", f"_angle_{order}_coefficient")
-        yield from of(f"{order} kinematic coefficient of sliding", f"_displacement_{order}_coefficient")
-        for point in points:
-            names = (f"{point}_{order}_coefficient_x", f"{point}_{order}_coefficient_y")
-            yield from of(f"{point.replace('_', ' ')}, {order} kinematic coefficient", *names)
+        plots.append(ending(f"{order} kinematic coefficients of angles", bodies, f"_angle_{order}_coefficient"))
+        plots.append(ending(f"{order} kinematic coefficient of sliding", slides, f"_displacement_{order}_coefficient"))
+        for point in named:
+            xy = tuple(f"{point}_{order}_coefficient_{axis}" for axis in "xy")
+            plots.append(Plot(f"{point.replace('_', ' ')}, {order} kinematic coefficient", xy))
+    return _plottable([plot.with_limits(limits) for plot in plots], table)
 
 
-def _is_rate(column: Column) -> bool:
-    return column.name.endswith(("_velocity_x", "_acceleration_x", "_coriolis_x", "_coefficient_x"))
+def place_plot(point: str, rate: str = "") -> Plot:
+    """Of a point's x and y, or of its velocity or acceleration."""
+    id = f"{point}_{rate}" if rate else point
+    return Plot(f"{point.replace('_', ' ')}, {rate or 'place'}", (f"{id}_x", f"{id}_y"))
+
+
+def _plottable(plots: Iterable[Plot], table: Table) -> tuple[Plot, ...]:
+    """The plots with those of their columns that the table has and that are not all nan; the driver is no column."""
+
+    def is_known(id: str) -> bool:
+        return id in table.ids[1:] and bool(np.isfinite(table[id]).any())
+
+    kept = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
+    return tuple(plot.with_limits(plot.limits) for plot in kept if plot.columns)
 
 
 def _finite(values: Complex) -> Complex:

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from ..core.arguments import checked
-from ..model.scene import Plot, Role, Scene, SceneCurve, SceneMark
+from ..model.roles import Role
+from ..model.scene import Plot, Scene, SceneCurve, SceneMark
 from ..model.table import Table
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real
@@ -17,7 +18,7 @@ from .instant.curvature import path_curvature
 from .instant.inflection import bobillier, inflection_circle
 from .instant.polygons import polygon_parts, round_scale
 from .motion import Motion
-from .scene import FARTHEST_CENTRE, LONGEST_ARROW, drawn_at, linkage_scene
+from .scene import FARTHEST_CENTRE, LONGEST_ARROW, drawn_at, linkage_scene, place_plot
 
 # Times as far as centres, which are left out beyond, that an inflection circle may reach: a larger one is a line.
 LARGEST_CIRCLE = 100.0
@@ -55,14 +56,13 @@ def inflection_scene(motion: Motion, table: Table, body: str, point: complex) ->
         SceneMark("point", bent, "wanted", "centre of curvature of the path"),
         SceneMark("line", bent, "wanted", "radius of curvature", vector=path.position - bent),
     )
-    told = {column.name: column.header for column in table.columns}
     shown = {
         "curvature of the path": ("path_curvature",),
         "diameter of the inflection circle": ("inflection_diameter",),
         "centre of curvature, place": ("centre_of_curvature_x", "centre_of_curvature_y"),
         "instant centre, place": ("instant_centre_x", "instant_centre_y"),
     }
-    plots = tuple(Plot(title, tuple(told[name] for name in names)) for title, names in shown.items())
+    plots = tuple(Plot(title, ids) for title, ids in shown.items())
     scene = linkage_scene(motion, _lengths_where(table, lambda length: np.abs(length) < reach))
     return replace(scene, marks=(*scene.marks, *marks, *_bobillier(motion, body, near)), plots=plots)
 
@@ -115,7 +115,8 @@ def centrodes_scene(
     """
     curves = [SceneCurve(curve, "centrode", "fixed centrode") for curve in fixed]
     curves += [SceneCurve(curve, "centrode", "moving centrode", body) for curve in moving]
-    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.isfinite(centre)))
+    plots = [place_plot("fixed_centrode"), place_plot("moving_centrode")]
+    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.isfinite(centre)), plots=plots)
     touch = SceneMark("point", centre, "centrode", "instant centre")
     return replace(scene, curves=(*scene.curves, *curves), marks=(*scene.marks, touch))
 

@@ -14,22 +14,58 @@ from ..core.reprs import clipped
 class Check:
     """One quality of a design against its limit.
 
-    A failed check is advice, not an error: the design exists, and its files are still made. expected: the reason that
-    a recipe gives for a failure that is meant; "" if there is none.
+    A failed check is advice, not an error: the design exists, and its files are still made.
+
+    Parameters
+    ----------
+    id : str
+        In snake case, such as `transmission_angle`; a recipe's checks have different ones.
+    name : str
+        For people; it may change, the id does not.
+    value, limit : float
+    side : {"at least", "at most"}
+        Of the limit that the value should keep to.
+    unit, advice : str
+    column : str
+        Id of the table's column that is judged; "" if none is.
+    at : float, optional
+        Where the driver is when the check comes out worst, as the first column of the scene's table states it: deg, or
+        mm if it slides. None if unknown.
+    expected : str
+        The reason that the recipe gives for a failure that is meant; "" if there is none.
     """
 
+    id: str
     name: str
     value: Found
     side: Literal["at least", "at most"]
     limit: Found
     unit: str = ""
     advice: str = ""
+    column: str = ""
+    at: Found | None = None
     expected: str = ""
 
     @property
     def passed(self) -> bool:
         """False also for nan: what could not be measured has not passed."""
         return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
+
+    def to_dict(self) -> dict[str, object]:
+        """As JSON files state it."""
+        known: dict[str, object] = {"column": self.column} if self.column else {}
+        known |= {"at": float(f"{self.at:.10g}")} if self.at is not None else {}
+        known |= {"expected": self.expected} if self.expected and not self.passed else {}
+        return {
+            "id": self.id,
+            "name": self.name,
+            "value": float(f"{self.value:.{self.digits(10)}g}"),
+            "side": self.side,
+            "limit": self.limit,
+            "unit": self.unit,
+            "passed": bool(self.passed),
+            **known,
+        }
 
     def digits(self, least: int) -> int:
         """Significant digits, `least` or more, with which the value of a failed check and its limit differ."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from collections.abc import Iterable
+from dataclasses import field, replace
 from typing import Literal
 
 import numpy as np
@@ -13,25 +14,8 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
 from ..plane.vec import Array, Complex, Mask, Real, as_unit
 from .part import Part
+from .roles import Role
 from .table import Column, Table
-
-# What a curve or a mark is, which says how it is drawn and by which switch it is shown or hidden.
-Role = Literal[
-    "traced",  # what a point draws, or a part is wanted for: the one accent
-    "wanted",  # what was asked for: the second accent
-    "dimension",  # straight curves from one end of a length to the other, their label its size
-    "construction",  # thin lines that explain: pitch circles, centre lines, image poles
-    "driven",  # where the driven pin of a guided body may not be
-    "driving",  # where its driving pin may not be
-    "pitch",  # pitch curve of a cam, pitch circles of gears
-    "contact",  # where bodies touch, and the path on which they do
-    "centrode",
-    "inflection",
-    "bobillier",  # Bobillier's construction
-    "centre",  # instant centres
-    "velocity",
-    "acceleration",
-]
 
 
 @record(checked=True, eq=False)
@@ -102,19 +86,25 @@ class SceneMark:
 
 @record
 class Limit:
-    """A line across a plot: the limit of a check."""
+    """A line across the plot of a column, such as the limit of a check. column: its id."""
 
+    column: str
     value: float
     label: str
 
 
 @record
 class Plot:
-    """Columns of the scene's table that are drawn in one plot, by their headers; all of one unit."""
+    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit."""
 
     title: str
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
+
+    def with_limits(self, limits: Iterable[Limit]) -> Plot:
+        """The same with those of these lines that belong to its columns, column by column."""
+        limits = tuple(limits)
+        return replace(self, limits=tuple(line for id in self.columns for line in limits if line.column == id))
 
 
 @record(checked=True, eq=False)
@@ -133,10 +123,10 @@ class Choice:
 
 
 def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
-    known = table.to_columns()
     for plot in plots:
-        if lacking := [name for name in plot.columns if name not in known]:
-            raise DesignError("plots", f"{plot.title} names {lacking[0]}, which is no column", "give a header")
+        for id in (*plot.columns, *(limit.column for limit in plot.limits)):
+            if id not in table.ids:
+                raise DesignError("plots", f"{plot.title} names {id}, which is no column", "give an id", "unknown-key")
 
 
 @record(checked=True, eq=False)

@@ -34,7 +34,9 @@ class Column:
 
     Parameters
     ----------
-    name, unit, meaning : str
+    id : str
+        In snake case, such as `rocker_omega`; checks, plots and limits refer to it.
+    unit, meaning : str
     values : array, shape (frames,)
         Numbers or text; nan if there is none.
     scale : float or array, shape (frames,)
@@ -42,7 +44,7 @@ class Column:
         writes a value that is rounding noise beside it as 0.
     """
 
-    name: str
+    id: str
     unit: str
     meaning: str
     values: Frames
@@ -60,16 +62,16 @@ class Column:
 
     @property
     def header(self) -> str:
-        """Name with its unit, `omega_rad_per_s`, so that a file explains itself."""
+        """Id with its unit, such as `omega_rad_per_s`: what files name the column."""
         unit = self.unit.replace("/", "_per_")
-        return f"{self.name}_{unit}" if unit else self.name
+        return f"{self.id}_{unit}" if unit else self.id
 
 
 @record(checked=True, eq=False)
 class Table:
     """Columns of equal length; the first one rises.
 
-    `table["rocker_omega"]` gives the values of a column, by its name or its header; `table.to_columns()` gives all,
+    `table["rocker_omega"]` gives the values of a column, by its id or its header; `table.to_columns()` gives all,
     as data frames take them.
     """
 
@@ -78,22 +80,30 @@ class Table:
     def __post_init__(self) -> None:
         lengths = {len(c.values) for c in self.columns}
         if len(lengths) != 1:
-            raise DesignError("columns", f"found lengths {sorted(lengths)}", "give columns of one length")
-        headers = [c.header for c in self.columns]
-        twin = next((h for h in headers if headers.count(h) > 1), None)
-        if twin is not None:
-            raise DesignError(
-                "columns", f"two columns would be named {shown(twin)}", "give one body or point another name"
-            )
+            raise DesignError("columns", f"found lengths {sorted(lengths)}", "give columns of one length", "conflict")
+        for names in (self.ids, tuple(column.header for column in self.columns)):
+            twin = next((name for name in names if names.count(name) > 1), None)
+            if twin is not None:
+                problem = f"two columns would be named {shown(twin)}"
+                raise DesignError("columns", problem, "give one body or point another name", "conflict")
 
-    def __getitem__(self, name: str) -> Array:
-        """Values (frames,) of the column of this name or header, in the unit that its header tells."""
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Of the columns, in order."""
+        return tuple(column.id for column in self.columns)
+
+    def column(self, id: str) -> Column:
+        """The column of this id or header; DesignError with the nearest if there is none."""
         for column in self.columns:
-            if name in (column.name, column.header):
-                return column.values
-        near = get_close_matches(str(name), [column.name for column in self.columns], 3, 0.4)
-        remedy = f"give {' or '.join(near)}" if near else "give a name that `to_columns` tells"
-        raise DesignError("name", f"found {shown(name)}, which names no column", remedy)
+            if id in (column.id, column.header):
+                return column
+        near = get_close_matches(str(id), self.ids, 3, 0.4)
+        remedy = f"give {' or '.join(near)}" if near else "give one of `Table.ids`"
+        raise DesignError("id", f"found {shown(id)}, which is the id of no column", remedy, "unknown-key")
+
+    def __getitem__(self, id: str) -> Array:
+        """Values (frames,) of the column of this id or header, in the unit that its header states."""
+        return self.column(id).values
 
     def to_columns(self) -> dict[str, Array]:
         """Header, such as `rocker_omega_rad_per_s`, to values (frames,), in order: what any data frame is made from."""
@@ -135,13 +145,13 @@ def _exponent(values: Array | float) -> Array:
     return exponent
 
 
-def xy_columns(name: str, unit: str, meaning: str, values: Complex) -> tuple[Column, Column]:
+def xy_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Column, Column]:
     """A complex quantity as its x and y columns, each beside the length of the vector at its frame."""
     values = np.asarray(values)
     size = np.abs(values)
     return (
-        Column(f"{name}_x", unit, f"{meaning}, x", values.real, size),
-        Column(f"{name}_y", unit, f"{meaning}, y", values.imag, size),
+        Column(f"{id}_x", unit, f"{meaning}, x", values.real, size),
+        Column(f"{id}_y", unit, f"{meaning}, y", values.imag, size),
     )
 
 

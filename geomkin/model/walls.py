@@ -126,5 +126,6 @@ def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] |
         limit, wall = least_wall(part.thickness, kerf), walls[part.name]
         if wall < np.inf:
             advice = "make openings smaller, move them apart or from the edge, or cut a thinner sheet"
-            checks.append(Check(f"thinnest wall of the {part.name}", wall, "at least", limit, "mm", advice))
+            name = f"thinnest wall of the {part.name}"
+            checks.append(Check(f"wall_{part.name}", name, wall, "at least", limit, "mm", advice))
     return tuple(checks)

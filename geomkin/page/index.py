@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import quote
 
-from ..core.errors import FileError, printable
+from ..core.errors import FileError
 from ..core.names import file_name_flaw, folded
 from ..export.formats import tail_of
 from ..export.summary import files_told, told
@@ -40,7 +40,7 @@ def index(folder: Path) -> dict[str, bytes]:
             room -= len(picture)
             cards.append(_card(own, summary, picture))
     if not cards:
-        raise FileError(f"{printable(folder)}: no recipe was made into it; make some first")
+        raise FileError(folder, "no recipe was made into it", "make some first", "file-unreadable")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
     place = folder.resolve().name or "this folder"
     style = tight_style(f"{colours()}{web_file('index.css')}")
@@ -67,9 +67,8 @@ def _refuse_foreign(path: Path) -> None:
     except OSError:
         ours = False
     if not ours:
-        raise FileError(
-            f"{printable(path)}: it is not one of ours, and is left as it is; move it or choose another folder"
-        )
+        problem = "it is not one of ours, and is left as it is"
+        raise FileError(path, problem, "move it or choose another folder", "file-unwritable")
 
 
 def _folders(folder: Path) -> list[Path]:
@@ -77,7 +76,8 @@ def _folders(folder: Path) -> list[Path]:
     try:
         found = [own for own, _ in zip(folder.iterdir(), range(MOST_FOLDERS)) if own.is_dir()]
     except OSError as error:
-        raise FileError(f"{printable(folder)}: cannot be read ({error.strerror}); give a folder") from error
+        problem = f"cannot be read ({error.strerror})"
+        raise FileError(folder, problem, "give a folder", "file-unreadable") from error
     return sorted((own for own in found if not file_name_flaw(own.name)), key=lambda own: (folded(own.name), own.name))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..export.still import SCREEN, kept_frames
 from ..export.svg_path import path
+from ..model.roles import ROLES, Role
 from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, SceneRegion, shown_columns
 from ..model.table import Column, significant
 from ..plane.curve import AbstractCurve
@@ -37,6 +38,7 @@ def island(scene: Scene, name: str) -> str:
         "frames": len(told.frames),
         "time": told._row(floats(significant(scene.time)[told.frames])),
         "scenes": scenes,
+        "roles": _roles(scene),
         **told.plotted(shown_columns(scene), scene.plots),
         "paths": told.paths,
         "series": told.series,
@@ -55,6 +57,15 @@ def island(scene: Scene, name: str) -> str:
     return text.replace("<", "\\u003c")
 
 
+def _roles(scene: Scene) -> list[dict[str, object]]:
+    """The roles that a scene and those beside it use, in the order of their switches."""
+    used: set[Role] = set()
+    for one in (scene, *scene.others.values()):
+        used |= {curve.role for curve in one.curves} | {mark.role for mark in one.marks}
+        used |= {region.role for region in one.regions}
+    return [{"id": role, **style._asdict()} for role, style in ROLES.items() if role in used]
+
+
 class _Island:
     """What the scenes of a page share: frames, decimals, and every row of numbers and every path once."""
 
@@ -68,11 +79,11 @@ class _Island:
 
     def plotted(self, columns: Sequence[Column], plots: Sequence[Plot]) -> dict[str, object]:
         """Columns of numbers, and the plots that show them."""
-        headers = [column.header for column in columns]
+        ids = [column.id for column in columns]
         return {
             "columns": [
                 {
-                    "name": harmless(column.name),
+                    "name": harmless(column.id),
                     "unit": harmless(column.unit),
                     "meaning": harmless(column.meaning),
                     "row": self._row(floats(column.written[self.frames].astype(float))),
@@ -82,7 +93,7 @@ class _Island:
             "plots": [
                 {
                     "title": harmless(plot.title),
-                    "columns": [headers.index(header) for header in plot.columns if header in headers],
+                    "columns": [ids.index(id) for id in plot.columns if id in ids],
                 }
                 | ({"limits": [[float(one.value), harmless(one.label)] for one in plot.limits]} if plot.limits else {})
                 for plot in plots

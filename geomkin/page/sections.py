@@ -14,14 +14,12 @@ from ..export.svg_path import bounding_box, thumbnail
 from ..export.text import DIGITS, _unit, capital, number, text, with_unit
 from ..model.check import Check
 from ..model.part import Part
-from ..model.scene import Scene, shown_columns
+from ..model.scene import Scene
 from ..plane.curve import extent
 from ..plane.measure import area, length
 
 # Distance between a part and the chords that its size is read off, as a share of that size: four digits are told.
 FOUR_DIGITS = 5e-5
-# How far a check's value may be from the extreme of a column that is told to be it: checks may look between frames.
-SAME = 0.02
 # Significant digits of the measured sizes of gears: the last ones show how a tooth was cut.
 MEASURED_DIGITS = 6
 # Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
@@ -72,25 +70,11 @@ def _check(check: Check, scene: Scene) -> str:
 
 
 def worst_frame(check: Check, scene: Scene) -> int | None:
-    """Where, of a page's frames, a check comes out worst: where the column that it is of has the value that it judges.
-
-    A share that is reached is worst where the mechanism first cannot be. None where no column tells it.
-    """
-    kept = kept_frames(len(scene.time))
-    closed = np.asarray(scene.assembled)[kept]
-    if check.unit == "%" and check.name.endswith("reached"):
-        return None if closed.all() else int(np.argmin(closed))
-    words = set(check.name.replace("'", " ").split())
-    for column in shown_columns(scene):
-        if column.unit != check.unit or not set(column.name.split("_")) <= words:
-            continue
-        values = np.asarray(column.values, dtype=float)[kept]
-        if not np.isfinite(values).any():
-            continue
-        frame = int(np.nanargmin(values) if check.side == "at least" else np.nanargmax(np.abs(values)))
-        if abs(abs(values[frame]) - abs(check.value)) <= SAME * max(abs(check.value), abs(float(np.nanmax(values)))):
-            return frame
-    return None
+    """The page's frame at which the driver is nearest to where a check comes out worst; None if that is unknown."""
+    if check.at is None:
+        return None
+    drive = np.asarray(scene.drive.values, dtype=float)[kept_frames(len(scene.time))]
+    return int(np.argmin(np.abs(drive - check.at)))
 
 
 def choice(scene: Scene) -> str:

@@ -32,7 +32,7 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     the tolerance is above 0.
     """
     if not 0 < tolerance < np.inf:
-        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
+        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
     vertices, bulges = _chain(curve, tolerance, {})
     return Polyline(vertices[:-1] if curve.closed else vertices, bulges, curve.closed)
 

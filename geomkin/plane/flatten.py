@@ -47,7 +47,7 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     tolerance, mm, is above 0. Derived here.
     """
     if not 0 < tolerance < np.inf:
-        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
+        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
     return _points(curve, tolerance, {})
 
 
@@ -130,7 +130,9 @@ def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Rea
     if (total := float(np.sum(count))) > MOST_CHORDS:
         # The count goes with one over the root of the tolerance.
         remedy = f"give at least {rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)} mm"
-        raise DesignError("tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy)
+        raise DesignError(
+            "tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy, "too-much-work"
+        )
     return count - 1e-9
 
 

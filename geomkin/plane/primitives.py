@@ -80,7 +80,9 @@ class Circle(AbstractCurve):
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.centre) and 0 < self.radius < np.inf):
-            raise DesignError("radius", f"found {self.radius} about {self.centre}", "give a radius above 0")
+            raise DesignError(
+                "radius", f"found {self.radius} about {self.centre}", "give a radius above 0", "out-of-range"
+            )
 
     def point(self, t: ArrayLike) -> Complex:
         return self.centre + self.radius * np.exp(1j * np.asarray(t))
@@ -123,7 +125,9 @@ class Polyline(AbstractCurve):
             raise DesignError("vertices", "found fewer than two points", "give at least two")
         edges = len(self.vertices) - (not self.is_closed)
         if self.bulges is not None and np.shape(self.bulges) != (edges,):
-            raise DesignError("bulges", f"found shape {np.shape(self.bulges)}", f"give ({edges},), one for each edge")
+            raise DesignError(
+                "bulges", f"found shape {np.shape(self.bulges)}", f"give ({edges},), one for each edge", "conflict"
+            )
 
     @cached_property
     def _edges(self) -> tuple[Complex, Real]:

@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ..core.arguments import checked
-from ..core.errors import DesignError, FileError, Problem, RecipeError, printable, shown
+from ..core.errors import DesignError, FileError, Problem, ProblemId, RecipeError, printable, shown
 from ..core.fields import KindTable
 from ..core.scaling import scaled
 from .recipe import AbstractRecipe
@@ -51,11 +51,11 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
     """What a TOML text holds, as yet no recipe; `file` is what messages call it."""
     # The reader's time grows with the square of a key's parts.
     if DEEP_KEY.search(text):
-        raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep")
+        raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep", "invalid-toml")
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise _whole(file, "it nests too deep", "give tables at most three deep") from None
+        raise _whole(file, "it nests too deep", "give tables at most three deep", "invalid-toml") from None
     except ValueError as error:
         # Only what is wrong needs the words for it, here and below.
         from .messages import toml_mistake
@@ -63,7 +63,7 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         slipped = toml_mistake(text, str(error))
         if slipped:
             raise RecipeError(file, [slipped]) from None
-        raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
+        raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named", "invalid-toml") from None
 
 
 def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
@@ -72,11 +72,12 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     if not isinstance(name, str) or name not in kinds:
         from .messages import nearest
 
+        id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
         held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
         near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
-        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}")])
+        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)])
     kind = kinds[name]
     # A key of the text alone: what it makes of the lengths is the recipe.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
@@ -89,7 +90,7 @@ def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: st
     try:
         return scaled(recipe, data.get("scale", 1.0)) if kind.can_be_scaled else recipe
     except DesignError as error:
-        raise RecipeError(file, [Problem(error.field, error.problem, error.remedy)]) from None
+        raise RecipeError(file, [Problem(error.field, error.problem, error.remedy, error.id)]) from None
 
 
 def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
@@ -109,17 +110,22 @@ def _text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
-        raise FileError(f"{printable(path)}: cannot be read ({error.strerror}); give a recipe file") from error
+        problem = f"cannot be read ({error.strerror})"
+        raise FileError(path, problem, "give a recipe file", "file-unreadable") from error
     if len(content) > LARGEST:
-        raise _whole(str(path), f"it is larger than {LARGEST:,} bytes", "give a recipe, a short TOML file")
+        raise _whole(
+            str(path), f"it is larger than {LARGEST:,} bytes", "give a recipe, a short TOML file", "too-much-work"
+        )
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
-        raise _whole(str(path), f"byte {error.start} is not UTF-8", "save it as UTF-8 text") from None
+        raise _whole(
+            str(path), f"byte {error.start} is not UTF-8", "save it as UTF-8 text", "file-unreadable"
+        ) from None
 
 
-def _whole(file: str, problem: str, remedy: str) -> RecipeError:
-    return RecipeError(file, [Problem("", problem, remedy)])
+def _whole(file: str, problem: str, remedy: str, id: ProblemId) -> RecipeError:
+    return RecipeError(file, [Problem("", problem, remedy, id)])
 
 
 # Tables so deep stand in lines of their own, as `[linkage.bodies]`; deeper ones in one line each. More lines would

@@ -12,7 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
-from ..core.errors import TOLD, DesignError, Problem, printable, shown
+from ..core.errors import TOLD, DesignError, Problem, ProblemId, printable, shown
 from ..core.fields import allowed
 
 # Problems looked into: many more come of one slip or of a file that is no recipe, and each takes a while.
@@ -32,6 +32,12 @@ UNSUPPORTED = {
     "other units than mm and deg": "unit units inch inches",
 }
 
+# pydantic's types of errors -> kinds of refusal; all others are of a wrong type.
+ID_OF: dict[str, ProblemId] = {
+    "finite_number": "not-finite",
+    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), "out-of-range"),
+}
+
 
 @cache
 def hints_of(table: type) -> dict[str, Any]:
@@ -43,7 +49,8 @@ def explain(error: ValidationError, recipe: type) -> list[Problem]:
     """One problem for each finding, in the file's order of keys."""
     found = error.errors(include_url=False)
     return [_problem(e, recipe, k < TOLD) for k, e in enumerate(found[:EXPLAINED])] + [
-        Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "mend it") for e in found[EXPLAINED:]
+        Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "mend it", "wrong-type")
+        for e in found[EXPLAINED:]
     ]
 
 
@@ -85,7 +92,9 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
     found = f"found {shown(e['input'])}"
     match e["type"]:
         case "missing":
-            return Problem(key, "is missing", _table_wanted(hint, key) or f"give {_wanted(about) or 'it'}")
+            return Problem(
+                key, "is missing", _table_wanted(hint, key) or f"give {_wanted(about) or 'it'}", "missing-key"
+            )
         case "unexpected_keyword_argument":
             known = list(dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t)))
             remedy = f"known here: {', '.join(known)}"
@@ -96,32 +105,35 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
                     near = "it belongs above the first [table], beside kind; "
                 remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
                 if not homes and not near and (topic := _unsupported(e["loc"][-1])):
-                    return Problem(key, f"unknown key: recipes of this kind know nothing of {topic}", remedy)
-            return Problem(key, "unknown key", remedy)
+                    problem = f"unknown key: recipes of this kind know nothing of {topic}"
+                    return Problem(key, problem, remedy, "unknown-key")
+            return Problem(key, "unknown key", remedy, "unknown-key")
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):
             cause = e["ctx"]["error"]
-            return Problem(_join(key, cause.field), cause.problem, cause.remedy)
+            return Problem(_join(key, cause.field), cause.problem, cause.remedy, cause.id)
         case "literal_error":
             expected = e["ctx"]["expected"]
             near = nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
-            return Problem(key, found, f"{near}give {expected}")
+            return Problem(key, found, f"{near}give {expected}", "out-of-range")
         case "union_tag_invalid" | "union_tag_not_found":
             tags = [str(kind_of(t)) for t in tables if kind_of(t)]
             tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
             problem = "is missing" if tag is None else f"found {shown(tag)}"
-            return Problem(_join(key, "kind"), problem, f"{nearest(tag, tags)}give {' or '.join(map(repr, tags))}")
+            remedy = f"{nearest(tag, tags)}give {' or '.join(map(repr, tags))}"
+            return Problem(_join(key, "kind"), problem, remedy, "missing-key" if tag is None else "unknown-kind")
         case "dataclass_type" | "model_attributes_type" | "dict_type":
             known = [f.name for t in tables for f in dataclasses.fields(t)]
-            return Problem(
-                key, found, _table_wanted(hint, key) or f"give a table with {', '.join(dict.fromkeys(known))}"
-            )
+            remedy = _table_wanted(hint, key) or f"give a table with {', '.join(dict.fromkeys(known))}"
+            return Problem(key, found, remedy, "wrong-type")
         case "less_than_equal" | "greater_than_equal" if "unit" not in about:
             limit = next(iter(e["ctx"].values()))
-            return Problem(key, found, f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_wanted(about)})")
+            remedy = f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_wanted(about)})"
+            return Problem(key, found, remedy, "out-of-range")
         case _:
             is_short = "unit" in about and isinstance(e["input"], str) and len(e["input"]) < 100
             meant = number_meant(e["input"], quoted=True) if is_short else ""
-            return Problem(key, found, f"{meant + '; ' if meant else ''}give {_wanted(about) or e['msg']}")
+            remedy = f"{meant + '; ' if meant else ''}give {_wanted(about) or e['msg']}"
+            return Problem(key, found, remedy, ID_OF.get(e["type"], "wrong-type"))
 
 
 def _table_wanted(hint: Any, key: str) -> str:
@@ -225,11 +237,13 @@ def toml_mistake(text: str, complaint: str) -> Problem | None:
     if len(line) > LONGEST_LINE:
         return None
     if re.search("[“”„‟«»‘’‚]", line) and "=" in line:  # noqa: RUF001  # what word processors write
-        return Problem(_key_at(above, line.partition("=")[0]), "found curly quotes", 'write straight ones: "')
+        return Problem(
+            _key_at(above, line.partition("=")[0]), "found curly quotes", 'write straight ones: "', "invalid-toml"
+        )
     for key, value in PLAIN.findall(line):
         remedy = _remedy_for(key, value)
         if remedy:
-            return Problem(_key_at(above, key), f"found {printable(value) or 'nothing'}", remedy)
+            return Problem(_key_at(above, key), f"found {printable(value) or 'nothing'}", remedy, "invalid-toml")
     return None
 
 

@@ -33,7 +33,7 @@ class _Shared:
         default_factory=dict,
         hash=False,
         metadata={
-            "description": 'checks that fail on purpose, by name: "least transmission angle" = "the reason"',
+            "description": 'checks that fail on purpose, by id: transmission_angle = "the reason"',
             "examples": [{}],
         },
     )
@@ -103,7 +103,19 @@ class AbstractRecipe(_Shared, ABC):
         # Parts first: what cannot be made at all is told before what is poor.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
-        return tuple(replace(check, expected=reasons.get(check.name, "")) for check in (*self.design_checks, *walls))
+        return tuple(replace(check, expected=reasons.get(check.id, "")) for check in (*self.design_checks, *walls))
+
+    @property
+    def unknown_expectations(self) -> tuple[str, ...]:
+        """A sentence for each entry of `expected_failures` that is the id of no check."""
+        from .messages import nearest
+
+        ids = [check.id for check in self.checks]
+        return tuple(
+            f"expected_failures.{id}: no check has this id; {nearest(id, ids)}the checks are {', '.join(ids)}"
+            for id in self.expected_failures
+            if id not in ids
+        )
 
     @cached_property
     def walls(self) -> Mapping[str, float]:

@@ -72,6 +72,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
             key,
             f"found {step:g} {unit} for a way of {way:g} {unit}, which takes {way / step:,.0f} rows{cells}",
             f"give at least {rounded_up(way / most, 4)} {unit}",
+            "too-much-work",
         )
 
 
@@ -137,7 +138,10 @@ def _acceleration(unit: str) -> Any:
 def _check_speed(key: str, speed: float, least: float) -> None:
     if abs(speed) < least:
         raise DesignError(
-            key, f"found {speed:g}", f"give at least {least:g}, or at most {-least:g} to go the other way"
+            key,
+            f"found {speed:g}",
+            f"give at least {least:g}, or at most {-least:g} to go the other way",
+            "out-of-range",
         )
 
 
@@ -147,7 +151,7 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
         return
     side, other = ("more", "negative") if speed > 0 else ("less", "positive")
     problem = f"found {end:g}, with {speed_key} = {speed:g}"
-    raise DesignError(key, problem, f"give {side} than {start:g}, the start, or a {other} {speed_key}")
+    raise DesignError(key, problem, f"give {side} than {start:g}, the start, or a {other} {speed_key}", "conflict")
 
 
 @record(checked=True)
@@ -204,7 +208,7 @@ class Turn:
             object.__setattr__(self, "end_deg", float(np.copysign(360, self.speed_rpm)))
             if (self.end_deg - self.start_deg) * self.speed_rpm <= 0:
                 problem = f"found {self.start_deg:g}, and the turn ends at {self.end_deg:g}"
-                raise DesignError("start_deg", problem, "give end_deg too")
+                raise DesignError("start_deg", problem, "give end_deg too", "conflict")
         _check_end("end_deg", self.start_deg, self.end_deg, "speed_rpm", self.speed_rpm)
 
     @property
@@ -231,7 +235,7 @@ class Turn:
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
             return ()
         advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
-        return (Check("way of the driver", turn, "at least", 90 * quarters, "deg", advice),)
+        return (Check("driver_range", "way of the driver", turn, "at least", 90 * quarters, "deg", advice),)
 
     def check_rows(self, columns: int = 1) -> None:
         """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""

@@ -178,12 +178,14 @@ def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
         if not keys:
             short = {key.rsplit(".", 1)[-1]: key for key in offered}
             known = f"{kind_of(recipe)} has {', '.join(short) or 'none'}"
-            raise DesignError("--with", f"no such table: {printable(end)}", nearest(end, [*short, *offered]) + known)
+            raise DesignError(
+                "--with", f"no such table: {printable(end)}", nearest(end, [*short, *offered]) + known, "unknown-key"
+            )
         for key in keys:
             kinds = offered[key]
             if which not in kinds:
                 remedy = f"give {' or '.join(f'{end}={k}' if k else end for k in kinds)}"
-                raise DesignError("--with", f"found {printable(wish)}", nearest(which, kinds) + remedy)
+                raise DesignError("--with", f"found {printable(wish)}", nearest(which, kinds) + remedy, "unknown-kind")
             found[key] = which
     return found
 

@@ -36,7 +36,7 @@ from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import TURN, driver_limits
 from ..linkage.motion import Motion, motion_table
 from ..linkage.moving import move
-from ..linkage.scene import linkage_scene
+from ..linkage.scene import linkage_scene, motion_plots
 from ..linkage.solve.branch import Branch
 from ..model.check import Check
 from ..model.part import Part
@@ -154,8 +154,9 @@ def _(source: str | Path | Mapping[str, Any]) -> Job:
 @_job.register
 def _(motion: Motion) -> Job:
     least = LEAST_TRANSMISSION_ANGLE_DEG
-    limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
-    return _loose(motion, linkage_scene(motion, motion_table(motion), limits=limits), (), linkage_checks(motion))
+    table, limit = motion_table(motion), Limit("transmission_angle", least, f"at least {least:g} deg")
+    scene = linkage_scene(motion, table, plots=motion_plots(motion, table, [limit]))
+    return _loose(motion, scene, (), linkage_checks(motion))
 
 
 @_job.register
@@ -299,9 +300,9 @@ def _(curve: AbstractCurve) -> Job:
         (SceneCurve(curve, "construction", "curve"),),
         (SceneMark("point", place, "traced", "point", trail=True),),
         (
-            Plot("curvature", ("curvature_1_per_mm",)),
-            Plot("place", ("point_x_mm", "point_y_mm")),
-            Plot("speed of the parameter", ("speed_mm",)),
+            Plot("curvature", ("curvature",)),
+            Plot("place", ("point_x", "point_y")),
+            Plot("speed of the parameter", ("speed",)),
         ),
         curve.closed,
     )

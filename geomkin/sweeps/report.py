@@ -34,7 +34,7 @@ class Row(Protocol):
 
 def columns(keys: Sequence[str], rows: Sequence[Row]) -> tuple[Column, ...]:
     """The keys' values, why a combination is refused, which checks failed, what each check found, what was told."""
-    failed = ["; ".join(check.name for check in row.checks if not check.passed) for row in rows]
+    failed = ["; ".join(check.id for check in row.checks if not check.passed) for row in rows]
     found = [
         *(Column(key, "", "value under this key", _array([row.values[key] for row in rows])) for key in keys),
         Column("refused", "", "why there is no such mechanism", _array([row.refused for row in rows])),
@@ -46,12 +46,15 @@ def columns(keys: Sequence[str], rows: Sequence[Row]) -> tuple[Column, ...]:
 
 
 def of_checks(rows: Sequence[Row]) -> list[Column]:
-    """What each check found, one column for each that any row has; nan where a row has none such."""
-    every = [{(c.name, c.unit): c.value for c in row.checks} for row in rows]
-    names = dict.fromkeys(name for held in every for name in held)
+    """The value of each check, one column for each that any row has; nan if a row has no such check."""
+    every = [{check.id: check for check in row.checks} for row in rows]
+    first = {id: check for held in reversed(every) for id, check in held.items()}
+    ids = dict.fromkeys(id for held in every for id in held)
     return [
-        Column(name.replace(" ", "_"), unit, name, np.array([held.get((name, unit), np.nan) for held in every]))
-        for name, unit in names
+        Column(
+            id, first[id].unit, first[id].name, np.array([held[id].value if id in held else np.nan for held in every])
+        )
+        for id in ids
     ]
 
 
@@ -78,14 +81,14 @@ def as_text(value: Any) -> str:
 
 
 def _apart(found: Sequence[Column]) -> Iterator[Column]:
-    """The columns, of which no two have one header."""
+    """The columns, of which no two have one id or one header."""
     taken: set[str] = set()
     for column in found:
-        name, number = column.name, 1
-        while column.header in taken:
+        id, number = column.id, 1
+        while taken & {column.id, column.header}:
             number += 1
-            column = Column(f"{name}_{number}", column.unit, column.meaning, column.values)
-        taken.add(column.header)
+            column = Column(f"{id}_{number}", column.unit, column.meaning, column.values)
+        taken |= {column.id, column.header}
         yield column
 
 
@@ -124,10 +127,9 @@ def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Se
     shown = [lines[k] for k in np.unique(np.rint(np.linspace(0, len(lines) - 1, MOST_LINES)).astype(int))]
     at = {(row.values[along], *(as_text(row.values[key]) for key in others)): k for k, row in enumerate(rows)}
     data["frames"], data["columns"] = len(place), [_column(along, "", "", place)]
-    limits = [{(c.name, c.unit): (c.limit, f"{c.side} {number(c.limit)}") for c in row.checks} for row in rows]
+    limits = [{c.id: (c.limit, f"{c.side} {number(c.limit)}") for c in row.checks} for row in rows]
     for column in [c for c in found if c.values.dtype.kind in "fi"][:MOST_PLOTS]:
-        named = column.meaning, column.unit
-        told = {held[named] for held in limits if named in held}
+        told = {held[column.id] for held in limits if column.id in held}
         data["plots"].append(
             {
                 "title": harmless(capital(column.meaning)),
@@ -139,7 +141,8 @@ def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Se
         for choice in shown:
             chosen = [f"{key.rpartition('.')[2]} {as_text(value)}" for key, value in zip(others, choice)]
             picked = [column.values[at[x, *map(as_text, choice)]] for x in place]
-            data["columns"].append(_column(", ".join(chosen) or capital(column.meaning), *named[::-1], picked))
+            line = ", ".join(chosen) or capital(column.meaning)
+            data["columns"].append(_column(line, column.unit, column.meaning, picked))
     left = len(lines) - len(shown)
     note = f"<p>Of {len(lines):,} lines {len(shown)} are drawn, evenly chosen; the file has them all.</p>"
     return data, note if left else ""

@@ -43,7 +43,9 @@ EXACT = Context(prec=60, traps=[])
 def listed(key: str, given: object) -> tuple[Any, ...]:
     """The values of a key as TOML gives them, each once: of a text such as `8:120:4` or `-0.5,0,0.5`, or of a row."""
     if not isinstance(key, str) or not KEY.fullmatch(key):
-        raise DesignError("values", f"found the key {shown(key)}", "give one such as gear.teeth or program[0].rise")
+        raise DesignError(
+            "values", f"found the key {shown(key)}", "give one such as gear.teeth or program[0].rise", "unknown-key"
+        )
     if isinstance(given, str):
         values = [value for piece in _pieces(key, given) for value in _read(key, piece)]
     else:
@@ -62,7 +64,9 @@ def combinations(values: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]
         longest = max(values, key=lambda key: len(values[key]))
         most = MOST * len(values[longest]) // math.prod(counts)
         remedy = f"at most {most:,} values of {longest}" if most else f"values that make at most {MOST:,}"
-        raise DesignError("values", f"found {told} = {math.prod(counts):,} combinations", f"give {remedy}")
+        raise DesignError(
+            "values", f"found {told} = {math.prod(counts):,} combinations", f"give {remedy}", "too-much-work"
+        )
     return (dict(zip(values, row)) for row in itertools.product(*values.values()))
 
 
@@ -87,9 +91,13 @@ def _check_step(key: str, place: Any, part: str | int) -> None:
     """Refuse one part of a key that leads through what is no table, or to a row that a list has not."""
     kind, what = (list, "list") if isinstance(part, int) else (dict, "table")
     if not isinstance(place, kind):
-        raise DesignError(key, f"there is no {what} that [{part}] could be of", "give a key of the recipe")
+        raise DesignError(
+            key, f"there is no {what} that [{part}] could be of", "give a key of the recipe", "unknown-key"
+        )
     if isinstance(part, int) and part >= len(place):
-        raise DesignError(key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number")
+        raise DesignError(
+            key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number", "out-of-range"
+        )
 
 
 def _pieces(key: str, text: str) -> list[str]:
@@ -126,7 +134,7 @@ def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) ->
     if ways >= MOST:
         least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
         problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"
-        raise DesignError(key, problem, f"give a step of at least {float(least):g}")
+        raise DesignError(key, problem, f"give a step of at least {float(least):g}", "too-much-work")
     whole = all(part == part.to_integral_value() for part in (start, step)) and max(abs(start), abs(stop)) < 2**53
     values = [EXACT.add(start, EXACT.multiply(step, Decimal(k))) for k in range(int(ways) + 1)]
     return [int(value) if whole else float(value) for value in values]
@@ -136,9 +144,11 @@ def _row(key: str, given: object) -> list[Any]:
     if isinstance(given, np.ndarray):
         given = given.tolist()
     if not isinstance(given, (list, tuple, range)):
-        raise DesignError("values", f"found {shown(given)} for {printable(key)}", "give a row of values, or a text")
+        raise DesignError(
+            "values", f"found {shown(given)} for {printable(key)}", "give a row of values, or a text", "wrong-type"
+        )
     if len(given) > MOST:
-        raise DesignError(key, f"found {len(given):,} values", f"give at most {MOST:,}")
+        raise DesignError(key, f"found {len(given):,} values", f"give at most {MOST:,}", "too-much-work")
     return list(given)
 
 
@@ -149,9 +159,11 @@ def _plain(key: str, value: Any) -> Any:
     if isinstance(value, (list, tuple)) and len(value) <= MOST:
         return [_plain(key, one) for one in value]
     if not isinstance(value, PLAIN) or (isinstance(value, float) and not math.isfinite(value)):
-        raise DesignError(key, f"found {shown(value)}", "give finite numbers, texts, true or false, or points [x, y]")
+        raise DesignError(
+            key, f"found {shown(value)}", "give finite numbers, texts, true or false, or points [x, y]", "wrong-type"
+        )
     if isinstance(value, int) and abs(value) > 2**63:
-        raise DesignError(key, f"found {shown(value)}", "give a smaller number")
+        raise DesignError(key, f"found {shown(value)}", "give a smaller number", "out-of-range")
     return value
 
 
@@ -189,7 +201,7 @@ def _worked_out(task: Task, changes: Mapping[str, Any]) -> dict[str, Any]:
         with told_to(lambda *_: None):
             recipe = task.opened(changes)
             with naming(task.file, recipe):
-                checks = [[c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
+                checks = [[c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
                 row |= {"checks": checks, "told": {name: _told(recipe, name) for name in task.tell}}
     except GeomkinError as error:
         first = str(error).split("\n")[0]
@@ -212,7 +224,7 @@ def is_row(task: Task, row: Any) -> bool:
         design_checks = [Check(*check) for check in checks]
     except (TypeError, DesignError):
         return False
-    texts = [refused, *(text for check in design_checks for text in (check.name, check.unit))]
+    texts = [refused, *(text for check in design_checks for text in (check.id, check.name, check.unit))]
     texts += [value for value in told.values() if isinstance(value, str)]
     numbers = [value for value in told.values() if value is not None and not isinstance(value, str)]
     return (
@@ -228,14 +240,15 @@ def check_tell(task: Task, recipe: AbstractRecipe) -> None:
     for name in task.tell:
         column, colon, way = name.rpartition(":")
         if colon and way in WAYS:
-            known = [c.header for c in recipe.table.columns if c.values.dtype.kind in "fiub"]
-            found, what = column in known, f"columns: {', '.join(known)}"
+            numbers = [c for c in recipe.table.columns if c.values.dtype.kind in "fiub"]
+            known = [c.id for c in numbers]
+            found, what = column in known or column in [c.header for c in numbers], f"columns: {', '.join(known)}"
         else:
             column, known = name, list(_entries("", recipe.notes))
             entries = f", or one of {', '.join(known)}" if known else ""
             found, what = name in known, f"COLUMN:{', COLUMN:'.join(WAYS)}{entries}"
         if not found:
-            raise DesignError("tell", f"found {shown(name)}", f"{nearest(column, known)}give {what}")
+            raise DesignError("tell", f"found {shown(name)}", f"{nearest(column, known)}give {what}", "unknown-key")
 
 
 def _told(recipe: AbstractRecipe, name: str) -> Any:
@@ -243,7 +256,7 @@ def _told(recipe: AbstractRecipe, name: str) -> Any:
     column, colon, way = name.rpartition(":")
     if not (colon and way in WAYS):
         return _entries("", recipe.notes).get(name)
-    held = next((c.values for c in recipe.table.columns if c.header == column), np.empty(0))
+    held = next((c.values for c in recipe.table.columns if column in (c.id, c.header)), np.empty(0))
     values = np.asarray(held, dtype=float)
     known = ~np.isnan(values)
     # The last row's own: where it cannot be, nothing came last.

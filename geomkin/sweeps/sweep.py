@@ -150,6 +150,7 @@ class Sweep:
     """
 
     name: str
+    kind: str
     keys: tuple[str, ...]
     rows: tuple[SweepRow, ...]
     kept: int = 0
@@ -197,7 +198,9 @@ def swept(
     task, name = _task(recipe, tuple(dict.fromkeys(tell)))
     keyed = {key: listed(key, given) for key, given in values.items()}
     if not keyed:
-        raise DesignError("values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}')
+        raise DesignError(
+            "values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}', "missing-key"
+        )
     every = list(combinations(keyed))
     _check_keys(task, keyed)
     _check_tell(task, every)
@@ -218,7 +221,9 @@ def swept(
         done += len(found)
         tell_progress(done / len(every), f"{done} of {len(every)} combinations")
     told = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
-    result = Sweep(name, tuple(keyed), told, kept, ledger is not None and ledger.anew, {})
+    result = Sweep(
+        name, str(task.recipe.get("kind", "")), tuple(keyed), told, kept, ledger is not None and ledger.anew, {}
+    )
     if out is None:
         return result
     folder = Path(out) / name
@@ -251,8 +256,8 @@ def _check_keys(task: Task, values: Mapping[str, Sequence[Any]]) -> None:
     except RecipeError as error:
         for problem in error.problems:
             asked = any(key.startswith(problem.key) and key[len(problem.key) :][:1] in ("", ".", "[") for key in values)
-            if problem.problem == "unknown key" and asked:
-                raise DesignError(problem.key, problem.problem, problem.remedy) from None
+            if problem.id == "unknown-key" and asked:
+                raise DesignError(problem.key, problem.problem, problem.remedy, problem.id) from None
 
 
 def _check_tell(task: Task, every: Iterable[Mapping[str, Any]]) -> None:

@@ -12,7 +12,7 @@ SPEED, STEP = 5.0, 1e-4
 
 
 def columns(cam, angle, cut=None):
-    return {column.name: column for column in gk.cam.cam_table(cam, SPEED, angle, cut).columns}
+    return {column.id: column for column in gk.cam.cam_table(cam, SPEED, angle, cut).columns}
 
 
 def places(found, name):

@@ -22,7 +22,7 @@ from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, Scene
 from geomkin.page.page import page
 from geomkin.page.page import write_page as write
 from geomkin.page.scene_json import floats, island, steps
-from geomkin.page.sections import notes, worst_frame
+from geomkin.page.sections import notes
 from geomkin.recipe import Files
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -79,7 +79,7 @@ def turning(text="washer", frames=9, radius=20.0):
         (SceneBody(text, (part,), place, np.exp(1j * turn)),),
         (SceneCurve(gk.plane.Circle(0, 2 * radius), "wanted", text, text),),
         (SceneMark("point", radius * np.exp(1j * turn), "traced", text, trail=True),),
-        (Plot(text, ("height_mm",), (Limit(3.0, text),)),),
+        (Plot(text, ("height",), (Limit("height", 3.0, text),)),),
         others={text: dataclasses.replace(turning(frames=frames), others={})} if text != "washer" else {},
     )
 
@@ -91,7 +91,7 @@ def job_of(scene, name="page", **besides):
 
 
 def nasty():
-    checks = (gk.Check(NASTY, 1.0, "at least", 2.0, NASTY, NASTY),)
+    checks = (gk.Check("nasty", NASTY, 1.0, "at least", 2.0, NASTY, NASTY),)
     return job_of(
         turning(NASTY), NASTY, checks=checks, about=NASTY, recipe=lambda: f"a = 1\n{NASTY}\n", notes={NASTY: NASTY}
     )
@@ -252,19 +252,6 @@ def test_a_long_table_is_thinned_and_keeps_its_ends():
     assert len(kept) == MOST_FRAMES and kept[0] == 0 and kept[-1] == 49_999 and len(np.unique(kept)) == len(kept)
     assert list(kept_frames(5)) == [0, 1, 2, 3, 4]
     assert json.loads(island(turning(frames=5000), "a"))["frames"] == MOST_FRAMES
-
-
-def test_the_worst_frame_is_told_by_the_column_that_a_check_is_of():
-    recipe = gk.load(RECIPES / "crank-rocker.toml")
-    found = {check.name: worst_frame(check, recipe.scene) for check in recipe.checks}
-    least = int(np.argmin(recipe.table["transmission_angle"]))
-    assert found.pop("least transmission angle") == least and set(found.values()) == {None}
-    # Of the same name, but not its value: of something else.
-    other = gk.Check("least transmission angle", 10.0, "at least", 40, "deg")
-    assert worst_frame(other, recipe.scene) is None
-    scene = dataclasses.replace(turning(), assembled=np.arange(9) < 6)
-    assert worst_frame(gk.Check("share of the turn reached", 66.7, "at least", 100, "%"), scene) == 6
-    assert worst_frame(gk.Check("largest height", 20.0, "at most", 5, "mm"), scene) in (2, 6)
 
 
 def test_another_scene_beside_it_is_on_the_same_drive():

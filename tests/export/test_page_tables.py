@@ -12,7 +12,7 @@ from geomkin.export.job import Job, StaticSource
 from geomkin.model.part import Bought
 from geomkin.model.scene import Choice, Scene
 from geomkin.model.table import Column, Table
-from geomkin.page.sections import choice, joined, notes, worst_frame
+from geomkin.page.sections import choice, joined, notes
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 
@@ -73,23 +73,6 @@ def test_a_linkage_that_is_nowhere_is_told_with_what_to_change():
     )
     with pytest.raises(gk.DesignError, match="it can be put together nowhere; change the sizes"):
         gk.show(apart)
-
-
-def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
-    """Two columns of one name, of which one has the value by chance in another unit."""
-    values = np.array([3.0, 1.0, 2.0])
-    table = Table((
-        Column("angle", "deg", "of the driver", np.arange(3.0)),
-        Column("gap", "mm", "between plates", values),
-        Column("gap", "%", "the same as a share", np.array([1.0, 3.0, 2.0])),
-    ))  # fmt: skip
-    scene = Scene(table, np.arange(3.0), np.ones(3, dtype=bool), ())
-    for unit, least, largest in (("mm", 1, 0), ("%", 0, 1)):
-        assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, unit), scene) == least
-        assert worst_frame(gk.Check("gap", 3.0, "at most", 5.0, unit), scene) == largest
-    assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
-    assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
-    assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None
 
 
 def test_what_it_was_chosen_from_is_told_by_what_its_rows_go_by():

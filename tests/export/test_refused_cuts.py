@@ -73,7 +73,7 @@ def test_the_hole_that_is_too_near_is_told_by_its_number(wrong):
 
 
 def checks(*held):
-    return tuple(Check(f"no. {k}", 1.0, "at least", 0.5 if good else 2.0, "deg") for k, good in enumerate(held))
+    return tuple(Check("no_k", f"no. {k}", 1.0, "at least", 0.5 if good else 2.0, "deg") for k, good in enumerate(held))
 
 
 @pytest.mark.parametrize(

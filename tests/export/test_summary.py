@@ -70,7 +70,7 @@ def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_p
         assert one["passed"] is (
             one["value"] >= check.limit if check.side == "at least" else one["value"] <= check.limit
         )
-    job, none = Job("odd", StaticSource(()), 0.01), Check("odd", float("nan"), "at most", 1.0)
+    job, none = Job("odd", StaticSource(()), 0.01), Check("odd", "odd", float("nan"), "at most", 1.0)
     (one,) = json.loads(summary(job, {}, [none], {}, {}))["checks"]
     assert one["value"] is None and one["passed"] is False
 

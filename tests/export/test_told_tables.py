@@ -64,9 +64,9 @@ def column(unit, *values):
 
 def test_a_check_says_what_to_do_where_it_fails_and_shows_where():
     held = (
-        Check("gap", 1.0, "at least", 0.5, "mm", "make it wider"),
-        Check("slot", 1.0, "at least", 2.0, "mm", "make it wider"),
-        Check("other", 1.0, "at most", 0.5, "mm"),
+        Check("gap", "gap", 1.0, "at least", 0.5, "mm", "make it wider", "gap", 30.0),
+        Check("slot", "slot", 1.0, "at least", 2.0, "mm", "make it wider"),
+        Check("other", "other", 1.0, "at most", 0.5, "mm"),
     )
     rows = rows_of(sections.checks(job_of(scene=column("mm", 3.0, 1.0, 2.0), checks=held)))
     assert rows == [
@@ -75,25 +75,6 @@ def test_a_check_says_what_to_do_where_it_fails_and_shows_where():
         ["✓ holds", "Gap", "1 mm show at 30°", "at least 0.5 mm", "fine"],
     ]
     assert sections.checks(job_of()) == ""
-
-
-@pytest.mark.parametrize(
-    ("values", "side", "value", "frame"),
-    [
-        ((np.nan, 3.0, 1.0, 2.0), "at least", 1.0, 2),
-        ((np.nan, 3.0, np.nan, 2.0), "at most", 3.0, 1),
-        ((np.nan, np.nan), "at most", 3.0, None),
-        # To a fiftieth of the larger of the two: the column's largest, or the check's own value.
-        ((0.1, 50.0, 100.0), "at least", 2.0, 0),
-        ((0.1, 50.0, 100.0), "at least", 2.2, None),
-        ((-30.0, 1.0, 0.5), "at most", 29.5, 0),
-        ((-30.0, 1.0, 0.5), "at most", 29.3, None),
-        ((0.0, 1e-3, 2e-3), "at most", 2.03e-3, 2),
-        ((0.0, 1e-3, 2e-3), "at most", 2.06e-3, None),
-    ],
-)
-def test_the_worst_frame_is_where_the_column_comes_near_the_check(values, side, value, frame):
-    assert sections.worst_frame(Check("least gap", value, side, 0.0, "mm"), column("mm", *values)) == frame
 
 
 PLATE = gk.plane.Polyline(500 - 70j + np.array([0, 40, 40 + 25j, 25j]))

@@ -15,7 +15,7 @@ CONTACTS = {
 
 
 def columns(table):
-    return {column.name: np.asarray(column.values) for column in table.columns}
+    return {column.id: np.asarray(column.values) for column in table.columns}
 
 
 def on_flank(gear, radius):

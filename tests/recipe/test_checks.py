@@ -67,7 +67,7 @@ STRAIGHT, ARM = "translating-roller", "oscillating-roller"
 
 def table(text):
     recipe = parse(text)
-    return {column.name: np.asarray(column.values) for column in recipe.table.columns}
+    return {column.id: np.asarray(column.values) for column in recipe.table.columns}
 
 
 @pytest.mark.parametrize(

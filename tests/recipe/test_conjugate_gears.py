@@ -29,7 +29,7 @@ def read(name, backlash):
 def test_the_table_s_angles_bring_its_points_of_both_gears_to_its_contact(name, backlash):
     recipe = read(name, backlash)
     table, mate = recipe.table, recipe.design
-    columns = {column.name: np.asarray(column.values) for column in table.columns}
+    columns = {column.id: np.asarray(column.values) for column in table.columns}
 
     def place(what):
         return columns[f"{what}_x"] + 1j * columns[f"{what}_y"]

@@ -53,7 +53,7 @@ def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_c
                     steps = (of[2:] - of[:-2]) / (time[2:] - time[:-2])
                     assert np.abs(steps - told_rate[1:-1]).max() < 0.02 * np.abs(told_rate).max()
     assert not values and seen == len(grid["chosen"])
-    words = [column.meaning for column in recipe.table.columns if column.name.startswith("r2c1")]
+    words = [column.meaning for column in recipe.table.columns if column.id.startswith("r2c1")]
     assert len(words) == 2 and all("row 2, column 1" in word for word in words)
 
 

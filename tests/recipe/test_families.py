@@ -13,7 +13,7 @@ KINDS = ["crank-rocker-synthesis", "double-rocker-synthesis", "slider-crank-stro
 def test_the_choice_is_the_family_with_the_one_that_is_made_among_it(kind):
     recipe = recipe_of(kind)
     found, choice = recipe.found, recipe.choice
-    told = {column.name: np.asarray(column.values) for column in choice.table.columns}
+    told = {column.id: np.asarray(column.values) for column in choice.table.columns}
     angle, chosen = told["free_angle"], choice.chosen
     assert len(angle) == len(found.family.free_angle_deg) + 1 and (np.diff(angle) >= 0).all()
     assert angle[chosen] == found.free_angle_deg

@@ -132,7 +132,7 @@ def test_curvature_is_that_of_the_path_seen() -> None:
 def test_points_on_the_circle_go_straight(linkage: gk.linkage.AbstractLinkage, body: str) -> None:
     drive = np.radians(40)
     recipe = InflectionCircleRecipe(linkage=linkage, body=body, position_deg=40)
-    row = {c.name: c.values[40] for c in recipe.table.columns}
+    row = {c.id: c.values[40] for c in recipe.table.columns}
     pole = row["inflection_pole_x"] + 1j * row["inflection_pole_y"]
     middle = (pole + row["instant_centre_x"] + 1j * row["instant_centre_y"]) / 2
     pose = gk.move(linkage, [drive]).bodies[body]

@@ -22,7 +22,7 @@ def test_any_involute_lost_to_undercut_fails(teeth, undercut):
 
 def test_the_largest_forces_of_the_table_are_compared():
     recipe = parse(template_of("shaking-force"))
-    table = {column.name: np.asarray(column.values) for column in recipe.table.columns}
+    table = {column.id: np.asarray(column.values) for column in recipe.table.columns}
     most = {name: np.abs(table[f"force_{name}"]).max() for name in ("given", "best")}
     found = checks(recipe)["largest force, given to best counterbalance"]
     assert found.value == pytest.approx(most["given"] / most["best"], rel=1e-3)
@@ -50,7 +50,7 @@ program = [{{kind = "rise", law = "cycloidal", rise = 10, end_deg = 180}}, {{kin
 
 def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
     recipe = parse(template_of("planetary"))
-    table = {column.name: np.asarray(column.values) for column in recipe.table.columns}
+    table = {column.id: np.asarray(column.values) for column in recipe.table.columns}
     sun, planet, ring = (gear.teeth for gear in (recipe.gears.sun, recipe.gears.planet, recipe.gears.ring))
     carrier = table["carrier_angle"]
     assert (carrier[0], carrier[-1]) == (0, pytest.approx(360)) and (np.diff(carrier) > 0).all()

@@ -46,7 +46,7 @@ def test_the_columns_are_the_same_at_any_size(size):
     slow = gk.OldhamCoupling(6 * size)
     for linkage, angles in ((four_bar, ["coupler", "rocker"]), (slow, ["disc", "driven"])):
         columns = motion_table(gk.move(linkage, np.linspace(0, 6, 50))).columns
-        assert [name for name in angles if f"{name}_omega" in {c.name for c in columns}] == angles
+        assert [name for name in angles if f"{name}_omega" in {c.id for c in columns}] == angles
 
 
 BY_CRANK = "{ crank = 30, coupler = 100, offset = 15, coupler_point = [40, 25] }"
@@ -66,12 +66,12 @@ def test_kinematic_coefficients_are_derivatives_by_the_driver(driver):
     drive = table.columns[0]
     q = np.radians(drive.values) if drive.unit == "deg" else drive.values
     per = {"deg": "rad", "mm": "mm"}[drive.unit]
-    told = [column for column in table.columns if "_coefficient" in column.name]
+    told = [column for column in table.columns if "_coefficient" in column.id]
     assert len(told) >= 4
     for column in told:
-        order = 1 + ("_second_" in column.name)
-        of = column.name.replace("_first_coefficient", "").replace("_second_coefficient", "")
-        row = next(c for c in table.columns if c.name == of)
+        order = 1 + ("_second_" in column.id)
+        of = column.id.replace("_first_coefficient", "").replace("_second_coefficient", "")
+        row = next(c for c in table.columns if c.id == of)
         values = np.radians(row.values) if row.unit == "deg" else row.values
         for _ in range(order):
             values = np.gradient(values, q)
@@ -86,7 +86,7 @@ def test_kinematic_coefficients_are_derivatives_by_the_driver(driver):
 
 def test_kinematic_coefficients_are_the_same_at_any_speed_and_left_out_where_nobody_asks():
     tables = [gk.load(DRIVEN["crank"].replace("drive = {", f"drive = {{ speed_rpm = {rpm},")).table for rpm in (1, 600)]
-    told = [c.header for c in tables[0].columns if "_coefficient" in c.name]
+    told = [c.header for c in tables[0].columns if "_coefficient" in c.id]
     assert all(np.array_equal(tables[0][header], tables[1][header]) for header in told)
     plain = gk.load(DRIVEN["crank"].replace("coefficients = true\n", "")).table
     assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in told]
@@ -98,8 +98,8 @@ def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground
     linkage, drive, branch = ALL[name]
     general = linkage.linkage
     motion = gk.move(linkage, drive, branch)
-    every = [column.name for column in motion_table(motion, coefficients=True).columns]
-    units = {column.name: column.unit for column in motion_table(motion).columns}
+    every = [column.id for column in motion_table(motion, coefficients=True).columns]
+    units = {column.id: column.unit for column in motion_table(motion).columns}
     turning = {n for n, body in motion.bodies.items() if np.ptp(np.unwrap(np.angle(body.direction))) > 1e-9}
     driver = {general.driver}
     assert {n for n in motion.bodies if f"{n}_omega" in units} == turning - driver
@@ -131,9 +131,9 @@ def test_what_is_nothing_beside_what_turns_fastest_is_written_as_nothing():
         table = motion_table(gk.move(linkage, np.linspace(0.5, 2.2, 40), 1, speed), coefficients=True)
         found = cells(table)
         for column in table.columns:
-            if column.name in ("last_alpha", "last_angle_second_coefficient"):
+            if column.id in ("last_alpha", "last_angle_second_coefficient"):
                 assert set(found[column.header]) <= {"0.0", "-0.0"}
-            elif column.name in ("rod_omega", "rod_angle_first_coefficient", "rod_angle_second_coefficient"):
+            elif column.id in ("rod_omega", "rod_angle_first_coefficient", "rod_angle_second_coefficient"):
                 assert np.abs(column.values).max() > 0 and len(set(found[column.header])) > 3
 
 
@@ -157,14 +157,14 @@ def test_what_is_nothing_is_written_as_nothing_and_what_is_small_with_all_its_di
     for name, motion in moved.items():
         table = motion_table(motion, coefficients=True)
         found = cells(table)
-        zero = {column.name for column in table.columns if set(found[column.header]) <= {"0.0", "", "-0.0"}}
+        zero = {column.id for column in table.columns if set(found[column.header]) <= {"0.0", "", "-0.0"}}
         assert {n for n in zero if "coriolis" not in n} == nothing.get(name, set()), name
         for column in table.columns:
             known = np.isfinite(column.values)
-            if column.name not in zero and known.any():
+            if column.id not in zero and known.any():
                 told = np.array([float(cell) for cell in np.array(found[column.header])[known]])
                 largest = np.abs(column.values[known]).max()
-                assert np.abs(told - column.values[known]).max() < 1e-8 * largest, (name, column.name)
+                assert np.abs(told - column.values[known]).max() < 1e-8 * largest, (name, column.id)
 
 
 def slider_cranks():
@@ -182,7 +182,7 @@ def slider_cranks():
 def test_a_mechanical_advantage_grows_with_the_size_as_its_unit_says(driver):
     """Twice as large in all lengths, at the same angles."""
     columns = [
-        [c for c in motion_table(motion).columns if c.name.endswith("_mechanical_advantage")]
+        [c for c in motion_table(motion).columns if c.id.endswith("_mechanical_advantage")]
         for motion in slider_cranks()[driver]
     ]
     assert columns[0]

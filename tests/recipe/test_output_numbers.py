@@ -39,7 +39,7 @@ def test_both_modes_stand_in_the_table() -> None:
 
 def test_one_mode_is_the_rule() -> None:
     recipe = parse(FOUR_BAR.replace("both_modes = true", ""))
-    assert not [c.name for c in recipe.table.columns if c.name.startswith("other_")]
+    assert not [c.id for c in recipe.table.columns if c.id.startswith("other_")]
     assert "other_mode" not in recipe.notes
 
 

@@ -50,14 +50,14 @@ def test_the_gallery_is_made_and_what_was_found_runs_by_itself(tmp_path, name, l
 
 def test_the_wiper_sweeps_as_its_table_says():
     recipe = gk.load(RECIPES / "wiper.toml")
-    columns = {column.name: column.values for column in recipe.table.columns}
+    columns = {column.id: column.values for column in recipe.table.columns}
     assert np.ptp(columns["crank_angle"]) == pytest.approx(360)
     assert np.ptp(columns["rocker_angle"]) == pytest.approx(90, abs=0.02)
 
 
 def test_the_double_rocker_s_table_goes_from_start_to_start():
     table = gk.load(SWINGS).table
-    columns = {column.name: column.values for column in table.columns}
+    columns = {column.id: column.values for column in table.columns}
     assert columns["crank_angle"][[0, -1]] == pytest.approx([60, 120])
     assert columns["rocker_angle"][[0, -1]] == pytest.approx([80, 120])
     back = gk.load(

@@ -56,18 +56,18 @@ def test_a_scaled_mechanism_moves_as_a_similar_one(name):
     """Every column of the table, by its unit: lengths and their rates are multiplied, angles and times stay."""
     data = gallery(name)
     one, big = gk.load(data), gk.load(data | {"scale": BIG})
-    assert [c.name for c in one.table.columns] == [c.name for c in big.table.columns]
+    assert [c.id for c in one.table.columns] == [c.id for c in big.table.columns]
     for before, after in zip(one.table.columns, big.table.columns):
         if before.values.dtype.kind not in "fiu":
             assert list(before.values) == list(after.values)
             continue
-        power = 1 if before.name in SIZES.get(data["kind"], ()) else POWER.get(before.unit, 0)
-        if "coefficient" in before.name or "advantage" in before.name:
+        power = 1 if before.id in SIZES.get(data["kind"], ()) else POWER.get(before.unit, 0)
+        if "coefficient" in before.id or "advantage" in before.id:
             continue
         values, wanted = np.asarray(after.values, float), np.asarray(before.values, float) * BIG**power
         assert before.unit == after.unit
         size = np.nanmax(np.abs(wanted), initial=0.0)
-        assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.name
+        assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.id
 
 
 @pytest.mark.parametrize("name", SCALED)

@@ -67,7 +67,7 @@ class WasherRecipe(AbstractRecipe):
 
     @property
     def design_checks(self) -> tuple[gk.Check, ...]:
-        return (gk.Check("washer's radius", self.washer.radius, "at least", 10.0, "mm"),)
+        return (gk.Check("washer_s_radius", "washer's radius", self.washer.radius, "at least", 10.0, "mm"),)
 
     @cached_property
     def scene(self) -> Scene:
@@ -104,7 +104,7 @@ class RockerSwingRecipe(AbstractGoal):
     @property
     def design_checks(self) -> tuple[gk.Check, ...]:
         off = np.degrees(swing_of(self.design.linkage.crank)) - self.swing_deg
-        return (gk.Check("missed swing", abs(off), "at most", 1e-9, "deg"), *super().design_checks)
+        return (gk.Check("missed_swing", "missed swing", abs(off), "at most", 1e-9, "deg"), *super().design_checks)
 
     @property
     def notes(self) -> dict[str, object]:

@@ -103,9 +103,9 @@ def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
     scene = gk.load(LIMITED).scene
     assert not scene.assembled.all()
     plotted = {header for plot in scene.plots for header in plot.columns}
-    known = {header for header, values in scene.table.to_columns().items() if np.isfinite(values).any()}
+    known = {column.id for column in scene.table.columns if np.isfinite(column.values).any()}
     assert plotted <= known
-    assert {"coupler_angle_deg", "rocker_angle_deg", "transmission_angle_deg", "coupler_omega_rad_per_s"} <= plotted
+    assert {"coupler_angle", "rocker_angle", "transmission_angle", "coupler_omega"} <= plotted
     never = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(3, 3.2, 7))
     assert not never.assembled.any()
     told = {
@@ -158,7 +158,7 @@ def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longe
 def test_no_force_has_no_arrow_and_any_other_is_drawn_at_one_scale():
     motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 13))
     plain = gk.linkage.linkage_scene(motion, gk.linkage.motion_table(motion))
-    plots = (gk.model.scene.Plot("angle", (plain.drive.header,)),)
+    plots = (gk.model.scene.Plot("angle", (plain.drive.id,)),)
     what = {"velocity": "one", "wanted": "other"}
     none = gk.linkage.force_scene(plain, 5 + 5j, {"velocity": np.zeros(13, complex)}, what, plots)
     assert none.marks == plain.marks and none.plots == plots

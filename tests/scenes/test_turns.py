@@ -22,14 +22,14 @@ NAMES = [
 @pytest.mark.parametrize("name", NAMES)
 def test_each_turn_in_the_table_is_that_of_its_body(name):
     scene = recipe(name).scene
-    turns = [column for column in scene.table.columns if column.name.endswith("_turn")]
+    turns = [column for column in scene.table.columns if column.id.endswith("_turn")]
     for column in turns:
-        body = named(scene, column.name.removesuffix("_turn"))
+        body = named(scene, column.id.removesuffix("_turn"))
         seen = np.unwrap(np.angle(body.direction))
         told = np.radians(column.values)
-        assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9 and np.ptp(told) > 0, column.name
-    for column in (column for column in scene.table.columns if column.name.endswith("_way")):
-        body = named(scene, column.name.removesuffix("_way"))
+        assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9 and np.ptp(told) > 0, column.id
+    for column in (column for column in scene.table.columns if column.id.endswith("_way")):
+        body = named(scene, column.id.removesuffix("_way"))
         told = np.asarray(column.values)
         assert np.abs(np.abs(body.origin - body.origin[0]) - np.abs(told - told[0])).max() < 1e-9
         turns.append(column)
@@ -43,13 +43,13 @@ def test_planets_and_carrier_turn_as_the_table_says():
         told = np.radians(np.asarray(scene.table[header]))
         assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9, name
     (plot,) = scene.plots
-    assert plot.title == "angles" and plot.columns == ("carrier_angle_deg", "planet_angle_deg")
+    assert plot.title == "angles" and plot.columns == ("carrier_angle", "planet_angle")
 
 
 def test_a_table_without_angles_of_planets_and_carrier_has_no_plot_of_them():
     own = recipe("planetary")
-    columns = {column.name: column for column in own.table.columns}
-    for left, plotted in (((), ()), (("planet_angle",), ("planet_angle_deg",))):
+    columns = {column.id: column for column in own.table.columns}
+    for left, plotted in (((), ()), (("planet_angle",), ("planet_angle",))):
         table = gk.Table(tuple(columns[name] for name in ("sun_angle", "time", *left)))
         scene = gk.gear.planetary_scene(own.gears, table, own.parts)
         assert [plot.columns for plot in scene.plots] == ([plotted] if plotted else [])

@@ -114,14 +114,14 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         """Cam and follower in contact."""
         return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
 
-    def _limits(self) -> Mapping[str, tuple[Limit, ...]]:
+    def _limits(self) -> tuple[Limit, ...]:
         most, roller = most_pressure_angle(self.cam), self.cam.follower.rounding
-        limits = {"pressure_angle": tuple(Limit(side * most, f"at most {most:g} deg") for side in (1.0, -1.0))}
-        if roller:
-            limits["pitch_curvature"] = (Limit(1 / roller, "the roller's own: above it the roller undercuts"),)
-        else:
-            limits["profile_curvature"] = (Limit(1 / LEAST_CONVEX_RADIUS, "sharper edges wear"),)
-        return limits
+        curvature = (
+            Limit("pitch_curvature", 1 / roller, "the roller's own: above it the roller undercuts")
+            if roller
+            else Limit("profile_curvature", 1 / LEAST_CONVEX_RADIUS, "sharper edges wear")
+        )
+        return (*(Limit("pressure_angle", side * most, f"at most {most:g} deg") for side in (1.0, -1.0)), curvature)
 
     @cached_property
     def notes(self) -> Mapping[str, object]:

@@ -74,7 +74,9 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
     # Counted first: as lists of numbers a file of this size takes a gigabyte.
     count = text.count("\n")
     if count > MOST_ROWS + 1:
-        raise DesignError("file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows")
+        raise DesignError(
+            "file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows", "too-much-work"
+        )
     lines = csv_cells(text, name)
     header = [cell.strip() for cell in lines[0]] if lines else []
     lifts = [column for column in LIFTS if column in header]

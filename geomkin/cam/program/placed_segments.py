@@ -56,7 +56,7 @@ def naming(place: str) -> Iterator[None]:
         yield
     except DesignError as error:
         field = f"{place}.{error.field}" if error.field else place
-        raise DesignError(field, error.problem, error.remedy) from None
+        raise DesignError(field, error.problem, error.remedy, error.id) from None
 
 
 def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
@@ -64,7 +64,9 @@ def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> li
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
     if len(segments) > MOST_SEGMENTS:
-        raise DesignError("program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}")
+        raise DesignError(
+            "program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}", "too-much-work"
+        )
     for k, segment in enumerate(segments):
         place = f"program[{k}]"
         with naming(place):
@@ -83,7 +85,12 @@ def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> li
         angle, lift = placed.end, placed.end_lift
         rows += len(made[-1].points)
         if rows > MOST_ROWS:
-            raise DesignError(place, f"with it, the programme has {rows:,} rows", f"give at most {MOST_ROWS:,} in all")
+            raise DesignError(
+                place,
+                f"with it, the programme has {rows:,} rows",
+                f"give at most {MOST_ROWS:,} in all",
+                "too-much-work",
+            )
     _check_whole(made, angle, lift)
     # A slip in the last lift would be a jump at the end of the turn.
     last = made[-1].points.copy()

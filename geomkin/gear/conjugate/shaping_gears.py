@@ -271,13 +271,13 @@ class PointToothGear(AbstractFlankGear):
         try:
             self._check_flank()
         except DesignError as error:
-            raise DesignError("points", error.problem, error.remedy) from None
+            raise DesignError("points", error.problem, error.remedy, error.id) from None
 
     def _check_points(self) -> None:
         """Neither so many points nor so far off that no tooth could have them."""
         points = self.points
         if len(points) > MOST_POINTS:
-            raise DesignError("points", f"found {len(points)}", f"give at most {MOST_POINTS}")
+            raise DesignError("points", f"found {len(points)}", f"give at most {MOST_POINTS}", "too-much-work")
         most = FARTHEST_OUT * self.pitch_radius
         if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
             raise DesignError(

@@ -127,7 +127,7 @@ def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
             problem = f"found {wanted.backlash:g} mm, which leaves no teeth to the mate"
             # A little less, so that the number still works when rounded.
             raise DesignError("mate.backlash", problem, f"give at most {most * (1 - 1e-5):.6g}") from None
-        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy) from None
+        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy, error.id) from None
 
 
 def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:

@@ -82,7 +82,8 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
                 raise
             ratio = np.cos(np.radians(self.helix_angle_deg))
             remedy = f"{error.remedy}; sizes in modules are {ratio:.6g} of the normal ones there"
-            raise DesignError(error.field, f"{error.problem}, in the transverse section", remedy) from None
+            problem = f"{error.problem}, in the transverse section"
+            raise DesignError(error.field, problem, remedy, error.id) from None
 
     @property
     def subtitle(self) -> str:
@@ -147,7 +148,8 @@ def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseSto
     if motor is None or base is None:
         return ()
     rests = radius - (MOTORS[motor].pilot + base.clearance) / 2
-    return (Check(f"{name} beyond the hole for the motor's boss", rests, "at least", 0, "mm", "give a larger wheel"),)
+    words = f"{name} beyond the hole for the motor's boss"
+    return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
 def shown(value: float) -> float:

@@ -112,7 +112,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             return ()
         room = self.design.inner.centre_distance - collar_across(planet.bore) / 2 - plate_radius(motor)
         advice = 'give a base, more teeth, or planets that run on their shafts: fit = "running" in a round bore'
-        return (Check("collars under the carrier beside motor_plate", room, "at least", 0, "mm", advice),)
+        name = "collars under the carrier beside motor_plate"
+        return (Check("collars_beside_motor_plate", name, room, "at least", 0, "mm", advice),)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -76,7 +76,7 @@ def _of_mate() -> Iterator[None]:
         table, dot, name = error.field.rpartition(".")
         field, remedy = OWN.sub(r"mate_\1", name), OWN.sub(r"mate_\1", error.remedy)
         problem = error.problem.replace("bore_form", "mate_bore_form")
-        raise DesignError(f"{table}{dot}{field}", problem, remedy) from None
+        raise DesignError(f"{table}{dot}{field}", problem, remedy, error.id) from None
 
 
 @record

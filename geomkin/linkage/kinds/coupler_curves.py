@@ -14,7 +14,7 @@ from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity, rounde
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Bought, Part
-from ...model.scene import Scene, SceneMark
+from ...model.scene import Plot, Scene, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
@@ -29,7 +29,7 @@ from ..named_linkages import FourBar, SliderCrank
 from ..parts.engraved import PlateStock, engraved, skeleton, strokes
 from ..parts.stack import Stack, link_parts, stack_links
 from ..parts.stock import LinkStock
-from ..scene import linkage_scene
+from ..scene import linkage_scene, place_plot
 from .moved import AbstractMovedRecipe, Side
 
 # Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
@@ -114,7 +114,10 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
     @cached_property
     def scene(self) -> Scene:
         """The linkage, and the paths of all points of the grid."""
-        scene = linkage_scene(self.motion, self.table)
+        named = [short for short, _, _ in _named(self.grid)]
+        plots = [place_plot(short) for short in named]
+        plots += [place_plot(short, rate) for short in named for rate in ("velocity", "acceleration")]
+        scene = linkage_scene(self.motion, self.table, plots=plots)
         curves = coupler_curves(self.motion, self.grid.points).reshape(-1, len(self.motion.drive))
         marks = [
             SceneMark("point", curves[k], "traced", short, trail=True)
@@ -247,7 +250,9 @@ class CognatesRecipe(AbstractMovedRecipe):
         figure, same = self.figure, len(self.figure.drive) == len(self.drive.frames)
         motions = self.motions if same else self._moved(figure.drive)
         table = self.table if same else self._told(motions)
-        scene = linkage_scene(figure, table, self.parts, self.stack.layers)
+        angles = tuple(f"{name}_{body}_angle" for name in NAMES for body in ("crank", "coupler", "rocker"))
+        plots = [*(place_plot(f"{name}_coupler_point") for name in NAMES), Plot("angles", angles)]
+        scene = linkage_scene(figure, table, self.parts, self.stack.layers, plots)
         point = figure.point("coupler_point").position
         traced = SceneMark("point", point, "traced", "coupler_point", trail=True)
         first = Table(table.columns[:1])
@@ -263,8 +268,10 @@ class CognatesRecipe(AbstractMovedRecipe):
         pivot = np.abs(self.figure.point("third_pivot").position - third_pivot(self.linkage)).max()
         return (
             reached(self.motions[0], "driver's turn", "give a shorter way"),
-            Check("distance between the three traced points", apart, "at most", SAME_CURVE, "mm"),
-            Check("way of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
+            Check(
+                "traced_points_apart", "distance between the three traced points", apart, "at most", SAME_CURVE, "mm"
+            ),
+            Check("third_pivot_displacement", "way of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
             collision_check(len(self.stack.collisions), "summary.json names them"),
             *self.drive.checks,
         )

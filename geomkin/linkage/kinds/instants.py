@@ -156,7 +156,9 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         advice = f"near a position with parallel cranks the circle does not fit a plate; {remedy}"
         if is_translating(self.position, self.body):
             advice = f"the {self.body} does not turn, and has no such circle; give another body"
-        check = Check("inflection diameter to longest link", size, "at most", LARGEST_DRAWN, "", advice)
+        at = self.place if self.stroke else float(np.degrees(self.place))
+        name, column = "inflection diameter to longest link", "inflection_diameter"
+        check = Check("inflection_diameter", name, size, "at most", LARGEST_DRAWN, "", advice, column, at)
         return (check, *self.way.checks)
 
     @cached_property

@@ -34,7 +34,7 @@ from ..named_linkages import (
 )
 from ..parts.stack import Stack, link_parts, stack_links
 from ..parts.stock import LinkStock
-from ..scene import linkage_scene
+from ..scene import linkage_scene, motion_plots
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
@@ -117,15 +117,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # The driver and the time are those of both.
         others = motion_table(self.other[1], self.coefficients).columns[2:]
         words = "in the other mode, "
-        renamed = (dataclasses.replace(c, name=f"other_{c.name}", meaning=words + c.meaning) for c in others)
+        renamed = (dataclasses.replace(c, id=f"other_{c.id}", meaning=words + c.meaning) for c in others)
         return Table((*table.columns, *renamed))
 
     @cached_property
     def scene(self) -> Scene:
         """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
         least = LEAST_TRANSMISSION_ANGLE_DEG
-        limits = {"transmission_angle": Limit(least, f"at least {least:g} deg")}
-        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, limits, self._others())
+        limit = Limit("transmission_angle", least, f"at least {least:g} deg")
+        plots = motion_plots(self.motion, self.table, [limit])
+        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))

@@ -20,7 +20,7 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
-from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG
+from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG, driver_at
 from ..instant.centres import instant_centres
 from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
 from ..measures import assembly_failure
@@ -124,7 +124,8 @@ class PolygonsRecipe(AbstractRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
         advice = "near a dead centre the polygons run off"
-        return (Check("transmission angle here", angle, "at least", least, "deg", advice),)
+        at, name = driver_at(self.motion, 0), "transmission angle here"
+        return (Check("transmission_angle", name, angle, "at least", least, "deg", advice, at=at),)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -13,11 +13,12 @@ from ...core.fields import entry, quantity
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import HoleFit, Part
-from ...model.scene import Limit, Plot, Role, Scene
+from ...model.roles import Role
+from ...model.scene import Limit, Plot, Scene
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
 from ...recipe.settings import Files, Turn
-from ..checks import MOST_FORCE_TO_BEST, collision_check, reached
+from ..checks import MOST_FORCE_TO_BEST, collision_check, driver_at, reached
 from ..dynamics.shaking import (
     Counterbalance,
     SliderCrankMasses,
@@ -114,9 +115,11 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         }
         words = {"none": "force without counterweight", "given": "with the one given", "best": "with the best"}
         what = {role: words[name] for name, role in roles.items()}
-        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
-        plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
-        plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}_N" for name in roles)) for way in "xy"]
+        most = Limit(
+            "force_given", MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given"
+        )
+        plots = [Plot("size of the shaking force", tuple(f"force_{name}" for name in roles), (most,))]
+        plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}" for name in roles)) for way in "xy"]
         return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
 
     @property
@@ -128,7 +131,16 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         advice = f"give counterbalance = {self.best.product.real + 0.0:.6g}"
         return (
             reached(self.motion, "crank's turn"),
-            Check("largest force, given to best counterbalance", share, "at most", MOST_FORCE_TO_BEST, "", advice),
+            Check(
+                "force_to_best",
+                "largest force, given to best counterbalance",
+                share,
+                "at most",
+                MOST_FORCE_TO_BEST,
+                "",
+                advice,
+                at=driver_at(self.motion, int(np.nanargmax(self.table["force_given"]))),
+            ),
             collision_check(len(self.stack.collisions), "see summary.json"),
             *self.drive.checks,
         )

@@ -55,11 +55,15 @@ class BranchSpec:
         """Raise DesignError for a sign of no dyad, or a place of no point."""
         unknown = [name for name in self.branch if name not in joints]
         if unknown:
-            raise DesignError(self.field, f"found {shown(unknown[0])}", f"give signs of {', '.join(joints) or 'none'}")
+            raise DesignError(
+                self.field, f"found {shown(unknown[0])}", f"give signs of {', '.join(joints) or 'none'}", "unknown-key"
+            )
         points = dict.fromkeys(p for body in list(linkage.bodies)[1:] for p in linkage.bodies[body])
         unknown = [name for name in self.branch_points if name not in points]
         if unknown:
-            raise DesignError(self.field, f"found {shown(unknown[0])}", f"give places of {', '.join(points)}")
+            raise DesignError(
+                self.field, f"found {shown(unknown[0])}", f"give places of {', '.join(points)}", "unknown-key"
+            )
 
 
 # One sign for all dyads, as most motions have it.
@@ -87,7 +91,9 @@ def _told(start: object, field: str, follow: bool) -> BranchSpec:
         if len(signs) + len(near) == len(start):
             return BranchSpec(1, signs, near, follow)
         wrong = next(value for name, value in start.items() if name not in signs and name not in near)
-        raise DesignError(field, f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm")
+        raise DesignError(
+            field, f"found {shown(wrong)}", "give +1 or -1, or a place as a finite complex number, mm", "wrong-type"
+        )
     if _is_sign(start):
         return BranchSpec(1 if start == 1 else -1, {}, {}, follow)
     words = "+1, -1" if follow else '+1, -1, "follow"'

@@ -76,9 +76,9 @@ def newton_raphson(
     not finite it stops, not converged, and the value is where that happened: never trust it without looking.
     """
     if np.ndim(estimate) > 1 or not np.size(estimate):
-        raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)")
+        raise DesignError("estimate", f"found shape {np.shape(estimate)}", "give a number or a row (n,)", "wrong-type")
     if (count := np.size(estimate)) > MOST_UNKNOWNS:
-        raise DesignError("estimate", f"found {count:,} unknowns", f"give at most {MOST_UNKNOWNS:,}")
+        raise DesignError("estimate", f"found {count:,} unknowns", f"give at most {MOST_UNKNOWNS:,}", "too-much-work")
     x = np.atleast_1d(np.asarray(estimate, dtype=float)).copy()
     path = [x]
     converged = False

@@ -119,10 +119,15 @@ class DriveRange:
         parts = np.ceil((high - low) / finest) + 2
         if parts * many > MOST and turns and many < MOST / 8:
             found, most = np.degrees(high - low), MOST // many - 3
-            raise DesignError("drive", f"found {found:.6g} deg to follow a branch over", f"give at most {most} deg")
+            raise DesignError(
+                "drive", f"found {found:.6g} deg to follow a branch over", f"give at most {most} deg", "too-much-work"
+            )
         if parts * many > MOST:
             raise DesignError(
-                "bodies", f"found {many} linkages to follow", f"give at most {int(MOST // parts)} at a time"
+                "bodies",
+                f"found {many} linkages to follow",
+                f"give at most {int(MOST // parts)} at a time",
+                "too-much-work",
             )
         return np.linspace(low - finest, high + finest, int(parts) + 1)
 

@@ -2,11 +2,6 @@
 import { Names } from "./names.js";
 import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
-// What is off until it is asked for; it says nothing of most mechanisms to those who have not met it.
-export const OFF = ["dimension", "bobillier", "centre", "velocity", "acceleration"];
-// What may reach far beyond the mechanism: the drawing makes room for so much of its size on each side, where it is on;
-// less for what is not what the recipe is about.
-const WIDE = ["centrode", "inflection"], FAR = [...OFF, ...WIDE, "driven", "driving"], ROOM = 0.5, LESS = 0.25;
 // Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
@@ -21,6 +16,8 @@ export class Drawing {
   // every: its step between two dashes of a trail.
   constructor(stage, scene, data, drive, every) {
     Object.assign(this, { scene, data, frames: data.frames, by: 1, hidden: new Set(), open: new Set(scene.open) });
+    // Roles that may reach far beyond the mechanism: the drawing grows for those that are on.
+    this.far = data.roles.filter(({ room }) => room).map(({ id }) => id);
     this.id = `hatch${drawings++}`;
     const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
     this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing",
@@ -198,8 +195,8 @@ export class Drawing {
       body.drawn = body.cut.map((index) => pointsOf(this.data.paths[index]));
       takeMoving(body, body.drawn.flatMap(({ points }) => points));
     }
-    takeLined((role) => !FAR.includes(role));
-    takeMarks(this.marks.filter((mark) => !FAR.includes(mark.role)));
+    takeLined((role) => !this.far.includes(role));
+    takeMarks(this.marks.filter((mark) => !this.far.includes(mark.role)));
     const takeCurves = (wanted) => {
       for (const path of this.world.querySelectorAll("path")) {
         if (!wanted(path.dataset.role)) continue;
@@ -207,12 +204,12 @@ export class Drawing {
         take(x, y); take(x + width, y + height);
       }
     };
-    takeCurves((role) => !FAR.includes(role));
+    takeCurves((role) => !this.far.includes(role));
     if (ends[0] === Infinity) ends.splice(0, 4, -1, -1, 1, 1);
     const always = [...ends];
     this.asides = {};
-    for (const role of FAR) {
-      const room = [always[2] - always[0], always[3] - always[1]].map((size) => (WIDE.includes(role) ? ROOM : LESS) * size);
+    for (const { id: role, room: share } of this.data.roles.filter(({ room }) => room)) {
+      const room = [always[2] - always[0], always[3] - always[1]].map((size) => share * size);
       ends.splice(0, 4, ...always);
       takeMarks(this.marks.filter((mark) => mark.role === role));
       takeCurves((other) => other === role);
@@ -261,12 +258,13 @@ export class Drawing {
       }
     }
     // What was asked for displaces what is always shown.
-    this.named.all.sort((a, b) => OFF.includes(b.role) - OFF.includes(a.role));
+    const off = this.data.roles.filter(({ shown }) => !shown).map(({ id }) => id);
+    this.named.all.sort((a, b) => off.includes(b.role) - off.includes(a.role));
   }
 
   // Across and up, mm, of what is on.
   size() {
-    const boxes = [this.bounds, ...FAR.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const boxes = [this.bounds, ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
     const [left, low, right, high] = this.box;
     return [max(right - left, 1e-9), max(high - low, 1e-9)];

@@ -1,5 +1,5 @@
 // The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
-import { Drawing, FOOT, MARGIN, OFF } from "./drawing.js";
+import { Drawing, FOOT, MARGIN } from "./drawing.js";
 import { handle } from "./hands.js";
 import { measured, Plots, read, shown, unitOf } from "./plots.js";
 import { abs, floor, make, max, min, spaced } from "./shapes.js";
@@ -9,11 +9,6 @@ const FIRST_PASS = 5;
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 // Turn of the driver, deg, between two dashes of a trail; a driver that slides makes so many steps over its stroke.
 const DASH_DEG = 5, STROKE_DASHES = 72;
-const ROLES = {
-  names: "names", dimension: "dimensions", traced: "traced path", wanted: "wanted", construction: "construction", pitch: "pitch curves",
-  driven: "no driven pin here", driving: "no driving pin here", contact: "contact", centrode: "centrodes", inflection: "inflection circle", bobillier: "Bobillier construction", centre: "instant centres",
-  velocity: "velocities", acceleration: "accelerations",
-};
 // Milliseconds between two times that values are written while it plays: eyes read no faster.
 const READING = 120;
 // How much closer a key or a button takes one, and how far the arrows move what is seen, px.
@@ -101,6 +96,7 @@ class Player {
 
   switches() {
     const found = new Set(["names", ...this.drawings.flatMap((drawing) => [...drawing.roles])]);
+    const roles = [{ id: "names", label: "names", shown: true }, ...this.data.roles];
     const set = make(this.left, "fieldset", { class: "switches" });
     const scaleOf = (role) => {
       const told = this.drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 mm is .*/) ?? [] : []));
@@ -117,10 +113,10 @@ class Player {
       box.addEventListener("change", () => { act(box.checked); this.fit(true); });
       act(on);
     };
-    for (const role of Object.keys(ROLES)) {
-      const scale = scaleOf(role);
-      if (found.has(role)) add(scale ? `${ROLES[role]} (${scale})` : ROLES[role], role, !OFF.includes(role), (on) => {
-        for (const drawing of this.drawings) drawing.toggle(role, on);
+    for (const { id, label, shown } of roles) {
+      const scale = scaleOf(id);
+      if (found.has(id)) add(scale ? `${label} (${scale})` : label, id, shown, (on) => {
+        for (const drawing of this.drawings) drawing.toggle(id, on);
       });
     }
     if (this.drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));

@@ -43,7 +43,9 @@ class Expression:
 
     def __post_init__(self) -> None:
         if len(self.text) > LONGEST:
-            raise DesignError("function", f"found {len(self.text):,} characters", f"give at most {LONGEST}")
+            raise DesignError(
+                "function", f"found {len(self.text):,} characters", f"give at most {LONGEST}", "too-much-work"
+            )
         _ = self._value  # read now, or the fault would be told when it is first called
 
     @cached_property

@@ -139,7 +139,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 wanted.driving_point,
             )
         except DesignError as error:
-            raise DesignError(f"wanted.{error.field}", error.problem, error.remedy) from None
+            raise DesignError(f"wanted.{error.field}", error.problem, error.remedy, error.id) from None
 
     @property
     def search_limits(self) -> tuple[float, float]:
@@ -149,8 +149,18 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     def met_by(self, found: BodyGuide) -> tuple[Check, ...]:
         return (
-            Check("largest distance from a pose", _told(found.pose_error), "at most", MISSED, "mm", FEWER),
-            Check("largest turn from a pose", _told(found.angle_error_deg), "at most", MISSED_DEG, "deg", FEWER),
+            Check(
+                "pose_distance", "largest distance from a pose", _told(found.pose_error), "at most", MISSED, "mm", FEWER
+            ),
+            Check(
+                "pose_rotation",
+                "largest turn from a pose",
+                _told(found.angle_error_deg),
+                "at most",
+                MISSED_DEG,
+                "deg",
+                FEWER,
+            ),
         )
 
     @property

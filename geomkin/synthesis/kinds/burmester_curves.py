@@ -148,7 +148,8 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         lengths = np.abs(self.pins - self.dyads[1])
         missed = float(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])))
         advice = "poses so close together leave the curves to rounding; set them farther apart"
-        return (Check("largest miss of a pose by a dyad, to its length", missed, "at most", MISSED, "", advice),)
+        name = "largest miss of a pose by a dyad, to its length"
+        return (Check("pose_miss", name, missed, "at most", MISSED, "", advice),)
 
     @property
     def at_first(self) -> Pose:
@@ -181,10 +182,9 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in shown]
         marks += [SceneMark("pin", pins, "construction") for pins in shown]
         marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
-        names = {column.name: column.header for column in self.table.columns}
         plots = (
-            Plot("pivot on the ground", (names["fixed_x"], names["fixed_y"])),
-            Plot("length of the crank", (names["length"],)),
+            Plot("pivot on the ground", ("fixed_x", "fixed_y")),
+            Plot("length of the crank", ("length",)),
         )
         time, closed = np.linspace(0, WANDER, count), np.ones(count, dtype=bool)
         return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)

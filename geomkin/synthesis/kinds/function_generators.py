@@ -225,11 +225,10 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
     @property
     def plotted(self) -> Sequence[Plot]:
-        names = {column.name: column.header for column in self.table.columns}
-        limits = tuple(Limit(side * self.most_error, "largest error allowed") for side in (1, -1))
+        limits = tuple(Limit("error", side * self.most_error, "largest error allowed") for side in (1, -1))
         return (
-            Plot("error of the output", (names["error"],), limits),
-            Plot("output", (names["wanted"], names["reached"])),
+            Plot("error of the output", ("error",), limits),
+            Plot("output", ("wanted", "reached")),
         )
 
     @property
@@ -244,7 +243,11 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
     def met_by(self, found: AbstractFunctionGenerator) -> tuple[Check, ...]:
         advice = "give other swings, a shorter range, or leave the starts free"
-        return (Check("largest error of the output", found.largest, "at most", self.most_error, self.unit, advice),)
+        peak, wanted = max(found.alternation, key=lambda peak: abs(peak.error)), self.wanted
+        share = (peak.x - wanted.x_start) / (wanted.x_end - wanted.x_start)
+        at = float(np.degrees(found.drive[0] + share * (found.drive[1] - found.drive[0])))
+        name, most = "largest error of the output", self.most_error
+        return (Check("output_error", name, found.largest, "at most", most, self.unit, advice, "error", at),)
 
     @property
     def notes(self) -> Mapping[str, object]:

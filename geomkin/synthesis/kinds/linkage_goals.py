@@ -153,7 +153,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         # A linkage that cannot go the whole way has no swing to miss: the defect says so, and a nan would say nothing.
         told = [check for check in self.met if not (defects and np.isnan(check.value))]
         advice = f"it has a defect of {', '.join(defects)}" if defects else ""
-        return (*told, Check("defects", len(defects), "at most", 0, "", advice), *super().design_checks)
+        return (*told, Check("defects", "defects", len(defects), "at most", 0, "", advice), *super().design_checks)
 
     @property
     def shown(self) -> Sequence[SceneCurve]:

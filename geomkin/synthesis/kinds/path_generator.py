@@ -73,7 +73,7 @@ class FileName:
             try:
                 return drawing_points(text, count)
             except DesignError as error:
-                raise DesignError("file", f"{printable(self.name)}: {error.problem}", error.remedy) from None
+                raise DesignError("file", f"{printable(self.name)}: {error.problem}", error.remedy, error.id) from None
         return _rows(text, printable(self.name))
 
 
@@ -82,14 +82,16 @@ def as_field(name: str, path: str, count: int) -> Complex:
     try:
         return svg_path_points(path, count)[0]
     except DesignError as error:
-        raise DesignError(name, f"its path {error.problem}", error.remedy) from None
+        raise DesignError(name, f"its path {error.problem}", error.remedy, error.id) from None
 
 
 def _rows(text: str, name: str) -> Complex:
     """The rows of two numbers; a first line of words is their heading."""
     count = text.count("\n")
     if count > MOST_POINTS + 1:
-        raise DesignError("file", f"{name} has {count:,} lines", f"give at most {MOST_POINTS:,} points")
+        raise DesignError(
+            "file", f"{name} has {count:,} lines", f"give at most {MOST_POINTS:,} points", "too-much-work"
+        )
     lines = [line for line in csv_cells(text, name) if "".join(line).strip()]
     points = []
     for k, line in enumerate(lines, 1):
@@ -273,7 +275,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             key = (
                 error.field if error.field == table or error.field.startswith(f"{table}.") else f"{table}.{error.field}"
             )
-            raise DesignError(key, error.problem, error.remedy) from None
+            raise DesignError(key, error.problem, error.remedy, error.id) from None
 
     @property
     def ranked(self) -> Sequence[PathFound]:
@@ -298,6 +300,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         advice = "give more room by wider bounds, lower limits or fewer points"
         return (
             Check(
+                "point_distance",
                 "largest distance of a point from the path",
                 found.largest_distance,
                 "at most",

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
-from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG, TRANSMISSION
+from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
 from ...model.part import Part
@@ -151,9 +151,13 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
             return checks
         ratio, largest = self.found.ratio, self.found.largest_ratio
         bound = Check(
-            RATIO_OF_LINKS, min(ratio, largest) if ratio <= largest * (1 + NEAR) else ratio, "at most", largest
+            "link_ratio",
+            RATIO_OF_LINKS,
+            min(ratio, largest) if ratio <= largest * (1 + NEAR) else ratio,
+            "at most",
+            largest,
         )
-        told = (replace(c, advice=self.why_low or c.advice) if c.name == TRANSMISSION else c for c in checks)
+        told = (replace(c, advice=self.why_low or c.advice) if c.id == "transmission_angle" else c for c in checks)
         return (*told, bound)
 
     @property
@@ -244,20 +248,19 @@ def family_choice(found: AbstractMember) -> Choice:
         Column("ratio_of_the_made", "", "longest link over the shortest, of the one that is made", made(ratio)),
         *(Column(name, "mm", name, row) for name, row in lengths.items()),
     )
-    at = {column.name: column.header for column in columns}
     least = LEAST_TRANSMISSION_ANGLE_DEG
     plots = (
         Plot(
             "least transmission angle",
-            (at["every_one"], at["made"]),
-            (Limit(least, f"at least {least:g} deg"),),
+            ("every_one", "made"),
+            (Limit("every_one", least, f"at least {least:g} deg"),),
         ),
         Plot(
             RATIO_OF_LINKS,
-            (at["ratio_of_every_one"], at["ratio_of_the_made"]),
-            (Limit(found.largest_ratio, f"largest_ratio = {found.largest_ratio:g}"),),
+            ("ratio_of_every_one", "ratio_of_the_made"),
+            (Limit("ratio_of_every_one", found.largest_ratio, f"largest_ratio = {found.largest_ratio:g}"),),
         ),
-        Plot("lengths", tuple(at[name] for name in lengths)),
+        Plot("lengths", tuple(lengths)),
     )
     return Choice(Table(columns), chosen, plots)
 
@@ -325,8 +328,8 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
         wanted = self.wanted
         swing, turn = missed(found.swing_deg, wanted.swing_deg), missed(found.crank_turn_deg, wanted.turn_deg)
         return (
-            Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
-            Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
+            Check("missed_swing", "missed swing", swing, "at most", MISSED_DEG, "deg"),
+            Check("missed_crank_rotation", "missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
         )
 
 
@@ -397,8 +400,8 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     def met_by(self, found: DoubleRocker) -> tuple[Check, ...]:
         swing, beyond = missed(found.rocker_swing_deg, self.wanted.rocker_swing_deg), missed(found.overshoot_deg, 0.0)
         return (
-            Check("missed swing", swing, "at most", MISSED_DEG, "deg"),
-            Check("rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
+            Check("missed_swing", "missed swing", swing, "at most", MISSED_DEG, "deg"),
+            Check("rocker_overshoot", "rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
         )
 
 
@@ -459,6 +462,6 @@ class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
         stroke = missed(found.stroke / wanted.stroke, 1.0) * wanted.stroke
         turn = missed(found.crank_turn_deg, wanted.turn_deg)
         return (
-            Check("missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
-            Check("missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
+            Check("missed_stroke", "missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
+            Check("missed_crank_rotation", "missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
         )

@@ -78,7 +78,7 @@ class _Reader:
 def first_run(path: str) -> tuple[Complex, bool]:
     """The first run of a path's text as a line of many points, in SVG's own coordinates, and whether it closes."""
     if len(path) > LONGEST:
-        raise DesignError("path", f"has {len(path):,} characters", f"give at most {LONGEST:,}")
+        raise DesignError("path", f"has {len(path):,} characters", f"give at most {LONGEST:,}", "too-much-work")
     reader, line, commands = _Reader(path), [], 0
     first = reader.take(COMMAND)
     if first is None or first.lower() != "m":
