@@ -16,9 +16,12 @@ def main() -> None:
 
         try:
             from .cli import cli
-            from .core.errors import harmless
+            from .core.errors import GeomkinError, harmless
 
-            sys.exit(cli(standalone_mode=False))
+            try:
+                sys.exit(cli(standalone_mode=False))
+            except GeomkinError as error:
+                sys.exit(str(error))
         except click.ClickException as error:
             told = io.StringIO()
             error.show(told)

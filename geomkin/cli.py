@@ -146,34 +146,40 @@ def _overwrite(line: str) -> None:
 @cli.command("list")
 def list_command() -> None:
     """List the kinds of mechanism."""
-    from .recipe.kinds import KINDS
+    from .recipe.kinds import all_kinds, recipe_class
 
-    width = max(map(len, KINDS))
-    for name in KINDS:
-        click.echo(f"{name:<{width}}  {KINDS[name].about()}")
+    kinds = all_kinds()
+    width = max(map(len, kinds))
+    for group in dict.fromkeys(row.group for row in kinds.values()):
+        click.echo(group)
+        for name in (name for name, row in kinds.items() if row.group == group):
+            click.echo(f"  {name:<{width}}  {recipe_class(name).about()}")
 
 
 @cli.command()
 @click.argument("name", metavar="KIND")
 @click.option(
-    "--with", "wishes", multiple=True, metavar="TABLE[=KIND]",
+    "--with", "options", multiple=True, metavar="TABLE[=KIND]",
     help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
 )  # fmt: skip
 def new(name: str, options: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
     from .core.errors import DesignError, printable
-    from .recipe.kinds import KINDS
+    from .recipe.kinds import kind_names, recipe_class
 
-    if name not in KINDS:
+    try:
+        recipe = recipe_class(name)
+    except KeyError:
         from .recipe.messages import nearest
 
+        kinds = kind_names()
         raise click.BadParameter(
-            f"unknown kind {printable(name)!r}; {nearest(name, KINDS)}choose of {', '.join(KINDS)}"
-        )
+            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose of {', '.join(kinds)}"
+        ) from None
     from .recipe.template import template
 
     try:
-        text = template(KINDS[name], options)
+        text = template(recipe, options)
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
     click.echo(text, nl=False)
@@ -184,10 +190,9 @@ def schema() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from .recipe.kinds import KINDS
     from .recipe.template import schema
 
-    click.echo(json.dumps(schema(KINDS), indent=1))
+    click.echo(json.dumps(schema(), indent=1))
 
 
 @cli.command("chart")

@@ -17,6 +17,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError, FileError, Problem, RecipeError, printable, shown
 from ..core.fields import KindTable
 from ..core.scaling import scaled
+from .kinds import kind_names, recipe_class
 from .recipe import AbstractRecipe
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
@@ -26,15 +27,12 @@ LARGEST = 500_000
 DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 
 
-Kinds = Mapping[str, type[AbstractRecipe]]
-
-
-def read(kinds: Kinds, path: Path) -> AbstractRecipe:
+def read(path: Path) -> AbstractRecipe:
     """The recipe in a TOML file, called as the file is.
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    return told(kinds, table_of(path), str(path), str(path.parent)).with_name(path.stem)
+    return told(table_of(path), str(path), str(path.parent)).with_name(path.stem)
 
 
 def table_of(path: Path) -> dict[str, Any]:
@@ -42,9 +40,9 @@ def table_of(path: Path) -> dict[str, Any]:
     return parsed(_text(path), str(path))
 
 
-def parse(kinds: Kinds, text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def parse(text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
-    return told(kinds, parsed(text, file), file, folder)
+    return told(parsed(text, file), file, folder)
 
 
 def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
@@ -66,18 +64,20 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named") from None
 
 
-def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def told(data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
-    if not isinstance(name, str) or name not in kinds:
+    try:
+        kind = recipe_class(name if isinstance(name, str) else "")
+    except KeyError:
         from .messages import nearest
 
+        kinds = kind_names()
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
         held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
         near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
-        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}")])
-    kind = kinds[name]
+        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}")]) from None
     # A key of the text alone: what it makes of the lengths is the recipe.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
     try:

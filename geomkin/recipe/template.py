@@ -13,7 +13,8 @@ from pydantic import TypeAdapter
 
 from ..core.errors import DesignError, printable
 from ..core.fields import allowed
-from .load import Kinds, adapter
+from .kinds import kind_names, recipe_class
+from .load import adapter
 from .messages import kind_of, nearest, tables_in
 from .recipe import AbstractRecipe
 
@@ -188,20 +189,21 @@ def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def schema(kinds: Kinds) -> dict[str, Any]:
+def schema() -> dict[str, Any]:
     """A schema in which a wrong key or value is wrong at its own place, not at the whole recipe or segment.
 
     Which table stands somewhere is told by its `kind` alone: each has its `if` and `then`. Of a plain choice between
     them (`oneOf`) an editor only sees that none fits, and marks the whole.
     """
+    kinds = {name: recipe_class(name) for name in kind_names()}
     inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
-        (name, "validation", adapter(kinds[name])) for name in kinds
+        (name, "validation", adapter(recipe)) for name, recipe in kinds.items()
     ]
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
-    for name in kinds:
-        if kinds[name].can_be_scaled:
+    for name, recipe in kinds.items():
+        if recipe.can_be_scaled:
             own = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
             own["properties"]["scale"] = {"type": "number", "minimum": 1e-6, "maximum": 1e6, "description": SCALE}
     recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
