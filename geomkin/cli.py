@@ -54,7 +54,7 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None) -> None:
 
     files = _files(recipes)
     _refuse_twins(files)
-    made, failed = _each(files, lambda file: make(file, out, only))
+    made, failed = _each(files, partial(make, out=out, only=only))
     if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
         try:
             index(out)
@@ -256,7 +256,7 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
     from .core.processes import each
     from .core.progress import shown
 
-    outcomes: dict[int, Made | str] = {}
+    outcomes: list[Made | str] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def tell(share: float, what: str) -> None:
@@ -269,10 +269,6 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
             bar.label = f"Recipes, {what}: {share:.0%}" if share < 1 else "Recipes"
             bar.render_progress()
 
-    def begun(file: Path) -> None:
-        bar.current_item = file
-        bar.render_progress()
-
     counted: ProgressBar[Path] = click.progressbar(
         length=len(files),
         label="Recipes",
@@ -281,15 +277,14 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> tuple[list[Made]
         hidden=hidden,
     )
     with counted as bar, shown(tell):
-        for number, outcome in each(partial(_tried, action), files, begun):
-            outcomes[number] = outcome or f"{printable(files[number])}: its process was killed; {LARGER}"
-            bar.update(1)
-    # In the order in which they were named, whichever was done first.
-    every = [outcomes[number] for number in sorted(outcomes)]
-    failures = [outcome for outcome in every if isinstance(outcome, str)]
+        bar.update(0, files[0])
+        for file, following, outcome in zip(files, [*files[1:], None], each(partial(_tried, action), files)):
+            outcomes.append(outcome or f"{printable(file)}: its process was killed; {LARGER}")
+            bar.update(1, following)
+    failures = [outcome for outcome in outcomes if isinstance(outcome, str)]
     for failure in failures:
         click.secho(failure, fg="red", err=True)
-    return [outcome for outcome in every if not isinstance(outcome, str)], len(failures)
+    return [outcome for outcome in outcomes if not isinstance(outcome, str)], len(failures)
 
 
 def _tried(action: Callable[[Path], Made], file: Path) -> Made | str:

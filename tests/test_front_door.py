@@ -92,15 +92,15 @@ def watched(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
-    monkeypatch.setattr("geomkin.core.processes._cores", lambda: 1)
+    monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
     handler = signal.getsignal(signal.SIGINT)
     real = build.make
 
-    def make(file, *rest):
+    def make(file, **options):
         if "= 33" in file.read_text():
             tell(0.375, "looking for teeth")
             tell(1.0, "looking for teeth")
-        return real(file, *rest)
+        return real(file, **options)
 
     monkeypatch.setattr(build, "make", make)
 

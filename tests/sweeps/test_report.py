@@ -259,7 +259,7 @@ def test_files_that_a_recipe_names_count_where_they_lie_beside_it(tmp_path, monk
 
 def test_a_process_that_was_killed_costs_its_own_combinations_alone(task, monkeypatch):
     monkeypatch.setattr(
-        sweeping, "each", lambda work, batches: ((k, None if k == 1 else work(b)) for k, b in enumerate(batches))
+        sweeping, "each", lambda work, batches: (None if k == 1 else work(b) for k, b in enumerate(batches))
     )
     batches = [[{"linkage.crank": 20}], [{"linkage.crank": 25}, {"linkage.crank": 28}], [{}]]
     found = dict(sweeping.by_processes(task(), batches))
