@@ -152,7 +152,7 @@ def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
             for row in value:
                 tables += ["", f"[[{name}]]", *_table(name, row, DEEPEST)]
         else:
-            plain.append(f"{_key(key)} = {_toml(value)}")
+            plain.append(f"{_key(key)} = {toml_value(value)}")
     return [*plain, *tables]
 
 
@@ -161,20 +161,26 @@ def _kept(table: dict[str, Any], empty: bool = True) -> dict[str, Any]:
     return {key: value for key, value in table.items() if value is not None and (empty or value not in ({}, []))}
 
 
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        inside = ", ".join(f"{_key(key)} = {_toml(held)}" for key, held in _kept(value).items())
-        return f"{{ {inside} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return json.dumps(value)
-    # A size of 100 is written so by people, too; beyond 2**53 a whole number would not be the one that it was.
-    return str(int(value)) if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else repr(value)
+def toml_value(value: Any) -> str:
+    """The TOML text of a value inside a line."""
+    match value:
+        case dict():
+            inside = ", ".join(f"{_key(key)} = {toml_value(held)}" for key, held in _kept(value).items())
+            return f"{{ {inside} }}" if value else "{}"
+        case list() | tuple():
+            return f"[{', '.join(map(toml_value, value))}]"
+        case complex():
+            return toml_value([value.real, value.imag])
+        case str():
+            # JSON's escapes are those of TOML, except for the one control character that JSON does not escape.
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        case bool():
+            return json.dumps(value)
+        case float() if value.is_integer() and abs(value) < 2**53:
+            # People write 100, not 100.0. Beyond 2**53 a whole number could not be read back as the same float.
+            return str(int(value))
+    return repr(value)
 
 
 def _key(name: str) -> str:
-    return name if name.isascii() and name.replace("_", "").replace("-", "").isalnum() else _toml(name)
+    return name if name.isascii() and name.replace("_", "").replace("-", "").isalnum() else toml_value(name)
