@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import io
+import os
+import signal
 import sys
 from contextlib import suppress
 from typing import NoReturn
@@ -11,14 +14,17 @@ from typing import NoReturn
 def main() -> None:
     """Run the command line; never a traceback for what a user can cause."""
     try:
-        _calm()
+        _settings()
         import click
 
         try:
             from .cli import cli
-            from .core.errors import harmless
+            from .core.errors import GeomkinError, harmless
 
-            sys.exit(cli(standalone_mode=False))
+            try:
+                sys.exit(cli(standalone_mode=False))
+            except GeomkinError as error:
+                sys.exit(str(error))
         except click.ClickException as error:
             told = io.StringIO()
             error.show(told)
@@ -40,36 +46,23 @@ def main() -> None:
         fault = harmless(f"{type(error).__name__}: {error}")
         sys.exit(f"geomkin failed by a fault of its own ({fault}); please report the recipe")
     finally:
-        import gc
-
-        # The interpreter looks once more through all objects for rings of them when it ends: a fifth of a short run,
-        # for memory that goes with the process.
+        # Otherwise the interpreter searches all objects for cycles when it ends: a tenth of a short run.
         gc.freeze()
 
 
-def _calm() -> None:
+def _settings() -> None:
     """Settings for a short process, before anything heavy is loaded."""
-    import signal
-
     # Ctrl-C ends the process itself: as an exception it would be swallowed by libraries that try their own optional
     # imports.
     signal.signal(signal.SIGINT, _stop)
-    import gc
-    import os
-
-    # NumPy's linear algebra would start a thread for every core; nothing here multiplies matrices.
+    # With more threads, sums of NumPy's linear algebra have other last digits.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Looking through every package there is for plugins of the validator takes longer, the more there are.
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    # Importing makes objects that stay: collecting among them every 700 costs a tenth of the run, every 100 000 still
-    # 7 %. Larger, and what many recipes leave behind piles up in the memory.
+    # The many objects that imports make stay: searching them for garbage takes a tenth of a short run.
     gc.set_threshold(1_000_000)
 
 
 def _stop(*_: object) -> NoReturn:
     """End at once, with a line and a terminal's cursor back: files are written whole or not at all."""
-    import os
-
     # Not by the stream, which may be in the middle of a line itself.
     with suppress(OSError):
         os.write(2, b"\x1b[?25h\n" if os.isatty(2) else b"")

@@ -22,7 +22,6 @@ from .model.check import Check
 from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
-from .recipe.kinds import KINDS
 from .recipe.load import to_toml
 from .recipe.recipe import AbstractRecipe
 from .recipe.settings import Files, Format
@@ -59,10 +58,10 @@ def load(source: Readable) -> AbstractRecipe:
     every problem, key by key.
     """
     if isinstance(source, Mapping):
-        return reading.told(KINDS, source)
+        return reading.told(source)
     if isinstance(source, str) and "\n" in source:
-        return reading.parse(KINDS, source)
-    return reading.read(KINDS, Path(source))
+        return reading.parse(source)
+    return reading.read(Path(source))
 
 
 @checked

@@ -67,7 +67,7 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, as_json: b
 
     files = _files(recipes)
     _refuse_twins(files)
-    outcomes = _each(files, lambda file: make(file, out, only))
+    outcomes = _each(files, partial(make, out=out, only=only))
     made = _made(outcomes)
     if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
         try:
@@ -208,11 +208,14 @@ def _overwrite(line: str) -> None:
 @cli.command("list")
 def list_command() -> None:
     """List the kinds of mechanism."""
-    from .recipe.kinds import KINDS
+    from .recipe.kinds import all_kinds, recipe_class
 
-    width = max(map(len, KINDS))
-    for name in KINDS:
-        click.echo(f"{name:<{width}}  {KINDS[name].about()}")
+    kinds = all_kinds()
+    width = max(map(len, kinds))
+    for group in dict.fromkeys(row.group for row in kinds.values()):
+        click.echo(group)
+        for name in (name for name, row in kinds.items() if row.group == group):
+            click.echo(f"  {name:<{width}}  {recipe_class(name).about()}")
 
 
 @cli.command()
@@ -224,18 +227,21 @@ def list_command() -> None:
 def new(name: str, options: tuple[str, ...]) -> None:
     """Print a commented recipe of a KIND, ready to run."""
     from .core.errors import DesignError, printable
-    from .recipe.kinds import KINDS
+    from .recipe.kinds import kind_names, recipe_class
 
-    if name not in KINDS:
+    try:
+        recipe = recipe_class(name)
+    except KeyError:
         from .recipe.messages import nearest
 
+        kinds = kind_names()
         raise click.BadParameter(
-            f"unknown kind {printable(name)!r}; {nearest(name, KINDS)}choose of {', '.join(KINDS)}"
-        )
+            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose of {', '.join(kinds)}"
+        ) from None
     from .recipe.template import template
 
     try:
-        text = template(KINDS[name], options)
+        text = template(recipe, options)
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
     click.echo(text, nl=False)
@@ -246,10 +252,9 @@ def schema() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from .recipe.kinds import KINDS
     from .recipe.template import schema
 
-    click.echo(json.dumps(schema(KINDS), indent=1))
+    click.echo(json.dumps(schema(), indent=1))
 
 
 @cli.command("chart")
@@ -323,7 +328,7 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
     from .core.processes import each
     from .core.progress import shown
 
-    outcomes: dict[int, Made | Refused] = {}
+    outcomes: list[Made | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def tell(share: float, what: str) -> None:
@@ -336,10 +341,6 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
             bar.label = f"Recipes, {what}: {share:.0%}" if share < 1 else "Recipes"
             bar.render_progress()
 
-    def begun(file: Path) -> None:
-        bar.current_item = file
-        bar.render_progress()
-
     counted: ProgressBar[Path] = click.progressbar(
         length=len(files),
         label="Recipes",
@@ -348,11 +349,12 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
         hidden=hidden,
     )
     with counted as bar, shown(tell):
-        for number, outcome in each(partial(_tried, action), files, begun):
-            killed = Problem("", "its process was killed", LARGER, "too-much-work")
-            outcomes[number] = outcome or Refused(f"{printable(files[number])}: {killed.problem}; {LARGER}", (killed,))
-            bar.update(1)
-    return [(files[number], outcomes[number]) for number in sorted(outcomes)]
+        bar.update(0, files[0])
+        killed = Problem("", "its process was killed", LARGER, "too-much-work")
+        for file, following, outcome in zip(files, [*files[1:], None], each(partial(_tried, action), files)):
+            outcomes.append(outcome or Refused(f"{printable(file)}: {killed.problem}; {LARGER}", (killed,)))
+            bar.update(1, following)
+    return list(zip(files, outcomes))
 
 
 def _tried(action: Callable[[Path], Made], file: Path) -> Made | Refused:

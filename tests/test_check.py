@@ -73,9 +73,7 @@ def test_an_expected_failure_is_still_one_and_is_marked(tmp_path):
     assert failed.id == "transmission_angle" and failed.expected == "it lies in line"
     gk.make(recipe, tmp_path, ["page"])
     summary = json.loads((tmp_path / "four-bar" / "summary.json").read_text())
-    expected = {
-        entry["id"]: (entry["passed"], entry["expected"]) for entry in summary["checks"] if "expected" in entry
-    }
+    expected = {entry["id"]: (entry["passed"], entry["expected"]) for entry in summary["checks"] if "expected" in entry}
     assert expected == {failed.id: (False, "it lies in line")}
     (row,) = re.findall(r'<tr class="fails">.*?</tr>', (tmp_path / "four-bar" / "four-bar.html").read_text())
     assert "it lies in line" in row and "expected" in row

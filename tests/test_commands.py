@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin import cli as commands
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 
@@ -96,13 +96,15 @@ def test_slips_are_told_with_what_there_is_and_nothing_is_made(command, tmp_path
     assert not (tmp_path / "out").exists()
 
 
-def test_list_has_every_kind_with_what_it_is_about_in_one_column(command):
+def test_list_shows_every_kind_under_its_group_with_its_summary_in_one_column(command):
     code, told, _ = command("list")
     lines = told.splitlines()
-    assert code == 0 and [line.split()[0] for line in lines] == list(KINDS)
-    column = max(map(len, KINDS)) + 2
-    assert [line[column:] for line in lines] == [kind.about() for kind in KINDS.values()]
-    assert all(line[column - 1] == " " != line[column] for line in lines)
+    rows = [line for line in lines if line.startswith("  ")]
+    assert code == 0 and sorted(line.split()[0] for line in rows) == sorted(KINDS)
+    assert [line for line in lines if line not in rows] == list(dict.fromkeys(row.group for row in KINDS.values()))
+    column = max(map(len, KINDS)) + 4
+    assert [line[column:] for line in rows] == [recipe_class(line.split()[0]).about() for line in rows]
+    assert all(line[column - 1] == " " != line[column] for line in rows)
 
 
 def test_a_new_recipe_is_ready_to_run(command, tmp_path):

@@ -24,8 +24,7 @@ from geomkin.tradeoff import results
 def left(monkeypatch, capsys):
     """left(by): how the program ends, and what it says, where the command ends by an exception or a number."""
     handler, often = signal.getsignal(signal.SIGINT), gc.get_threshold()
-    for name in ("OPENBLAS_NUM_THREADS", "PYDANTIC_DISABLE_PLUGINS"):
-        monkeypatch.setenv(name, os.environ.get(name, "kept"))
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", os.environ.get("OPENBLAS_NUM_THREADS", "kept"))
 
     def call(by):
         def cli(standalone_mode):
@@ -75,9 +74,8 @@ def test_where_the_reader_left_nothing_more_is_said(left, monkeypatch):
 
 def test_settings_of_the_process_are_those_that_the_user_gave(left, monkeypatch):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
-    monkeypatch.delenv("PYDANTIC_DISABLE_PLUGINS")
     left(0)
-    assert os.environ["OPENBLAS_NUM_THREADS"] == "2" and os.environ["PYDANTIC_DISABLE_PLUGINS"] == "__all__"
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "2"
     monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     left(0)
     assert os.environ["OPENBLAS_NUM_THREADS"] == "1" and gc.get_threshold()[0] > 100_000
@@ -92,15 +90,15 @@ def watched(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
-    monkeypatch.setattr("geomkin.core.processes._cores", lambda: 1)
+    monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
     handler = signal.getsignal(signal.SIGINT)
     real = build.make
 
-    def make(file, *rest):
+    def make(file, **options):
         if "= 33" in file.read_text():
             tell(0.375, "looking for teeth")
             tell(1.0, "looking for teeth")
-        return real(file, *rest)
+        return real(file, **options)
 
     monkeypatch.setattr(build, "make", make)
 

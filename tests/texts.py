@@ -3,17 +3,17 @@
 from functools import cache
 
 from geomkin.recipe import load, template
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import recipe_class
 
 
 def parse(text, file="recipe", folder="."):
     """The recipe in a text; `file` is what messages call it."""
-    return load.parse(KINDS, text, file, folder)
+    return load.parse(text, file, folder)
 
 
 def template_of(name, options=()):
     """A text to start from, of a kind by its name."""
-    return template.template(KINDS[name], options)
+    return template.template(recipe_class(name), options)
 
 
 @cache
@@ -24,9 +24,9 @@ def recipe_of(name):
 
 def schema_of_all():
     """The schema that editors read."""
-    return template.schema(KINDS)
+    return template.schema()
 
 
 def choices_of(name):
     """Tables of which a template shows one kind or none, by dotted key."""
-    return template.choices(KINDS[name])
+    return template.choices(recipe_class(name))

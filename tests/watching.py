@@ -10,7 +10,7 @@ from geomkin import build
 from geomkin.export import WRITERS, job
 from geomkin.export.formats import Writer
 from geomkin.linkage.solve.drive_range import DriveRange
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 
 HELD = ("parts", "table", "scene")
 # Of a linkage, by its drive.
@@ -28,7 +28,7 @@ class Watch:
             method = order.split()[0]
             self.patch.setattr(DriveRange, method, self._seen(getattr(DriveRange, method), order))
         self.patch.setattr(job, "cut", self._seen(job.cut, "loops"))
-        for cls in set(chain.from_iterable(kind.__mro__ for kind in KINDS.values())):
+        for cls in set(chain.from_iterable(recipe_class(kind).__mro__ for kind in KINDS)):
             for name in HELD:
                 self._watch_property(cls, name)
         for name, writer in WRITERS.items():

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Literal
-
-from ..core.records import record
 
 if TYPE_CHECKING:
     from .job import Job
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 Contents = Mapping[str, bytes]
 
 
-@record
+@dataclass(frozen=True)
 class Writer:
     """A format.
 

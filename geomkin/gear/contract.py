@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,57 +16,33 @@ from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
 
-__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "told"]
+__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike"]
 
 # Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
 # and an arc between them would have no direction.
 NARROW = 1e-12
 
-if TYPE_CHECKING:
-    from builtins import property as told
-else:
-
-    class told:  # noqa: N801  # stands as `property` does
-        """What each class of a contract tells of itself, by a field or a property of this name."""
-
-        def __init__(self, tell):
-            self.__doc__ = tell.__doc__
+# Members that a class may give as fields, properties or cached properties are declared for the type checker only: a
+# dataclass would take an inherited property for the default of its field.
 
 
-class _Contract(ABC):  # noqa: B024  # its heirs say what is asked
-    """A class of which each heir tells all that is asked, by fields or properties, or is refused when Python reads it.
+class _AbstractToothed(ABC):  # noqa: B024  # its members are declared for the type checker
+    if TYPE_CHECKING:
 
-    Heirs whose names begin with `Abstract` may leave things to their own heirs.
-    """
+        @property
+        @abstractmethod
+        def teeth(self) -> int:
+            """Number of teeth."""
 
-    def __init_subclass__(cls, **given: Any) -> None:
-        super().__init_subclass__(**given)
-        for name in inspect.get_annotations(cls):
-            # What is inherited would count as the field's default.
-            if name not in vars(cls) and hasattr(cls, name):
-                setattr(cls, name, dataclasses.field())
-        fields = {name for base in cls.__mro__ for name in inspect.get_annotations(base)}
-        members = {name: getattr(cls, name, None) for name in sorted(set(dir(cls)) - fields)}
-        asked = [name for name, m in members.items() if type(m) is told or getattr(m, "__isabstractmethod__", False)]
-        if asked and not cls.__name__.lstrip("_").startswith("Abstract"):
-            raise TypeError(f"{cls.__name__} must tell {', '.join(asked)}")
+        @property
+        @abstractmethod
+        def module(self) -> float:
+            """Pitch diameter per tooth, mm."""
 
-
-class _AbstractToothed(_Contract):
-    @told
-    @abstractmethod
-    def teeth(self) -> int:
-        """Number of teeth."""
-
-    @told
-    @abstractmethod
-    def module(self) -> float:
-        """Pitch diameter per tooth, mm."""
-
-    @told
-    @abstractmethod
-    def pitch_radius(self) -> float:
-        """Radius of the circle that rolls on the rack's or the mate's, mm; infinite for a rack."""
+        @property
+        @abstractmethod
+        def pitch_radius(self) -> float:
+            """Radius of the circle that rolls on the rack's or the mate's, mm; infinite for a rack."""
 
 
 class AbstractGear(_AbstractToothed):
@@ -77,25 +51,27 @@ class AbstractGear(_AbstractToothed):
     # Whether it is a ring: its teeth point inwards, and its outline is the hole of its plate.
     is_ring: bool = False
 
-    @told
-    @abstractmethod
-    def tip_radius(self) -> float:
-        """Radius of the tips of the teeth, mm, the smallest of a ring; infinite for a rack."""
+    if TYPE_CHECKING:
 
-    @told
-    @abstractmethod
-    def root_radius(self) -> float:
-        """Radius of the bottoms of the spaces, mm, the largest of a ring; infinite for a rack."""
+        @property
+        @abstractmethod
+        def tip_radius(self) -> float:
+            """Radius of the tips of the teeth, mm, the smallest of a ring; infinite for a rack."""
 
-    @told
-    @abstractmethod
-    def tip_thickness(self) -> float:
-        """Thickness of a tooth at its tip, mm; negative where the flanks would have met below."""
+        @property
+        @abstractmethod
+        def root_radius(self) -> float:
+            """Radius of the bottoms of the spaces, mm, the largest of a ring; infinite for a rack."""
 
-    @told
-    @abstractmethod
-    def outline(self) -> AbstractCurve:
-        """The whole gear as one closed counterclockwise curve of exact pieces; of a ring the hole of its plate."""
+        @property
+        @abstractmethod
+        def tip_thickness(self) -> float:
+            """Thickness of a tooth at its tip, mm; negative where the flanks would have met below."""
+
+        @property
+        @abstractmethod
+        def outline(self) -> AbstractCurve:
+            """The whole gear as one closed counterclockwise curve of exact pieces; of a ring the hole of its plate."""
 
     def _repr_svg_(self) -> str | None:
         return still(self, (self.outline,))
@@ -116,45 +92,49 @@ class AbstractGear(_AbstractToothed):
         return None
 
 
-class AbstractTooth(_Contract):
+class AbstractTooth(ABC):
     """Sizes and curves of the tooth on +y of an involute gear, mm and rad, of which nothing is checked.
 
     What checks, and what looks for sizes to advise, is built on it.
     """
 
-    @told
-    @abstractmethod
-    def base_radius(self) -> float:
-        """Radius of the circle from which the flanks unwind, mm."""
+    if TYPE_CHECKING:
 
-    @told
-    @abstractmethod
-    def tip_radius(self) -> float:
-        """Radius of the tips, mm."""
+        @property
+        @abstractmethod
+        def base_radius(self) -> float:
+            """Radius of the circle from which the flanks unwind, mm."""
 
-    @told
-    @abstractmethod
-    def root_radius(self) -> float:
-        """Radius of the bottoms of the spaces, mm."""
+        @property
+        @abstractmethod
+        def tip_radius(self) -> float:
+            """Radius of the tips, mm."""
 
-    @told
-    @abstractmethod
-    def rolls(self) -> tuple[float, float]:
-        """Roll angles of the involute at its two ends, the inner first, rad."""
+        @property
+        @abstractmethod
+        def root_radius(self) -> float:
+            """Radius of the bottoms of the spaces, mm."""
+
+        @property
+        @abstractmethod
+        def rolls(self) -> tuple[float, float]:
+            """Roll angles of the involute at its two ends, the inner first, rad."""
 
     @abstractmethod
     def half_angle(self, radius: float) -> float:
         """Half the angle that the tooth takes on a circle through its involute, rad."""
 
-    @told
-    @abstractmethod
-    def flank(self) -> AbstractCurve:
-        """Right-hand flank, from the root curve to the tip."""
+    if TYPE_CHECKING:
 
-    @told
-    @abstractmethod
-    def root_curve(self) -> AbstractCurve:
-        """Right-hand root curve, from the bottom land to the flank."""
+        @property
+        @abstractmethod
+        def flank(self) -> AbstractCurve:
+            """Right-hand flank, from the root curve to the tip."""
+
+        @property
+        @abstractmethod
+        def root_curve(self) -> AbstractCurve:
+            """Right-hand root curve, from the bottom land to the flank."""
 
     @property
     def tip_edge(self) -> AbstractCurve | None:
@@ -165,25 +145,27 @@ class AbstractTooth(_Contract):
 class AbstractInvoluteGear(AbstractGear):
     """A gear whose flanks are involutes (ISO 21771, DIN 3960)."""
 
-    @told
-    @abstractmethod
-    def profile_shift(self) -> float:
-        """Outward shift of the tool that cuts it, modules."""
+    if TYPE_CHECKING:
 
-    @told
-    @abstractmethod
-    def tooth_thickness_allowance(self) -> float:
-        """How much thinner each tooth is along the pitch circle, for backlash, mm."""
+        @property
+        @abstractmethod
+        def profile_shift(self) -> float:
+            """Outward shift of the tool that cuts it, modules."""
 
-    @told
-    @abstractmethod
-    def pressure_angle(self) -> float:
-        """Angle of the flanks at the pitch circle, rad: the tool's."""
+        @property
+        @abstractmethod
+        def tooth_thickness_allowance(self) -> float:
+            """How much thinner each tooth is along the pitch circle, for backlash, mm."""
 
-    @told
-    @abstractmethod
-    def tooth(self) -> AbstractTooth:
-        """Sizes and curves of the tooth on +y."""
+        @property
+        @abstractmethod
+        def pressure_angle(self) -> float:
+            """Angle of the flanks at the pitch circle, rad: the tool's."""
+
+        @property
+        @abstractmethod
+        def tooth(self) -> AbstractTooth:
+            """Sizes and curves of the tooth on +y."""
 
     def tool(self, turn: Real) -> tuple[AbstractCurve, Pose] | None:
         """Cutting edge of the tool that cuts it, mm, and where that stands when the gear has turned by `turn`, rad.
@@ -307,10 +289,12 @@ def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: flo
 class AbstractShaper(_AbstractToothed):
     """A gear about the origin that shapes a mate: it is taken as the tool, and the mate is what its teeth leave."""
 
-    @told
-    @abstractmethod
-    def most_backlash(self) -> float:
-        """Backlash, mm along the pitch circle, for which neighbouring teeth of the cutter meet."""
+    if TYPE_CHECKING:
+
+        @property
+        @abstractmethod
+        def most_backlash(self) -> float:
+            """Backlash, mm along the pitch circle, for which neighbouring teeth of the cutter meet."""
 
     @abstractmethod
     def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:

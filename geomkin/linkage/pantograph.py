@@ -48,10 +48,10 @@ class Pantograph(AbstractLinkage):
 
     Examples
     --------
-    >>> import numpy as np
     >>> import geomkin as gk
-    >>> motion = gk.move(gk.linkage.Pantograph(arm=150, forearm=150, ratio=3, crank=10, crank_pivot=60 + 0j), [0.0, 1.0])
-    >>> bool(np.allclose(motion.point("pen").position, 3 * motion.point("tracer").position))
+    >>> linkage = gk.linkage.Pantograph(arm=150, forearm=150, ratio=3, crank=10, crank_pivot=60 + 0j)
+    >>> motion = gk.move(linkage, [0.0, 1.0])
+    >>> abs(motion.point("pen").position - 3 * motion.point("tracer").position).max() < 1e-9
     True
     """
 

@@ -11,7 +11,7 @@ from ..core.names import file_name_flaw, folded
 from ..export.formats import tail_of
 from ..export.summary import files_told, told
 from ..export.text import text
-from .page import colours, head, tight_style, web_file
+from .page import colours, head, web_file
 
 NAME = "index.html"
 # What tells a page of ours from one that somebody wrote, within so many bytes of its start.
@@ -43,7 +43,7 @@ def index(folder: Path) -> dict[str, bytes]:
         raise FileError(folder, "no recipe was made into it", "make some first", "file-unreadable")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
     place = folder.resolve().name or "this folder"
-    style = tight_style(f"{colours()}{web_file('index.css')}")
+    style = f"{colours()}{web_file('index.css')}"
     page = f"""{head(f"Mechanisms in {place}", style, mark=OURS.decode())}<body>
 <header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
 <main>

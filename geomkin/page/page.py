@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from base64 import b64encode
 from functools import cache
 from hashlib import sha256
@@ -56,7 +55,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
     and nothing else, whatever a recipe's texts hold.
     """
     script = _script(scripts, start)
-    told = f"""{head(title, tight_style(web_file("style.css")), script)}<body>
+    told = f"""{head(title, web_file("style.css"), script)}<body>
 <header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
 {body}</main>
@@ -70,53 +69,13 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
 
 @cache
 def _script(scripts: tuple[str, ...], start: str) -> str:
-    """Scripts and what they use as one module: files without what ties them, comment lines and idle spaces."""
-    library, *own = (web_file(name) for name in scripts)
-    kept = [line for source in own for line in map(str.strip, source.splitlines())]
-    kept = [line for line in kept if line and not line.startswith(("//", "/*", "import "))]
-    told: list[str] = [""]
-    for line in (_tight(line.removeprefix("export ")) for line in kept):
-        if line.startswith("const") and _declares(told[-1]):
-            told[-1] = f"{told[-1][:-1]},{line.removeprefix('const').lstrip()}"
-        else:
-            # The last statement of a block needs no end of its own.
-            told[-1] = told[-1].removesuffix(";") if line.startswith("}") else told[-1]
-            told.append(line)
-    # Where a line ends in one of these, nothing depends on its end: what a brace ends is a block.
-    joined = re.sub(r"(?<=[;,{(\[}])\n|\n(?=})", "", "\n".join([*told, start]))
-    return f"{library}{joined}\n"
+    """Files of the player as one module: one after another, without the lines and words that link modules."""
+    return "\n".join([*(_without_links(web_file(name)) for name in scripts), start, ""])
 
 
-def _declares(line: str) -> bool:
-    """Whether a line is one whole declaration, which may go on with what the next line declares."""
-    closed = sum(map(line.count, "([{")) == sum(map(line.count, ")]}"))
-    return line.startswith("const") and closed and line.find(";") == len(line) - 1
-
-
-def _tight(line: str) -> str:
-    """A line of a script without the spaces that nothing depends on; as it is where texts may lie in texts.
-
-    A slash begins a pattern where no space follows it, and divides where one does: so the player is written.
-    """
-    if line.count("`") > 2:
-        return line
-    pieces = re.split(r'("[^"]*"|`[^`]*`|/(?! )(?:\\.|\[[^]]*]|[^/\\[])+/)', line)
-    signs = (
-        r" ?([=<>?:&|*,;{}()!\[\]%/]+|[-+]=) ?",
-        r"(?<![-+]) ?([-+])(?! ?[-+])(?<![-+][-+]) ?",
-        r"(?<!\w)\((\w+)\)(?==>)",
-    )
-    for sign in signs:
-        pieces[::2] = (re.sub(sign, r"\1", piece) for piece in pieces[::2])
-    return "".join(pieces)
-
-
-@cache
-def tight_style(style: str) -> str:
-    """A style without comments and the spaces that nothing depends on."""
-    return re.sub(r"\s*([{};,>])\s*|(?<=:) ", r"\1", re.sub(r"/\*.*?\*/", "", style, flags=re.DOTALL)).replace(
-        ";}", "}"
-    )
+def _without_links(source: str) -> str:
+    lines = source.splitlines()
+    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
 
 
 def colours() -> str:

@@ -1,93 +1,109 @@
-"""The kinds of recipe, one class each. A new kind is one class, and one row in the table here."""
+"""The table of kinds: the name of each kind of recipe, and where its classes are."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
+from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from importlib.metadata import entry_points
 
+from ..core.errors import GeomkinError, printable
 from .recipe import AbstractRecipe
 
+# Other packages add kinds by entry points of this group, each `name = "module:RecipeClass"`.
+ENTRY_POINTS = "geomkin.kinds"
 
-class Kinds(MutableMapping[str, type[AbstractRecipe]]):
-    """Name in a recipe -> its class, loaded when first asked for: a recipe of gears loads no linkages.
 
-    rows: name -> `module:Class`, the module relative to this folder, or the class itself.
+@dataclass(frozen=True)
+class KindRow:
+    """One kind of recipe.
+
+    Parameters
+    ----------
+    group : str
+        Heading under which `geomkin list` shows the kind.
+    recipe : str
+        Class of its recipes, as `module:Class`. It is imported when the kind is first used.
     """
 
-    def __init__(self, rows: dict[str, str | type[AbstractRecipe]]):
-        self.rows = rows
-
-    def __getitem__(self, name: str) -> type[AbstractRecipe]:
-        row = self.rows[name]
-        if isinstance(row, str):
-            module, _, held = row.partition(":")
-            row = self.rows[name] = getattr(import_module(module), held)
-        return row
-
-    def __setitem__(self, name: str, recipe: type[AbstractRecipe]) -> None:
-        self.rows[name] = recipe
-
-    def __delitem__(self, name: str) -> None:
-        del self.rows[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.rows)
-
-    def __len__(self) -> int:
-        return len(self.rows)
+    group: str
+    recipe: str
 
 
-KINDS = Kinds({
-    "four-bar": "geomkin.linkage.kinds.linkages:FourBarRecipe",
-    "slider-crank": "geomkin.linkage.kinds.linkages:SliderCrankRecipe",
-    "inverted-slider-crank": "geomkin.linkage.kinds.linkages:InvertedSliderCrankRecipe",
-    "stephenson-six-bar": "geomkin.linkage.kinds.linkages:StephensonSixBarRecipe",
-    "watt-six-bar": "geomkin.linkage.kinds.linkages:WattSixBarRecipe",
-    "shaper": "geomkin.linkage.kinds.linkages:ShaperRecipe",
-    "pantograph": "geomkin.linkage.kinds.pantograph:PantographRecipe",
-    "elliptic-trammel": "geomkin.linkage.kinds.linkages:EllipticTrammelRecipe",
-    "scotch-yoke": "geomkin.linkage.kinds.linkages:ScotchYokeRecipe",
-    "oldham-coupling": "geomkin.linkage.kinds.linkages:OldhamCouplingRecipe",
-    "linkage": "geomkin.linkage.kinds.linkages:LinkageRecipe",
-    "four-bar-atlas": "geomkin.linkage.kinds.coupler_curves:FourBarAtlasRecipe",
-    "slider-crank-atlas": "geomkin.linkage.kinds.coupler_curves:SliderCrankAtlasRecipe",
-    "cognates": "geomkin.linkage.kinds.coupler_curves:CognatesRecipe",
-    "inflection-circle": "geomkin.linkage.kinds.instants:InflectionCircleRecipe",
-    "centrodes": "geomkin.linkage.kinds.instants:CentrodesRecipe",
-    "polygons": "geomkin.linkage.kinds.polygons:PolygonsRecipe",
-    "shaking-force": "geomkin.linkage.kinds.shaking_force:ShakingForceRecipe",
-    "crank-rocker-synthesis": "geomkin.synthesis.kinds.rockers:CrankRockerRecipe",
-    "double-rocker-synthesis": "geomkin.synthesis.kinds.rockers:DoubleRockerRecipe",
-    "slider-crank-stroke": "geomkin.synthesis.kinds.rockers:SliderCrankStrokeRecipe",
-    "burmester-curves": "geomkin.synthesis.kinds.burmester_curves:BurmesterCurvesRecipe",
-    "body-guidance": "geomkin.synthesis.kinds.body_guidance:BodyGuidanceRecipe",
-    "function-generator": "geomkin.synthesis.kinds.function_generators:FunctionGeneratorRecipe",
-    "slider-function-generator": "geomkin.synthesis.kinds.function_generators:SliderFunctionGeneratorRecipe",
-    "path-generator": "geomkin.synthesis.kinds.path_generator:PathGeneratorRecipe",
-    "disk-cam": "geomkin.cam.kinds.disk_cam:DiskCamRecipe",
-    "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",
-    "ring-gear": "geomkin.gear.kinds.single_gears:RingGearRecipe",
-    "gear-pair": "geomkin.gear.kinds.gear_pairs:GearPairRecipe",
-    "rack-and-pinion": "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe",
-    "planetary": "geomkin.gear.kinds.planetary:PlanetaryRecipe",
-    "straight-sided-gears": "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe",
-    "point-tooth-gears": "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe",
-    "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
-})  # fmt: skip
+KINDS: dict[str, KindRow] = {
+    "four-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:FourBarRecipe"),
+    "slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkages:SliderCrankRecipe"),
+    "inverted-slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkages:InvertedSliderCrankRecipe"),
+    "stephenson-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:StephensonSixBarRecipe"),
+    "watt-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:WattSixBarRecipe"),
+    "shaper": KindRow("linkages", "geomkin.linkage.kinds.linkages:ShaperRecipe"),
+    "pantograph": KindRow("linkages", "geomkin.linkage.kinds.pantograph:PantographRecipe"),
+    "elliptic-trammel": KindRow("linkages", "geomkin.linkage.kinds.linkages:EllipticTrammelRecipe"),
+    "scotch-yoke": KindRow("linkages", "geomkin.linkage.kinds.linkages:ScotchYokeRecipe"),
+    "oldham-coupling": KindRow("linkages", "geomkin.linkage.kinds.linkages:OldhamCouplingRecipe"),
+    "linkage": KindRow("linkages", "geomkin.linkage.kinds.linkages:LinkageRecipe"),
+    "four-bar-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:FourBarAtlasRecipe"),
+    "slider-crank-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:SliderCrankAtlasRecipe"),
+    "cognates": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:CognatesRecipe"),
+    "inflection-circle": KindRow("linkages", "geomkin.linkage.kinds.instants:InflectionCircleRecipe"),
+    "centrodes": KindRow("linkages", "geomkin.linkage.kinds.instants:CentrodesRecipe"),
+    "polygons": KindRow("linkages", "geomkin.linkage.kinds.polygons:PolygonsRecipe"),
+    "shaking-force": KindRow("linkages", "geomkin.linkage.kinds.shaking_force:ShakingForceRecipe"),
+    "crank-rocker-synthesis": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:CrankRockerRecipe"),
+    "double-rocker-synthesis": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:DoubleRockerRecipe"),
+    "slider-crank-stroke": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:SliderCrankStrokeRecipe"),
+    "burmester-curves": KindRow("synthesis", "geomkin.synthesis.kinds.burmester_curves:BurmesterCurvesRecipe"),
+    "body-guidance": KindRow("synthesis", "geomkin.synthesis.kinds.body_guidance:BodyGuidanceRecipe"),
+    "function-generator": KindRow("synthesis", "geomkin.synthesis.kinds.function_generators:FunctionGeneratorRecipe"),
+    "slider-function-generator": KindRow(
+        "synthesis", "geomkin.synthesis.kinds.function_generators:SliderFunctionGeneratorRecipe"
+    ),
+    "path-generator": KindRow("synthesis", "geomkin.synthesis.kinds.path_generator:PathGeneratorRecipe"),
+    "disk-cam": KindRow("cams", "geomkin.cam.kinds.disk_cam:DiskCamRecipe"),
+    "spur-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:SpurGearRecipe"),
+    "ring-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:RingGearRecipe"),
+    "gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:GearPairRecipe"),
+    "rack-and-pinion": KindRow("gears", "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe"),
+    "planetary": KindRow("gears", "geomkin.gear.kinds.planetary:PlanetaryRecipe"),
+    "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
+    "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
+    "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
+}
 
 
-def _classes() -> dict[str, str]:
-    """Name of a class -> the kind that it is of."""
-    return {row.partition(":")[2] if isinstance(row, str) else row.__name__: kind for kind, row in KINDS.rows.items()}
+def recipe_class(kind: str) -> type[AbstractRecipe]:
+    """Class of the recipes of a kind.
+
+    Parameters
+    ----------
+    kind : str
+        Name in the table `KINDS`, or of an entry point of the group `geomkin.kinds` of an installed package.
+
+    Raises
+    ------
+    KeyError
+        If no kind has this name.
+    GeomkinError
+        If the class of another package cannot be imported.
+    """
+    row = KINDS.get(kind) or _installed()[kind]
+    module, _, name = row.recipe.partition(":")
+    try:
+        recipe: type[AbstractRecipe] = getattr(import_module(module), name)
+    except Exception as error:
+        fault = printable(f"{type(error).__name__}: {error}", 200)
+        raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); mend its package") from error
+    return recipe
 
 
-def __getattr__(name: str) -> Any:
-    """The class of a kind, such as `SpurGearRecipe`, to build its recipes in Python."""
-    if kind := _classes().get(name):
-        return KINDS[kind]
-    raise AttributeError(f"{__name__} has no {name!r}")
+def all_kinds() -> dict[str, KindRow]:
+    """The rows of all kinds by name: those of the table, then those of installed packages."""
+    return KINDS | {kind: row for kind, row in _installed().items() if kind not in KINDS}
 
 
-def __dir__() -> list[str]:
-    return ["KINDS", "Kinds", *_classes()]
+def kind_names() -> list[str]:
+    """Names of all kinds."""
+    return list(all_kinds())
+
+
+def _installed() -> dict[str, KindRow]:
+    return {point.name: KindRow("other packages", point.value) for point in entry_points(group=ENTRY_POINTS)}

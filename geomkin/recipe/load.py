@@ -17,6 +17,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError, FileError, Problem, ProblemId, RecipeError, printable, shown
 from ..core.fields import KindTable
 from ..core.scaling import scaled
+from .kinds import kind_names, recipe_class
 from .recipe import AbstractRecipe
 
 # No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
@@ -26,15 +27,12 @@ LARGEST = 500_000
 DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 
 
-Kinds = Mapping[str, type[AbstractRecipe]]
-
-
-def read(kinds: Kinds, path: Path) -> AbstractRecipe:
+def read(path: Path) -> AbstractRecipe:
     """The recipe in a TOML file, called as the file is.
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    return told(kinds, table_of(path), str(path), str(path.parent)).with_name(path.stem)
+    return told(table_of(path), str(path), str(path.parent)).with_name(path.stem)
 
 
 def table_of(path: Path) -> dict[str, Any]:
@@ -42,9 +40,9 @@ def table_of(path: Path) -> dict[str, Any]:
     return parsed(_text(path), str(path))
 
 
-def parse(kinds: Kinds, text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def parse(text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
-    return told(kinds, parsed(text, file), file, folder)
+    return told(parsed(text, file), file, folder)
 
 
 def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
@@ -66,19 +64,21 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named", "invalid-toml") from None
 
 
-def told(kinds: Kinds, data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def told(data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
-    if not isinstance(name, str) or name not in kinds:
+    try:
+        kind = recipe_class(name if isinstance(name, str) else "")
+    except KeyError:
         from .messages import nearest
 
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
+        kinds = kind_names()
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
         held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
         near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
-        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)])
-    kind = kinds[name]
+        raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
     # A key of the text alone: what it makes of the lengths is the recipe.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
     try:
@@ -158,7 +158,7 @@ def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
             for row in value:
                 tables += ["", f"[[{name}]]", *_table(name, row, DEEPEST)]
         else:
-            plain.append(f"{_key(key)} = {_toml(value)}")
+            plain.append(f"{_key(key)} = {toml_value(value)}")
     return [*plain, *tables]
 
 
@@ -167,20 +167,26 @@ def _kept(table: dict[str, Any], empty: bool = True) -> dict[str, Any]:
     return {key: value for key, value in table.items() if value is not None and (empty or value not in ({}, []))}
 
 
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        inside = ", ".join(f"{_key(key)} = {_toml(held)}" for key, held in _kept(value).items())
-        return f"{{ {inside} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return json.dumps(value)
-    # A size of 100 is written so by people, too; beyond 2**53 a whole number would not be the one that it was.
-    return str(int(value)) if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else repr(value)
+def toml_value(value: Any) -> str:
+    """The TOML text of a value inside a line."""
+    match value:
+        case dict():
+            inside = ", ".join(f"{_key(key)} = {toml_value(held)}" for key, held in _kept(value).items())
+            return f"{{ {inside} }}" if value else "{}"
+        case list() | tuple():
+            return f"[{', '.join(map(toml_value, value))}]"
+        case complex():
+            return toml_value([value.real, value.imag])
+        case str():
+            # JSON's escapes are those of TOML, except for the one control character that JSON does not escape.
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        case bool():
+            return json.dumps(value)
+        case float() if value.is_integer() and abs(value) < 2**53:
+            # People write 100, not 100.0. Beyond 2**53 a whole number could not be read back as the same float.
+            return str(int(value))
+    return repr(value)
 
 
 def _key(name: str) -> str:
-    return name if name.isascii() and name.replace("_", "").replace("-", "").isalnum() else _toml(name)
+    return name if name.isascii() and name.replace("_", "").replace("-", "").isalnum() else toml_value(name)

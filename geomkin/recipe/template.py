@@ -13,7 +13,8 @@ from pydantic import TypeAdapter
 
 from ..core.errors import DesignError, printable
 from ..core.fields import allowed
-from .load import Kinds, adapter
+from .kinds import kind_names, recipe_class
+from .load import adapter, toml_value
 from .messages import kind_of, nearest, tables_in
 from .recipe import AbstractRecipe
 
@@ -92,7 +93,7 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
                 tables += ["", f"[[{name}]]", *_table(name, row, offered)]
         elif isinstance(inner, dict) and inner:
             tables += ["", f"[{name}]  # {field.metadata['description']}"]
-            tables += [f"{key} = {_toml(held)}" for key, held in inner.items()]
+            tables += [f"{key} = {toml_value(held)}" for key, held in inner.items()]
         elif dataclasses.is_dataclass(inner):
             tables += ["", f"[{name}]", *_table(name, inner, offered)]
         else:
@@ -117,7 +118,7 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
     optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
-    return f"{'# ' if optional else ''}{field.name} = {_toml(value)}", note
+    return f"{'# ' if optional else ''}{field.name} = {toml_value(value)}", note
 
 
 def _words(hint: Any) -> list[str]:
@@ -125,24 +126,6 @@ def _words(hint: Any) -> list[str]:
     if get_origin(hint) is Literal:
         return [str(word) for word in get_args(hint)]
     return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in _words(part)]
-
-
-def _toml(value: Any) -> str:
-    match value:
-        case bool():
-            return str(value).lower()
-        case str():
-            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        case complex():
-            return f"[{value.real:g}, {value.imag:g}]"
-        case dict():
-            return "{ " + ", ".join(f"{key} = {_toml(held)}" for key, held in value.items()) + " }" if value else "{}"
-        case tuple() | list():
-            return "[" + ", ".join(map(_toml, value)) + "]"
-        case float():
-            return f"{value:.12g}"
-        case _:
-            return str(value)
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
@@ -190,20 +173,21 @@ def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def schema(kinds: Kinds) -> dict[str, Any]:
+def schema() -> dict[str, Any]:
     """A schema in which a wrong key or value is wrong at its own place, not at the whole recipe or segment.
 
     Which table stands somewhere is told by its `kind` alone: each has its `if` and `then`. Of a plain choice between
     them (`oneOf`) an editor only sees that none fits, and marks the whole.
     """
+    kinds = {name: recipe_class(name) for name in kind_names()}
     inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
-        (name, "validation", adapter(kinds[name])) for name in kinds
+        (name, "validation", adapter(recipe)) for name, recipe in kinds.items()
     ]
     by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
-    for name in kinds:
-        if kinds[name].can_be_scaled:
+    for name, recipe in kinds.items():
+        if recipe.can_be_scaled:
             own = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
             own["properties"]["scale"] = {"type": "number", "minimum": 1e-6, "maximum": 1e6, "description": SCALE}
     recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})

@@ -280,7 +280,7 @@ def _here(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
 
 def by_processes(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
     """By all cores, as the command does; for the main thread of a program that is nothing else."""
-    for number, rows in each(partial(worked_out, task), batches):
+    for number, rows in enumerate(each(partial(worked_out, task), batches)):
         yield number, [dict(ENDED) for _ in batches[number]] if rows is None else rows
 
 

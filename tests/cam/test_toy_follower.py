@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 import geomkin as gk
 from geomkin.cam.extrema import highest
 from geomkin.core.fields import check_sizes, quantity
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import recipe_class
 from geomkin.recipe.template import schema, template
 
 
@@ -163,10 +163,10 @@ def test_its_cam_is_measured_and_judged_as_any_other(row):
 
 
 def test_templates_schema_and_refusals_know_it(row):
-    text = template(KINDS["disk-cam"], ["follower=pointed-bar"])
+    text = template(recipe_class("disk-cam"), ["follower=pointed-bar"])
     assert 'kind = "pointed-bar"' in text and "width = 8" in text
     assert gk.load(text).design.follower == PointedBar(8)
-    told = schema(KINDS)
+    told = schema()
     assert "pointed-bar" in json.dumps(told)
     assert Draft202012Validator(told).is_valid(tomllib.loads(RECIPE))
     with pytest.raises(gk.RecipeError, match="did you mean pointed-bar"):

@@ -17,7 +17,9 @@ def test_the_pen_copies_the_tracer_about_the_pole(sizes):
     motion = gk.move(gk.linkage.Pantograph(**sizes), np.linspace(0, 2 * np.pi, 73), speed=2.0)
     assert motion.assembled.all()
     pole, tracer, pen = (motion.point(name) for name in ("pole", "tracer", "pen"))
-    np.testing.assert_allclose(pen.position - pole.position, sizes["ratio"] * (tracer.position - pole.position), atol=1e-9)
+    np.testing.assert_allclose(
+        pen.position - pole.position, sizes["ratio"] * (tracer.position - pole.position), atol=1e-9
+    )
     np.testing.assert_allclose(pen.velocity, sizes["ratio"] * tracer.velocity, atol=1e-9)
     centre = np.mean(tracer.position[:-1])
     np.testing.assert_allclose(abs(tracer.position - centre), sizes["crank"], rtol=1e-9)

@@ -9,7 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 from geomkin.recipe.load import adapter
 from tests.texts import recipe_of, template_of
 
@@ -38,8 +38,8 @@ def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, na
     assert recipe == gk.load(tomllib.loads(text)) == gk.load("new.toml") == gk.load(Path("new.toml"))
     assert gk.load("new.toml").name == "new" and recipe.name == ""
     fields = {f.name: getattr(recipe, f.name) for f in dataclasses.fields(recipe)}
-    built = KINDS[name](**fields)
-    assert built == recipe and type(built) is KINDS[name]
+    built = recipe_class(name)(**fields)
+    assert built == recipe and type(built) is recipe_class(name)
     # What the summary tells of it is a recipe again.
     assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
 

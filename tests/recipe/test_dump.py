@@ -37,4 +37,4 @@ def test_a_body_without_points_is_kept():
     linkage = {"bodies": bodies, "driver": "rod", "sliders": sliders}
     recipe = gk.load({"kind": "linkage", "linkage": linkage, "drive": {"start_deg": 10, "end_deg": 80}})
     text = gk.recipe.to_toml(recipe)
-    assert gk.load(text) == recipe and "ground = {  }" in text and "branches" not in text
+    assert gk.load(text) == recipe and "ground = {}" in text and "branches" not in text

@@ -8,7 +8,7 @@ import re
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 from geomkin.recipe.load import LARGEST
 from tests.texts import parse, recipe_of, schema_of_all, template_of
 
@@ -117,7 +117,7 @@ def test_schema_covers_every_kind_and_key():
     whole = json.dumps(schema_of_all())
     for name in KINDS:
         assert f'"const": "{name}"' in whole
-        for field in dataclasses.fields(KINDS[name]):
+        for field in dataclasses.fields(recipe_class(name)):
             assert f'"{field.name}"' in whole
     assert '"exclusiveMinimum": 0' in whole and "additionalProperties" in whole
 

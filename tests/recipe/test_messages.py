@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe import load
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 from geomkin.recipe.messages import hints_of, kind_of, tables_in
 from tests.texts import parse, template_of
 
@@ -155,13 +155,13 @@ def test_words_for_true_and_false_are_told_how_toml_writes_them(written, right):
 @pytest.mark.parametrize("name", KINDS)
 def test_what_stands_for_a_table_is_told_what_a_table_holds(name):
     """Every key once: those that are needed, and the others only beside them."""
-    kind, data = KINDS[name], tomllib.loads(template_of(name))
+    kind, data = recipe_class(name), tomllib.loads(template_of(name))
     for key in (key for key, value in data.items() if isinstance(value, dict)):
         (hint,) = tables_in(hints_of(kind)[key])[:1]
         fields = dataclasses.fields(hint)
         needed = [f.name for f in fields if f.default is f.default_factory is dataclasses.MISSING]
         with pytest.raises(gk.RecipeError) as caught:
-            load.told(KINDS, {**data, key: 3})
+            load.told({**data, key: 3})
         ((place, found, words),) = [(p.key, p.problem, p.remedy) for p in caught.value.problems if p.key == key]
         assert (place, found) == (key, "found 3")
         held, heading = words.removeprefix("give a table with ").split(", headed ")

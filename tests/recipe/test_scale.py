@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 from geomkin.recipe.load import adapter
 from geomkin.recipe.recipe import UNSCALED
 from tests.texts import choices_of, parse, schema_of_all, template_of
 
 RECIPES = Path(__file__).parents[2] / "recipes"
-SCALED = [name for name in KINDS if KINDS[name].can_be_scaled]
+SCALED = [name for name in KINDS if recipe_class(name).can_be_scaled]
 BAR = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
 BIG = 1.5
 # Lengths to which power a column's unit has them; forces of the same masses are m a.
@@ -35,7 +35,7 @@ def test_linkages_and_cams_take_it_and_gears_do_not():
     for name in KINDS:
         held = template_of(name)
         assert ("# scale = 1 " in held) == (name in SCALED)
-        assert ("scale" in defined[KINDS[name].__name__]["properties"]) == (name in SCALED)
+        assert ("scale" in defined[recipe_class(name).__name__]["properties"]) == (name in SCALED)
         if name in SCALED:
             assert parse(held.replace("# scale = 1 ", "scale = 1 ")) == parse(held)
     with pytest.raises(gk.RecipeError, match="scale"):
@@ -114,7 +114,7 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
         for key in ("stock", "base", "files"):
             held.pop(key, None)
         small, big = (
-            adapter(KINDS[name]).dump_python(gk.load(held | more), mode="json") for more in ({}, {"scale": 2})
+            adapter(recipe_class(name)).dump_python(gk.load(held | more), mode="json") for more in ({}, {"scale": 2})
         )
         before, after = dict(lengths_of(small)), dict(lengths_of(big))
         assert set(before) == set(after)

@@ -20,7 +20,7 @@ from geomkin.core.fields import check_sizes, entry, quantity
 from geomkin.export import WRITERS, Job, Writer
 from geomkin.model.scene import Scene, SceneBody
 from geomkin.recipe import AbstractGoal, AbstractRecipe, Files
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, KindRow
 from tests.texts import parse, schema_of_all, template_of
 
 # What has been worked out, in order.
@@ -125,7 +125,7 @@ def shown(job: Job) -> dict[str, bytes]:
 @pytest.fixture(autouse=True)
 def toys(monkeypatch):
     for recipe in (WasherRecipe, StillRecipe, RockerSwingRecipe):
-        monkeypatch.setitem(KINDS, recipe.kind, recipe)
+        monkeypatch.setitem(KINDS, recipe.kind, KindRow("toys", f"{recipe.__module__}:{recipe.__name__}"))
     monkeypatch.setitem(WRITERS, "show", Writer("scene", shown))
     ASKED.clear()
 
@@ -150,7 +150,7 @@ def test_a_kind_from_outside_is_read_checked_and_made(tmp_path):
 
 def test_the_command_template_and_schema_know_it(tmp_path):
     listed = CliRunner().invoke(cli, ["list"]).output
-    assert re.search("^washer +A washer, which is no more than a toy.$", listed, flags=re.MULTILINE)
+    assert re.search("^  washer +A washer, which is no more than a toy.$", listed, flags=re.MULTILINE)
     assert parse(template_of("washer")) == WasherRecipe(washer=Washer(20))
     (tmp_path / "new.toml").write_text(CliRunner().invoke(cli, ["new", "washer"]).output)
     checked = CliRunner().invoke(cli, ["check", str(tmp_path / "new.toml")])

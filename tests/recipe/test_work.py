@@ -12,7 +12,7 @@ from geomkin.linkage import coupler_curve as curves
 from geomkin.linkage.kinds.linkages import SlidingLinkageRecipe, TurningLinkageRecipe
 from geomkin.linkage.motion import motion_table
 from geomkin.recipe import settings
-from geomkin.recipe.kinds import KINDS
+from geomkin.recipe.kinds import KINDS, recipe_class
 from tests.texts import parse, template_of
 
 
@@ -65,7 +65,7 @@ def test_rows_of_a_stroke_too(name):
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in DRIVEN if issubclass(KINDS[name], (TurningLinkageRecipe, SlidingLinkageRecipe))]
+    "name", [name for name in DRIVEN if issubclass(recipe_class(name), (TurningLinkageRecipe, SlidingLinkageRecipe))]
 )
 def test_columns_are_never_more_than_were_counted(monkeypatch, name):
     counted = []

@@ -154,9 +154,7 @@ def test_every_column_but_the_driver_and_the_time_is_in_one_plot_with_others_of_
     scene = linkage_scene(motion, table, plots=motion_plots(motion, table, [limit, other]))
     units = {column.id: column.unit for column in table.columns}
     shown = [header for plot in scene.plots for header in plot.columns]
-    known = [
-        c.id for c in table.columns[1:] if c.unit != "s" and "branch" not in c.id and np.isfinite(c.values).any()
-    ]
+    known = [c.id for c in table.columns[1:] if c.unit != "s" and "branch" not in c.id and np.isfinite(c.values).any()]
     assert sorted(shown) == sorted(known) and len({plot.title for plot in scene.plots}) == len(scene.plots)
     for plot in scene.plots:
         assert len({units[header] for header in plot.columns}) == 1

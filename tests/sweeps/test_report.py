@@ -59,7 +59,10 @@ def test_what_would_share_a_header_is_told_apart_by_numbers():
     }  # fmt: skip
     third = columns(
         ["x"],
-        [SweepRow({"x": 0}, "", (), {"x": 1}), SweepRow({"x": 0}, "", (Check("x", "x", 2.0, "at most", 1.0),), {"x": 3})],
+        [
+            SweepRow({"x": 0}, "", (), {"x": 1}),
+            SweepRow({"x": 0}, "", (Check("x", "x", 2.0, "at most", 1.0),), {"x": 3}),
+        ],
     )
     assert [column.header for column in third] == ["x", "refused", "failed", "x_2", "x_3"]
     assert third[2].values.tolist() == ["", "x"] and third[4].values.tolist() == [1, 3]
@@ -142,7 +145,9 @@ def test_without_checks_a_row_says_so_and_without_numbers_nothing_is_plotted():
 def test_names_on_plots_are_harmless():
     values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
     rows = rows_of(
-        values, lambda one: [Check("ch_u202eeck", "ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")], lambda one: {"to\x1bld": 1}
+        values,
+        lambda one: [Check("ch_u202eeck", "ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")],
+        lambda one: {"to\x1bld": 1},
     )
     page, _, data = page_of(values, rows)
     assert [plot["title"] for plot in data["plots"]] == ["Ch?eck", "To?ld"]
@@ -257,7 +262,7 @@ def test_files_that_a_recipe_names_count_where_they_lie_beside_it(tmp_path, monk
 
 def test_a_process_that_was_killed_costs_its_own_combinations_alone(task, monkeypatch):
     monkeypatch.setattr(
-        sweeping, "each", lambda work, batches: ((k, None if k == 1 else work(b)) for k, b in enumerate(batches))
+        sweeping, "each", lambda work, batches: (None if k == 1 else work(b) for k, b in enumerate(batches))
     )
     batches = [[{"linkage.crank": 20}], [{"linkage.crank": 25}, {"linkage.crank": 28}], [{}]]
     found = dict(sweeping.by_processes(task(), batches))

@@ -86,8 +86,8 @@ def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
     ("old", "new", "words"),
     [
         ('"x**1.5"', '"1/(x - 2)"', "wanted.function: found no finite value at x = 2; give a range"),
-        ('"x**1.5"', '"x**"', "wanted.function: found the end at character 4 of 'x\\*\\*'; give a number"),
-        ('"x**1.5"', '"open(x)"', "wanted.function: found 'open' at character 1"),
+        ('"x**1.5"', '"x**"', "wanted.function: found no formula"),
+        ('"x**1.5"', '"open(x)"', "wanted.function: found 'open"),
         ('"x**1.5"', '"(x - 1)*(x - 3)"', "wanted.function: it ends at the value at which it began, 0"),
         ('"x**1.5"', '"table"', "wanted.rows: is missing"),
         ('"x**1.5"', '"power"', "wanted.coefficients: found shape"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import field, replace
 from itertools import pairwise
 from typing import Annotated
 
@@ -63,7 +63,7 @@ class Conjugate(AbstractGear):
     pitch_radius: float
     tip_radius: float
     root_radius: float
-    is_ring: bool
+    is_ring: bool = field()
     outline: AbstractCurve
     pose: Pose
     steps: tuple[BoundaryPiece, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ...plane.primitives import Arc, Circle, Segment
 from ...plane.spline import Spline
 from ...plane.subdivision import direction
 from ...plane.vec import Pose
-from ..contract import AbstractGear, AbstractShaper, told
+from ..contract import AbstractGear, AbstractShaper
 from ..module import Settled, diametral_pitch, module, settle_module
 from ..tooth import toothed
 
@@ -34,10 +34,12 @@ MOST_POINTS = 100
 class AbstractFlankGear(AbstractGear, AbstractShaper):
     """A gear whose tooth on +y is symmetric, with lands about the axis at tips and bottoms."""
 
-    @told
-    @abstractmethod
-    def flank(self) -> AbstractCurve:
-        """Right-hand side of the tooth on +y, from the bottom land out to the tip, x >= 0."""
+    if TYPE_CHECKING:
+
+        @property
+        @abstractmethod
+        def flank(self) -> AbstractCurve:
+            """Right-hand side of the tooth on +y, from the bottom land out to the tip, x >= 0."""
 
     @property
     def root_radius(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import ast
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Annotated, Any
@@ -23,11 +23,13 @@ FUNCTIONS: dict[str, Callable[..., Real]] = {
 }  # fmt: skip
 CONSTANTS = {"pi": np.pi, "e": np.e}
 KNOWN = f"x, {', '.join(CONSTANTS)}, {', '.join(FUNCTIONS)}"
-# Characters and brackets within brackets. No formula of a textbook comes near; a text of ten thousand brackets would
-# use up the stack.
-LONGEST, DEEPEST = 500, 40
-TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/()])|(\S))")
-Value = Callable[[Real], Real]
+OPERATORS: dict[type[ast.AST], Callable[..., Real]] = {
+    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
+    ast.USub: np.negative, ast.UAdd: np.positive,
+}  # fmt: skip
+# Characters, operations within each other, and the size of a number. No formula of a textbook comes near; operations
+# within each other use up the stack.
+LONGEST, DEEPEST, LARGEST = 500, 100, 1e300
 
 
 @record(checked=True)
@@ -35,7 +37,7 @@ class Expression:
     """A function of x from its text, such as `log10(x)` or `2*x**1.5 - 1`: numbers, x, + - * / **, brackets.
 
     Names: pi, e, sin cos tan asin acos atan sinh cosh tanh exp log (natural) log10 sqrt abs; angles are rad. Binding
-    is Python's: -x**2 is -(x**2), and 2**3**2 is 2**9. At most 500 characters and 40 brackets deep. DesignError for
+    is Python's: -x**2 is -(x**2), and 2**3**2 is 2**9. At most 500 characters. DesignError for
     anything else, with its place. Called with an array it gives one; nan or inf where it has no value.
     """
 
@@ -43,131 +45,48 @@ class Expression:
 
     def __post_init__(self) -> None:
         if len(self.text) > LONGEST:
-            raise DesignError(
-                "function", f"found {len(self.text):,} characters", f"give at most {LONGEST}", "too-much-work"
-            )
-        _ = self._value  # read now, or the fault would be told when it is first called
+            found = f"found {len(self.text):,} characters"
+            raise DesignError("function", found, f"give at most {LONGEST}", "too-much-work")
+        _ = self(0.0)  # visits the whole formula, so that an error is reported now
 
     @cached_property
-    def _value(self) -> Value:
-        return _Reader(self.text).whole()
-
-    def __reduce__(self) -> tuple[type[Expression], tuple[str]]:
-        # What was read of the text is functions, which cannot be pickled.
-        return Expression, (self.text,)
+    def _formula(self) -> ast.expr:
+        try:
+            return ast.parse(self.text.strip(), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+            raise self._wrong(getattr(error, "offset", None) or 1, "found no formula") from None
 
     def __call__(self, x: ArrayLike) -> Real:
         """Values (...,) at x (...,)."""
         places = np.asarray(x, dtype=float)
         with np.errstate(all="ignore"):
-            return self._value(places) + np.zeros(places.shape)
+            return self._value(self._formula, places, 1) + np.zeros(places.shape)
 
+    def _value(self, node: ast.expr, x: Real, depth: int) -> Real:
+        if depth > DEEPEST:
+            problem = f"found more than {DEEPEST} operations within each other"
+            raise self._wrong(node.col_offset + 1, problem, "give a flatter formula")
+        match node:
+            case ast.Constant(value=float() | int() as number) if not isinstance(number, bool):
+                if number < LARGEST:
+                    return np.asarray(float(number))
+                raise self._wrong(node.col_offset + 1, "found a number too large", f"give numbers below {LARGEST:g}")
+            case ast.Name(id="x"):
+                return x
+            case ast.Name(id=name) if name in CONSTANTS:
+                return np.asarray(CONSTANTS[name])
+            case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in FUNCTIONS:
+                return FUNCTIONS[name](self._value(inner, x, depth + 1))
+            case ast.UnaryOp(op=sign, operand=inner) if type(sign) in OPERATORS:
+                return OPERATORS[type(sign)](self._value(inner, x, depth + 1))
+            case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATORS:
+                return OPERATORS[type(sign)](self._value(left, x, depth + 1), self._value(right, x, depth + 1))
+        part = ast.get_source_segment(self.text.strip(), node)
+        raise self._wrong(node.col_offset + 1, f"found {shown(part)}")
 
-class _Reader:
-    """Reads a text once, from left to right, each kind of operator by the one that binds stronger."""
-
-    def __init__(self, text: str):
-        self.text, self.at, self.depth = text, 0, 0
-        self.kind, self.token, self.start = "", "", 0
-        self.step()
-
-    def step(self) -> None:
-        """To the next token."""
-        match = TOKEN.match(self.text, self.at)
-        if match is None:
-            self.kind, self.token, self.start = "end", "", len(self.text)
-            return
-        number, name, operator, other = match.groups()
-        self.token, self.at = match.group().strip(), match.end()
-        self.start = self.at - len(self.token)
-        self.kind = "number" if number else "name" if name else "operator" if operator else "other"
-        if other:
-            remedy = "write ** for a power" if other == "^" else f"give numbers, + - * / **, brackets and {KNOWN}"
-            raise self.wrong(f"found {shown(other)}", remedy)
-
-    def wrong(self, problem: str, remedy: str) -> DesignError:
-        return DesignError("function", f"{problem} at character {self.start + 1} of {shown(self.text)}", remedy)
-
-    def take(self, *operators: str) -> str:
-        """The operator that stands here, one of these, which is passed; or nothing."""
-        found = self.token if self.kind == "operator" and self.token in operators else ""
-        if found:
-            self.step()
-        return found
-
-    def whole(self) -> Value:
-        value = self.sum()
-        if self.kind != "end":
-            remedy = "close no more brackets than were opened" if self.token == ")" else "write * where you multiply"
-            raise self.wrong(f"found {shown(self.token)}", remedy)
-        return value
-
-    def sum(self) -> Value:
-        value = self.product()
-        while sign := self.take("+", "-"):
-            value = _joined(np.add if sign == "+" else np.subtract, value, self.product())
-        return value
-
-    def product(self) -> Value:
-        value = self.signed()
-        while sign := self.take("*", "/"):
-            value = _joined(np.multiply if sign == "*" else np.divide, value, self.signed())
-        return value
-
-    def signed(self) -> Value:
-        minus = False
-        while sign := self.take("+", "-"):
-            minus ^= sign == "-"
-        value = self.power()
-        return (lambda x: -value(x)) if minus else value
-
-    def power(self) -> Value:
-        value = self.single()
-        self.deeper()
-        if self.take("**"):
-            value = _joined(np.power, value, self.signed())
-        self.depth -= 1
-        return value
-
-    def deeper(self) -> None:
-        self.depth += 1
-        if self.depth > DEEPEST:
-            raise self.wrong(f"found more than {DEEPEST} brackets or powers within each other", "give a flatter one")
-
-    def single(self) -> Value:
-        kind, token = self.kind, self.token
-        if kind == "number":
-            number = float(token)
-            if not np.isfinite(number):
-                raise self.wrong(f"found {shown(token)}", "give finite numbers")
-            self.step()
-            return lambda x: np.asarray(number)
-        if kind == "name":
-            if token == "x" or token in CONSTANTS:
-                self.step()
-                return (lambda x: x) if token == "x" else (lambda x: np.asarray(CONSTANTS[token]))
-            if token not in FUNCTIONS:
-                raise self.wrong(f"found {shown(token)}", f"give {KNOWN}")
-            self.step()
-            if not (self.kind == "operator" and self.token == "("):
-                raise self.wrong(f"{token} is not followed by a bracket", f"give {token}(...)")
-        if not self.take("("):
-            what = "the end" if self.kind == "end" else shown(self.token)
-            raise self.wrong(f"found {what}", "give a number, x, a name or a bracket there")
-        self.deeper()
-        value = self.sum()
-        self.depth -= 1
-        if not self.take(")"):
-            raise self.wrong("a bracket is not closed", "give a ) there")
-        return _applied(FUNCTIONS[token], value) if kind == "name" else value
-
-
-def _joined(operation: Callable[..., Real], one: Value, other: Value) -> Value:
-    return lambda x: operation(one(x), other(x))
-
-
-def _applied(function: Callable[..., Real], inner: Value) -> Value:
-    return lambda x: function(inner(x))
+    def _wrong(self, place: int, problem: str, remedy: str = "") -> DesignError:
+        remedy = remedy or f"give numbers, + - * / ** (power), brackets and {KNOWN}; write * between factors"
+        return DesignError("function", f"{problem} at character {place} of {shown(self.text.strip())}", remedy)
 
 
 # Name: the formula in x and its coefficients, and how many these are at least and at most.
