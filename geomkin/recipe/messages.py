@@ -54,6 +54,10 @@ def explain(error: ValidationError, recipe: type) -> list[Problem]:
     ]
 
 
+# Keys that had another name before, and are spelt too differently for `nearest`.
+RENAMED = {"thinning": "tooth_thickness_allowance", "seconds": "time_limit"}
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
     """`did you mean ...? ` if a known name is spelt much alike, or has all words of this one; else nothing.
 
@@ -100,7 +104,8 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
             remedy = f"known here: {', '.join(known)}"
             if hinted:
                 homes = [home for home in _homes(recipe, e["loc"][-1]) if home.strip("[]") != key.rpartition(".")[0]]
-                near = nearest(e["loc"][-1], known)
+                name = str(e["loc"][-1])
+                near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else nearest(name, known)
                 if any(f.name == e["loc"][-1] for f in dataclasses.fields(recipe)):
                     near = "it belongs above the first [table], beside kind; "
                 remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
