@@ -22,7 +22,7 @@ from .measures import driver_limits
 from .motion import Motion, PointMotion
 from .moving import move
 from .named_linkages import FourBar
-from .solve.branch import Branch, chosen
+from .solve.branch import Branch, as_branch_spec
 
 # Share of the tolerance that is aimed at. A chord's distance is sampled in three places, which may miss 3 % of it.
 # Nearer to 1, and such a chord exceeds the tolerance; smaller takes more chords than need be.
@@ -39,7 +39,7 @@ MOST_POINTS = 2_000_000
 SHORT = 8
 
 
-def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
+def motion_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
     """The motion at drives of any shape and order, and which of its frames each of them is.
 
     A branch that is followed is followed from `start`, whatever drives on one side of it are asked for.
@@ -86,7 +86,7 @@ class CouplerCurve(AbstractCurve):
         return (0.0, 2 * np.pi) if self.span is None else (self.span[0], self.span[1])
 
     def _track(self, t: ArrayLike) -> tuple[PointMotion, Whole]:
-        motion, frames = moved_at(self.linkage, t, self.branch, self.way[0])
+        motion, frames = motion_at(self.linkage, t, self.branch, self.way[0])
         return motion.point(self.point_name), frames
 
     def point(self, t: ArrayLike) -> Complex:
@@ -168,10 +168,10 @@ def dashes(
         raise DesignError("drive", "found no rising row", "give the limits of the steps in rising order, at least two")
     if local.ndim != 1 or not local.size or not np.isfinite(local).all():
         raise DesignError("points", "found no row of finite points", "give finite points; ravel a grid")
-    if chosen(branch).follow:
+    if as_branch_spec(branch).follow:
         raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint")
     _check_body(linkage.linkage.bodies, body)
-    if chosen(branch).branch_points:
+    if as_branch_spec(branch).branch_points:
         # Near the places given at the first step, whatever drives a dash is looked at.
         branch = {joint: int(signs[0]) or 1 for joint, signs in move(linkage, steps, branch).solution.signs.items()}
     return _drawn(linkage, local, _dash_limits(linkage, steps, branch), tolerance, branch, body)

@@ -109,7 +109,7 @@ class Slider:
         """Direction of the line in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
 
-    def seen(self, body: str, place: complex | Complex, displacement: float) -> Complex:
+    def in_other_frame(self, body: str, place: complex | Complex, displacement: float) -> Complex:
         """A point of one of the two bodies, in the frame of the other.
 
         Parameters

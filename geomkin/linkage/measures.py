@@ -14,16 +14,16 @@ from ..core.records import record
 from ..plane.vec import Mask, Real, Whole, dot
 from .linkage import OneLinkage
 from .motion import Motion, is_translating
-from .moving import move, planned
+from .moving import move, placements_for
 from .named_linkages import FourBar, SliderCrank
 from .solve.actuators import ActuatedRRP, ActuatedRRR
-from .solve.branch import Branch, BranchSpec, chosen
+from .solve.branch import Branch, BranchSpec, as_branch_spec
 from .solve.drive_range import DriveRange
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
 from .solve.input_dyads import DrivenRRP, DrivenRRR, InputDyad
 from .solve.loops import Loops
 from .solve.placement import Placement, RevoluteInput
-from .solve.solution import LinkageSolution, reach_of, with_branches
+from .solve.solution import LinkageSolution, extent_of, with_branches
 
 # Parts that a whole way is looked at in. A gap, or a pair of dead centres, narrower than one is missed unless
 # only the driver moves the dyad, whose limits are known in closed form.
@@ -161,7 +161,7 @@ def driver_limits(
         return move(linkage, np.append(first, q[::way]), branch).assembled[1:][::way]
 
     looks = np.linspace(low, high, LOOKS + 1)
-    placements = planned(linkage.linkage, branch)
+    placements = placements_for(linkage.linkage, branch)
     ends = [low, high, *_exact(placements, (low, high))]
     cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
     within = cuts[:-1] + WITHIN * np.diff(cuts)
@@ -214,11 +214,11 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     general = linkage.linkage
     if general.driven_slider is None:
         return TURN
-    asked, placements = chosen(branch), planned(general, branch)
+    asked, placements = as_branch_spec(branch), placements_for(general, branch)
     if asked.follow or asked.branch_points or any(isinstance(one, Loops) for one in placements):
         first = "such a branch" if asked.follow or asked.branch_points else "the estimate"
         raise DesignError("span", f"a slide drives, and {first} needs a first place", "give a span that starts there")
-    reach = reach_of(general)
+    reach = extent_of(general)
     outwards = np.geomspace(reach, FARTHEST * reach, LOOKS // 2)
     looks = np.concatenate([-outwards[:0:-1], np.linspace(-reach, reach, LOOKS + 1), outwards[1:]])
 
@@ -393,7 +393,7 @@ def assembly_failure(motion: Motion) -> AssemblyFailure | None:
     return AssemblyFailure(name, frame, drive, lacking, branch, text, remedy)
 
 
-def never_closed(motion: Motion) -> DesignError:
+def assembly_error(motion: Motion) -> DesignError:
     """The refusal of a motion that is open at every frame, with the branch, the drives or the length that closes it."""
     found = assembly_failure(motion)
     assert found is not None
@@ -432,7 +432,7 @@ def _closing(motion: Motion, solution: LinkageSolution, frame: int, opened: Plac
 
 def _fixed(solution: LinkageSolution, signs: Mapping[str, int]) -> BranchSpec:
     """These signs, with the places that were given, from which what is no dyad starts."""
-    return BranchSpec(1, signs, solution.asked.branch_points, False)
+    return BranchSpec(1, signs, solution.spec.branch_points, False)
 
 
 def _choices(joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -443,7 +443,7 @@ def _reached(motion: Motion, found: AssemblyFailure) -> list[str]:
     """The driver's ranges in which the linkage closes on the branch it opened on, as words, rounded inwards."""
     solution = motion.solution
     turns = isinstance(solution.placements[0], RevoluteInput)
-    reach = reach_of(solution.linkage)
+    reach = extent_of(solution.linkage)
     # From the open drive round to it again, so that no part is cut in two.
     span = (found.drive, found.drive + 2 * np.pi) if turns else (-reach, reach)
     signs = {joint: int(row[found.frame]) or 1 for joint, row in solution.signs.items()}

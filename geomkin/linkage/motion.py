@@ -43,7 +43,7 @@ class PointMotion:
 
     @cached_property
     def _evaluation(self) -> LazyEvaluation | None:
-        return self.body.solution.worked_at(self.body.name, self.local)
+        return self.body.solution.evaluation_at(self.body.name, self.local)
 
     def _recorded(self, quantity: str) -> Complex | None:
         """The quantity from the recorded formulas; None if there are none."""
@@ -101,15 +101,15 @@ class PointMotion:
         if recorded is not None:
             return recorded
         second = self.second  # evaluated before `first`, which is then known as well
-        return self.body.timing.gain(self.first, second)
+        return self.body.timing.second_rate(self.first, second)
 
 
 @record(eq=False)
 class Body:
     """Motion of one rigid body; arrays are (frames,), angles counterclockwise, nan where the linkage is open.
 
-    Obtained as `motion.coupler`, `motion["coupler"]` or `motion.bodies["coupler"]`. With arrays of linkages the shape is
-    (frames, linkages).
+    Obtained as `motion.coupler`, `motion["coupler"]` or `motion.bodies["coupler"]`. With arrays of linkages the shape
+    is (frames, linkages).
 
     Parameters
     ----------
@@ -209,8 +209,8 @@ ROUNDING = 1e-12
 class Motion:
     """Motion of a linkage over its frames, as returned by `move`.
 
-    All arrays have the shape (frames,), or (frames, linkages) if the linkage's sizes are arrays. Where the linkage cannot
-    be assembled they are nan, and `assembled` is False.
+    All arrays have the shape (frames,), or (frames, linkages) if the linkage's sizes are arrays. Where the linkage
+    cannot be assembled they are nan, and `assembled` is False.
 
     A body is reached as `motion["coupler"]`, as `motion.bodies["coupler"]` or, if its name is a Python name, as
     `motion.coupler`; a point as `motion.point("coupler_point")`; a sliding joint as `motion.slide("slide")`.
@@ -233,7 +233,7 @@ class Motion:
     >>> motion["rocker"].omega.round(4)
     array([-4.2857,  2.1951])
     >>> motion.point("rocker_pin").position.round(3)
-    array([79.286+66.8j  , 84.111+68.201j])
+    array([87.857+68.939j, 94.419+69.777j])
     """
 
     linkage: Linkage
@@ -280,9 +280,10 @@ class Motion:
     def error_amplification(self) -> Real:
         """Largest displacement of any joint per unit error of a length or of the drive.
 
-        It is 1/sin of the transmission angle: inf at a limit, nan if there is no such angle. Near a limit the relative error
-        of velocities and accelerations grows with its square. It does not cover one case: if the pins of two bodies that slide
-        on each other nearly meet, the error of their direction is their size over the slide's displacement.
+        It is 1/sin of the transmission angle: inf at a limit, nan if there is no such angle. Near a limit the relative
+        error of velocities and accelerations grows with its square. It does not cover one case: if the pins of two
+        bodies that slide on each other nearly meet, the error of their direction is their size over the slide's
+        displacement.
 
         Notes
         -----
@@ -349,7 +350,9 @@ class Motion:
                 self._points[name] = PointMotion(self.bodies[body], points[name], name)
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
-        raise DesignError("name", f"found {shown(name)}, which is not the name of a point", f"give one of {', '.join(named)}")
+        raise DesignError(
+            "name", f"found {shown(name)}, which is not the name of a point", f"give one of {', '.join(named)}"
+        )
 
     def slide(self, name: str) -> SlideMotion:
         """Motion of a sliding joint.
@@ -372,7 +375,9 @@ class Motion:
             if slider.name == name:
                 return _slide(self, slider)
         sliders = ", ".join(slider.name for slider in self.linkage.sliders)
-        raise DesignError("name", f"found {shown(name)}, which is not the name of a slider", f"give one of {sliders or 'none'}")
+        raise DesignError(
+            "name", f"found {shown(name)}, which is not the name of a slider", f"give one of {sliders or 'none'}"
+        )
 
     def to_columns(self) -> dict[str, Real]:
         """The columns of `motion_table` as arrays, for a data frame.
@@ -398,7 +403,7 @@ def _slide(motion: Motion, slider: Slider) -> SlideMotion:
     # Relative to the rotating line the point only slides along it: the other terms are the line's rotation.
     first = dot(line, point.first - start.first) + guide.first * apart.imag
     second = dot(line, point.second - start.second) + guide.first**2 * apart.real + guide.second * apart.imag
-    velocity, acceleration = motion.timing.rate(first), motion.timing.gain(first, second)
+    velocity, acceleration = motion.timing.rate(first), motion.timing.second_rate(first, second)
     return SlideMotion(apart.real, velocity, acceleration, 2j * guide.omega * velocity * line, first, second)
 
 
@@ -417,9 +422,9 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
     -------
     array, shape of the motion
         For a body that turns: its torque per unit of the driver's torque or force. For a body that slides on the
-        ground: its force along the line, per N mm if the driver turns. Negative if it acts against the driver's
-        sense. For any other body that translates, such as a platform on two cranks: the force along the path of
-        its points, positive. inf where the output is momentarily at rest (a dead centre of the output), 0 where the driver is.
+        ground: its force along the line, per N mm if the driver turns. Negative if it acts against the driver's sense.
+        For any other body that translates, such as a platform on two cranks: the force along the path of its points,
+        positive. inf where the output is momentarily at rest (a dead centre of the output), 0 where the driver is.
 
     Raises
     ------
@@ -498,7 +503,12 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
         Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
         *_bodies(motion),
         *_slides(motion),
-        Column("transmission_angle", "deg", "smallest transmission angle of all dyads", np.degrees(motion.transmission_angle)),
+        Column(
+            "transmission_angle",
+            "deg",
+            "smallest transmission angle of all dyads",
+            np.degrees(motion.transmission_angle),
+        ),
         *_outputs(motion),
         *(Column(f"{joint}_branch", "", f"branch of {joint}, 0 if open", b) for joint, b in motion.branches.items()),
     ]
@@ -538,7 +548,9 @@ def _slides(motion: Motion) -> Iterator[Column]:
         body_acceleration = np.abs(motion.bodies[slider.body].origin.acceleration)
         yield Column(f"{name}_displacement", "mm", f"displacement along the line of {name}", slide.displacement)
         yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", velocity, speed)
-        yield Column(f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, body_acceleration)
+        yield Column(
+            f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, body_acceleration
+        )
         if _largest(slide.coriolis) > ROUNDING * max(_largest(body_acceleration), _largest(acceleration)):
             yield from xy_columns(
                 f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", finite(slide.coriolis)
@@ -578,7 +590,7 @@ def _point(motion: Motion, point: str) -> Iterator[Column]:
 
 
 def _coefficients(motion: Motion) -> Iterator[Column]:
-    """Kinematic coefficients of every angle, slide and free point, by the driver's angle in rad or displacement in mm."""
+    """Kinematic coefficients of every angle, slide and free point, by the drive in rad or mm."""
     linkage, by = motion.linkage, "mm" if motion.linkage.driven_slider else "rad"
     orders = (("first", by), ("second", f"{by}2"))
     turning = dict(_turning(motion))

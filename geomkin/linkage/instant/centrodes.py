@@ -11,7 +11,7 @@ from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real, Whole, dot
-from ..coupler_curve import moved_at
+from ..coupler_curve import motion_at
 from ..linkage import OneLinkage
 from ..motion import Motion
 from ..solve.branch import Branch
@@ -121,7 +121,7 @@ class CentrodeCurve(AbstractCurve):
             raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
 
     def _centrodes(self, t: ArrayLike) -> tuple[Centrodes, Whole]:
-        motion, frames = moved_at(self.linkage, t, self.branch, self.start)
+        motion, frames = motion_at(self.linkage, t, self.branch, self.start)
         return Centrodes(motion, self.body), frames
 
     def point(self, t: ArrayLike) -> Complex:

@@ -194,7 +194,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         half = NEAR_OF_STROKE * (self.stroke.end - self.stroke.start) if self.stroke else NEAR
         try:
             span = (self.place - half, self.place + half)
-            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.asked, span)
+            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.spec, span)
         except DesignError:
             return []
         missed = abs(complex(curve.point(self.place)) - point)

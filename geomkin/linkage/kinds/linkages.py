@@ -181,7 +181,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             return {}
         joint, motion = self.other
         angle = {"least_transmission_angle_deg": _told(np.degrees(least_transmission_angle(motion)))}
-        return {"other_mode": {"joint": joint, **self._reached(motion.solution.asked), **angle}}
+        return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:

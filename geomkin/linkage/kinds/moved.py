@@ -20,7 +20,7 @@ from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..motion import Motion
 from ..moving import move
-from ..solve.branch import BranchSpec, chosen
+from ..solve.branch import BranchSpec, as_branch_spec
 
 # The branch of all dyads; the same where it may also be followed; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
@@ -125,7 +125,7 @@ class AbstractMovedRecipe(AbstractRecipe):
             # The same lever turned half round, whose slot is not there.
             return None
         # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
-        told, asked = sides[sides != 0], chosen(self.signs)
+        told, asked = sides[sides != 0], as_branch_spec(self.signs)
         near = {name: place for name, place in asked.branch_points.items() if name != joint}
         other = replace(asked, branch={**asked.branch, joint: -int(told[0]) if told.size else -1}, branch_points=near)
         motion = self.moved(self.way.frames, other)

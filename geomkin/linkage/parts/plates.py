@@ -17,7 +17,7 @@ from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross, direction_deg
 from ..linkage import Linkage, Slider
-from ..measures import never_closed
+from ..measures import assembly_error
 from ..motion import Motion
 from .collisions import Sweep, path_in
 from .stock import LinkStock
@@ -283,7 +283,7 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     if motion.linkage.is_batch:
         raise DesignError("motion", "found many linkages at once", "give one, for the plates of each differ")
     if not motion.assembled.any():
-        raise never_closed(motion)
+        raise assembly_error(motion)
     linkage = motion.linkage
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
     axes = _axes(linkage)
