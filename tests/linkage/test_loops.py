@@ -21,7 +21,7 @@ def posed(linkage, motion, carried=True):
     planner = Planner(same, False)
     planner.drive()
     if carried:
-        planner.carry()
+        planner.place_determined()
     planner.rest()
     same.plans[False] = tuple(planner.placements)
     return same
