@@ -79,7 +79,7 @@ class CouplerCurve(AbstractCurve):
     >>> import geomkin as gk
     >>> curve = gk.CouplerCurve(gk.FourBar(100, 30, 90, 70, coupler_point=45 + 40j), "coupler_point")
     >>> round(gk.length(curve), 2)
-    272.69
+    167.19
     """
 
     linkage: OneLinkage

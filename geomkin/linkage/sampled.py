@@ -137,7 +137,7 @@ def central_difference(
 def mid_ordinate_integral(
     rates: Places, interval: Positive, start: complex = 0.0, inexact: Inexact = 0.0
 ) -> SampledRates:
-    """Integral of rates that are given in the middles of even intervals: each strip is its mid-ordinate times its width.
+    """Integral of rates given in the middles of even intervals: each strip is its mid-ordinate times its width.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _differences(z: Array, derivative: int, order: int, periodic: bool) -> tuple
 
 
 def weights(places: Real, derivative: int) -> Real:
-    """Weights (n,) of values at these positions, in steps, that give the derivative at 0 of the polynomial through them.
+    """Weights (n,) of values at these positions, in steps, for the derivative at 0 of the polynomial through them.
 
     Fornberg's recursion, which goes from point to point and loses no digits.
     """

@@ -212,7 +212,7 @@ def best_counterbalance(
 def _from_crank(
     linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, branch: Branch, acceleration: float
 ) -> Complex:
-    """sum m a in the crank's frame, divided by that of 1 kg mm on the crank: a counterbalance adds its product to it."""
+    """sum m a in the crank's frame over that of 1 kg mm on the crank: a counterbalance adds its product to it."""
     motion = move(linkage, angles.ravel(), branch, 1.0, acceleration)
     force = shaking_force(motion, masses) / -NEWTON / (1 - 1j * acceleration)
     return (force * np.conj(motion.bodies["crank"].direction)).reshape(angles.shape)

@@ -22,8 +22,8 @@ ROUNDING = 1e-14
 # Speed of a point, as a share of its terms, below which the point is so near the instant centre that a curvature lost
 # in rounding is reported as nan instead of straight.
 SLOW = 1e-3
-# Square of a body's speed over its acceleration, in sizes of the linkage, below which it counts as reversing. Six digits
-# of the curvature are left there.
+# Square of a body's speed over its acceleration, in sizes of the linkage, below which it counts as reversing. Six
+# digits of the curvature are left there.
 TURNING_BACK = 1e-10
 # 1/a - 1/c - 1/j = 0, the Euler-Savary equation.
 SIGN = {"point": 1, "centre": -1, "inflection": -1}
@@ -167,7 +167,8 @@ def second_order(motion: Motion, body: str, settle: bool = True) -> tuple[Comple
     """
     moved, extent = motion.bodies[body], motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
-        velocity, acceleration, theta_prime, theta_second = moved.origin.first, moved.origin.second, moved.first, moved.second
+        velocity, acceleration = moved.origin.first, moved.origin.second
+        theta_prime, theta_second = moved.first, moved.second
         speed = abs(velocity) + abs(theta_prime) * extent
         speed_rate = abs(acceleration) + abs(theta_second) * extent
         lost = (speed**2 <= TURNING_BACK * speed_rate * extent) | ~np.isfinite(speed_rate)
@@ -203,7 +204,7 @@ def euler_savary(
     centre: Extended | None = None,
     inflection: Extended | None = None,
 ) -> Real:
-    """The fourth of four points on a ray through the instant centre, from the other three, by the Euler-Savary equation.
+    """The Euler-Savary equation: one of four points on a ray through the instant centre, from the other three.
 
     All are signed distances along the ray from one origin, mm, arrays of any shapes that broadcast. Give exactly three.
 
@@ -336,13 +337,13 @@ class DirectContact:
     def first(self) -> Real:
         """Follower's first kinematic coefficient: rad per rad of the driver, or mm per rad if it slides."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return dot(self._normal, self._driver_way) / dot(self._normal, self._way)
+            return dot(self._normal, self._driver_velocity) / dot(self._normal, self._follower_velocity)
 
     @property
     def sliding(self) -> Real:
-        """Sliding velocity of the follower's surface on the driver's, mm per rad, positive to the left of the normal."""
+        """Sliding velocity of the follower's surface on the driver's, mm per rad, positive left of the normal."""
         with np.errstate(invalid="ignore"):
-            return dot(1j * self._normal, self.first * self._way - self._driver_way)
+            return dot(1j * self._normal, self.first * self._follower_velocity - self._driver_velocity)
 
     @property
     def second(self) -> Real:
@@ -352,7 +353,7 @@ class DirectContact:
             along = self._curving(0 * f if self.follower_pivot is None else f) - dot(n, point - self.driver_pivot)
             if self.follower_pivot is not None:
                 along = along + f**2 * dot(n, point - self.follower_pivot)
-            return along / dot(n, self._way)
+            return along / dot(n, self._follower_velocity)
 
     def _curving(self, h: Real) -> Real:
         """Contribution of the curvatures along the normal: r1 + h^2 r2 - (r1 + r2) k^2, k the first coefficient of the
@@ -396,7 +397,9 @@ class DirectContact:
             sliders.append(Slider("contact", "coupler", "follower", through=c1 - home, direction_deg=along))
         if self.follower_direction is not None:
             direction = float(np.degrees(np.angle(self.follower_direction)))
-            sliders.append(Slider("guide", "follower", "ground", through=home, direction_deg=direction, angle_deg=-direction))
+            sliders.append(
+                Slider("guide", "follower", "ground", through=home, direction_deg=direction, angle_deg=-direction)
+            )
         bodies = {"ground": ground, "driver": driver, "coupler": coupler, "follower": follower}
         return Linkage(bodies, "driver", tuple(sliders))
 
@@ -404,17 +407,17 @@ class DirectContact:
     def branch(self) -> Literal[1, -1]:
         """The branch of `linkage` that is the given position; +1 if both are."""
 
-        def off(branch: Literal[1, -1]) -> float:
-                follower = move(self.linkage, [0.0], branch).bodies["follower"]
+        def distance(branch: Literal[1, -1]) -> float:
+            follower = move(self.linkage, [0.0], branch).bodies["follower"]
             moved = follower.point(complex(self.point) - self._home).position[0] - complex(self.point)
             away = abs(moved) + abs(follower.origin.position[0] - self._home)
             return float(away) if np.isfinite(away) else np.inf
 
-        return 1 if off(1) <= off(-1) else -1
+        return 1 if distance(1) <= distance(-1) else -1
 
     @property
     def _home(self) -> complex:
-        """Where the follower has its own origin: its pivot, or the contact."""
+        """The follower's origin: its pivot, or the contact."""
         return complex(self.point if self.follower_pivot is None else self.follower_pivot)
 
     @cached_property
@@ -422,13 +425,13 @@ class DirectContact:
         return unit(self.normal)
 
     @property
-    def _driver_way(self) -> Complex:
-        """Where the driver's point of contact goes, mm per rad of the driver."""
+    def _driver_velocity(self) -> Complex:
+        """Velocity of the driver's point of contact, mm per rad of the driver."""
         return 1j * (np.asarray(self.point) - self.driver_pivot)
 
     @property
-    def _way(self) -> Complex:
-        """Where the follower's point of contact goes, mm per rad or mm of the follower."""
+    def _follower_velocity(self) -> Complex:
+        """Velocity of the follower's point of contact, mm per rad or mm of the follower."""
         if self.follower_direction is not None:
             return unit(self.follower_direction)
         arm: Complex = np.asarray(self.point) - np.asarray(self.follower_pivot)

@@ -185,7 +185,7 @@ class PolygonPart(NamedTuple):
 def polygon_parts(
     motion: Motion, order: Literal[1, 2], frame: int | slice
 ) -> tuple[list[PolygonPart], dict[str, Complex], dict[str, tuple[str, ...]]]:
-    """Vectors of the velocity polygon (order 1) or acceleration polygon (order 2) at a frame, or over a slice of frames.
+    """Vectors of the velocity (order 1) or acceleration polygon (order 2) at a frame, or over a slice of frames.
 
     Also returns the end of each point's vector from the pole, and the points of each body. Vectors of length 0 are
     included. nan where the linkage is open. Derived here.

@@ -15,7 +15,7 @@ from ..linkage import Linkage
 from .branch import BranchSpec, FollowedBranch
 from .drive_range import DriveRange, change_points
 from .dyads import Dyad
-from .formulas import LazyEvaluation, Timing, linkage_formulas, is_recordable
+from .formulas import LazyEvaluation, Timing, is_recordable, linkage_formulas
 from .input_dyads import InputDyad
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, RevoluteInput
