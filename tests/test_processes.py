@@ -13,7 +13,7 @@ import pytest
 
 from geomkin.core import processes
 from geomkin.core.progress import shown
-from geomkin.core.progress import tell as tell_progress
+from geomkin.core.progress import report as report_progress
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="copies are made where the system bears it")
 if sys.platform == "linux" and len(os.sched_getaffinity(0)) < 2:
@@ -71,7 +71,7 @@ def test_a_copy_that_is_killed_costs_its_task_alone():
 
 def work_here(task):
     """Who did a task; told aloud, which no copy does; some are killed, some take long."""
-    tell_progress(0.5, "working")
+    report_progress(0.5, "working")
     if task == "kill":
         os.kill(os.getpid(), signal.SIGKILL)
     time.sleep(task)

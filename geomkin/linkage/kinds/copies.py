@@ -191,7 +191,7 @@ def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack
             rod = f"one rod {stack.letters[common.name]}, {length:g} mm long for both screws, glued into both cranks"
             yield Shared(common.name, length, f"{pair} face to face, {room:g} mm between them: {rod}")
         else:
-            yield Shared("", 0.0, f"{pair}: no rod joins their cranks, so turn both by a common shaft (not included)")
+            yield Shared("", 0.0, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
 
 
 def _beyond(stack: Stack, thickness: float, layer: int, excluded: str) -> float:
@@ -223,5 +223,5 @@ def copying(copies: Sequence[Copy], shared: Sequence[Shared]) -> tuple[str, ...]
     if not copies:
         return ()
     phases = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(copies, 2))
-    frame = f"hold all {1 + len(copies)} grounds in a frame (not included), perpendicular to the shaft"
+    frame = f"hold all {1 + len(copies)} grounds in a frame of yours, square to the shaft"
     return (f"{1 + len(copies)} of these on one shaft, {phases}", *(rod.words for rod in shared), frame)

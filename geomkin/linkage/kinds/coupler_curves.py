@@ -226,7 +226,7 @@ class CognatesRecipe(AbstractMovedRecipe):
     @property
     def steps(self) -> tuple[str, ...]:
         drawings = [f"{name}_drawing" for name in NAMES] + ["drawing"]
-        return (*self.stack.steps, *(f"{name} is a drawing and not part of the linkage" for name in drawings))
+        return (*self.stack.steps, *(f"{name} is joined to nothing" for name in drawings))
 
     @cached_property
     def table(self) -> Table:
@@ -266,7 +266,7 @@ class CognatesRecipe(AbstractMovedRecipe):
         return (
             reached(self.motions[0], "driver's turn", "give a shorter range"),
             Check("distance between the three traced points", apart, "at most", SAME_CURVE, "mm"),
-            Check("displacement of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
+            Check("way of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
             collision_check(len(self.stack.collisions), "summary.json names them"),
             *self.drive.checks,
         )

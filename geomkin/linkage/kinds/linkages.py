@@ -327,7 +327,7 @@ class OldhamCouplingRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: a pin joins two bodies at each point that both name."""
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
 
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList

@@ -112,9 +112,9 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
             for name, role in roles.items()
         }
-        words = {"none": "force without counterweight", "given": "with the given one", "best": "with the best one"}
+        words = {"none": "force without counterweight", "given": "with the one given", "best": "with the best"}
         what = {role: words[name] for name, role in roles.items()}
-        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the given one")
+        most = Limit(MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given")
         plots = [Plot("size of the shaking force", tuple(f"force_{name}_N" for name in roles), (most,))]
         plots += [
             Plot(f"shaking force along {axis}", tuple(f"force_{name}_{axis}_N" for name in roles)) for axis in "xy"
@@ -143,7 +143,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     def steps(self) -> tuple[str, ...]:
         if all(part.name != "counterweight" for part in self.parts):
             return self.stack.steps
-        shaft = "a shaft (not included) that turns with crank, instead of the screw"
+        shaft = "a shaft of yours that turns with crank, instead of the screw"
         return (*self.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
 
     def _counterweight(self) -> list[Part]:
