@@ -77,7 +77,7 @@ def apart_inside(outer: Complex, inner: Sequence[Complex], distance: float) -> M
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in inner])
     shapely.prepare([area, boundary])
     inside = shapely.contains_properly(area, shapes)
-    # The index of the boundary finds which are near, a little too many; the distance itself, without one, tells.
+    # The index finds slightly too many near ones; the exact distance decides.
     near = inside & shapely.dwithin(boundary, shapes, distance * (1 + 1e-9))
     inside[near] = shapely.distance(boundary, shapely.get_exterior_ring(shapes[near])) >= distance
     return inside

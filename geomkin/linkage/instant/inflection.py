@@ -34,9 +34,9 @@ ROUNDING = 1e-13
 class InflectionCircle:
     """A body's motion to second order, and its inflection circle; arrays of any shape.
 
-    If the instant centre is at infinity (parallel cranks: `turn` is 0), the circle is a straight line along `tangent`
-    through `nearest`; the centre and the pole are nan and the diameter inf. If all paths have the same curvature
-    there (a parallelogram), there is no circle and normal, tangent and nearest are nan too.
+    If the instant centre is at infinity (parallel cranks: `angular_velocity` is 0), the circle is a straight line along
+    `tangent` through `nearest`; the centre and the pole are nan and the diameter inf. If all paths have the same
+    curvature there (a parallelogram), there is no circle and normal, tangent and nearest are nan too.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class InflectionCircle:
         Position of a point of the body, mm.
     velocity, acceleration : complex or array
         Of that point, mm per unit of time and per its square; the drive may serve as time.
-    turn, turn_rate : float or array
+    angular_velocity, angular_acceleration : float or array
         Angular velocity and acceleration of the body, in the same time.
 
     Notes ----- The circle and its use: Dijksman, Motion Geometry of Mechanisms, 1976. That no digits are lost where it
@@ -54,34 +54,34 @@ class InflectionCircle:
     reference: Complex
     velocity: Complex
     acceleration: Complex
-    turn: Real
-    turn_rate: Real
+    angular_velocity: Real
+    angular_acceleration: Real
 
     # With s from the reference, V = f + i h s and A = f' + (i h' - h^2) s give, with p = h A_I,
     # V x A = c + Re(conj(k) s) + h^3 |s|^2, which is 0 on the circle, and the diameter J = p / h^3.
 
     @cached_property
     def _p(self) -> Complex:
-        h = self.turn
-        one, two, three = h * self.acceleration, -self.velocity * self.turn_rate, -1j * h**2 * self.velocity
+        h = self.angular_velocity
+        one, two, three = h * self.acceleration, -self.velocity * self.angular_acceleration, -1j * h**2 * self.velocity
         total = one + two + three
         return np.where(abs(total) <= ROUNDING * (abs(one) + abs(two) + abs(three)), 0j, total)
 
     @property
     def instant_centre(self) -> InstantCentre:
         """The point at which the body has no velocity: the circle passes through it."""
-        return InstantCentre(self.reference, 1j * self.velocity, self.turn)
+        return InstantCentre(self.reference, 1j * self.velocity, self.angular_velocity)
 
     @property
     def diameter(self) -> Real:
         """Diameter of the circle, mm; inf if it is a line, nan if there is none."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return abs(self._p) / abs(self.turn) ** 3
+            return abs(self._p) / abs(self.angular_velocity) ** 3
 
     @property
     def normal(self) -> Complex:
         """Centrode normal: the direction from the instant centre to the inflection pole, unit complex."""
-        return unit(self._p) * np.where(self.turn < 0, -1, 1)
+        return unit(self._p) * np.where(self.angular_velocity < 0, -1, 1)
 
     @property
     def tangent(self) -> Complex:
@@ -90,20 +90,20 @@ class InflectionCircle:
 
     @property
     def centre_velocity(self) -> Complex:
-        """Velocity of the instant centre along both centrodes, mm per unit of time: |turn| D; nan at infinity."""
+        """Velocity of the instant centre along both centrodes, mm per unit of time; nan at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return known(self.turn != 0, 1j * self._p / self.turn**2)
+            return known(self.angular_velocity != 0, 1j * self._p / self.angular_velocity**2)
 
     @property
     def pole(self) -> Complex:
         """Inflection pole, mm: the end of the diameter from the instant centre; its acceleration is along its path."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return self.instant_centre.position + self._p / self.turn**3
+            return self.instant_centre.position + self._p / self.angular_velocity**3
 
     @property
     def nearest(self) -> Complex:
         """The point of the circle nearest to `reference`, mm."""
-        k = -(self._p + 2j * self.turn**2 * self.velocity)
+        k = -(self._p + 2j * self.angular_velocity**2 * self.velocity)
         c, extent = cross(self.velocity, self.acceleration), abs(k) + abs(self._p)
         with np.errstate(divide="ignore", invalid="ignore"):
             away = np.where(extent == 0, np.nan, 2 * c / extent)
@@ -117,7 +117,7 @@ class InflectionCircle:
 
         It exists also if the instant centre, through which the line passes, is at infinity.
         """
-        across: Real = cross(self.acceleration, self.velocity) + self.turn * abs(self.velocity) ** 2
+        across: Real = cross(self.acceleration, self.velocity) + self.angular_velocity * abs(self.velocity) ** 2
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.reference + 1j * self.tangent * (across / abs(self._p))
 
@@ -134,7 +134,7 @@ class InflectionCircle:
         array
         """
         with np.errstate(divide="ignore", invalid="ignore"):
-            return dot(self._p, as_unit(direction)) / self.turn**3
+            return dot(self._p, as_unit(direction)) / self.angular_velocity**3
 
     def path(self, position: ArrayLike) -> PathCurvature:
         """Path of the body's point that is now at a position, by the Euler-Savary equation.
@@ -149,7 +149,7 @@ class InflectionCircle:
         PathCurvature
         """
         place = np.asarray(position)
-        state = self.velocity, self.acceleration, self.turn, self.turn_rate
+        state = self.velocity, self.acceleration, self.angular_velocity, self.angular_acceleration
         return path_in(place, place - self.reference, *state)
 
 
@@ -207,23 +207,23 @@ def inflection_circle_of_cranks(one: PathCurvature, two: PathCurvature) -> Infle
     # The body is rigid: both points have the same velocity along the line between them.
     speed = dot(two.tangent, arm), dot(one.tangent, arm)
     velocity = speed[0] * one.tangent, speed[1] * two.tangent
-    turn = cross(one.tangent, two.tangent)
+    angular_velocity = cross(one.tangent, two.tangent)
     # Accelerations: across the path by the curvatures; along it so that the body stays rigid, and no more.
     across = [k.curvature * v**2 * 1j * k.tangent for k, v in zip((one, two), speed)]
-    lacking = dot(arm, across[0] - across[1]) - (turn * abs(arm)) ** 2
+    lacking = dot(arm, across[0] - across[1]) - (angular_velocity * abs(arm)) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         share = lacking / (speed[0] ** 2 + speed[1] ** 2)
     along = -speed[1] * share * one.tangent, speed[0] * share * two.tangent
     first, second = across[0] + along[0], across[1] + along[1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        turn_rate = cross(arm, second - first) / abs(arm) ** 2
+        angular_acceleration = cross(arm, second - first) / abs(arm) ** 2
     extent = abs(arm)
     return InflectionCircle(
         one.position,
         velocity[0],
         first,
-        settled(turn, np.maximum(abs(velocity[0]), abs(velocity[1])), extent),
-        settled(turn_rate, np.maximum(abs(first), abs(second)), extent),
+        settled(angular_velocity, np.maximum(abs(velocity[0]), abs(velocity[1])), extent),
+        settled(angular_acceleration, np.maximum(abs(first), abs(second)), extent),
     )
 
 

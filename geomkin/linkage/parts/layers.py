@@ -193,7 +193,7 @@ Key = tuple[str, str]
 
 
 @record
-class Reach:
+class LayeredPin:
     """A pin with the lowest and highest layer that it joins."""
 
     pin: Pin
@@ -215,11 +215,11 @@ class Disc:
 class Heads:
     """Heads and nuts of a stack, and what they would meet.
 
-    reaches: the pins by layers without gaps. layers: of the plates, likewise. plates: as cut.
+    layered_pins: the pins by layers without gaps. layers: of the plates, likewise. plates: as cut.
     """
 
     meetings: Meetings
-    reaches: tuple[Reach, ...]
+    layered_pins: tuple[LayeredPin, ...]
     layers: Mapping[str, int]
     plates: Mapping[str, Plate]
     _pairs: dict[Key, Pair] = field(default_factory=dict)
@@ -244,24 +244,24 @@ class Heads:
         """Gaps, the height each needs if any of some pairs meets, and those pairs."""
         up: dict[int, list[tuple[Pin, int]]] = {}
         heights = []
-        for reach in self.reaches:
-            below, above = (int(np.ceil(high - HAIR)) for high in self._ends(reach, places))
+        for layered in self.layered_pins:
+            below, above = (int(np.ceil(high - HAIR)) for high in self._ends(layered, places))
             heights.append(below)
             yield (
-                reach.last,
+                layered.last,
                 above,
-                self._in_layers(reach.pin, places, places[reach.last] + 1, places[reach.last] + above),
+                self._in_layers(layered.pin, places, places[layered.last] + 1, places[layered.last] + above),
             )
             yield (
-                reach.first - 1,
+                layered.first - 1,
                 below,
-                self._in_layers(reach.pin, places, places[reach.first] - below, places[reach.first] - 1),
+                self._in_layers(layered.pin, places, places[layered.first] - below, places[layered.first] - 1),
             )
-            up.setdefault(reach.last, []).append((reach.pin, above))
-        for reach, below in zip(self.reaches, heights):
-            for pin, above in up.get(reach.first - 1, ()):
+            up.setdefault(layered.last, []).append((layered.pin, above))
+        for layered, below in zip(self.layered_pins, heights):
+            for pin, above in up.get(layered.first - 1, ()):
                 if below and above:
-                    yield reach.first - 1, below + above, [self._two_discs(pin, reach.pin)]
+                    yield layered.first - 1, below + above, [self._two_discs(pin, layered.pin)]
 
     def _in_layers(self, pin: Pin, places: list[int], low: int, high: int) -> list[Key]:
         """Pairs of a pin's head and each plate in layers from `low` to `high`."""
@@ -293,27 +293,27 @@ class Heads:
         new = [key for key in dict.fromkeys(keys) if key not in self._met]
         self._met.update(zip(new, meeting(self.meetings.motion, [self._pairs[key] for key in new]).tolist()))
 
-    def _ends(self, reach: Reach, places: list[int]) -> tuple[float, float]:
+    def _ends(self, layered: LayeredPin, places: list[int]) -> tuple[float, float]:
         """Heights of a pin's ends below and above its plates, in layers; the nut is where it is out of the way.
 
         A motor's shaft ends with its plates.
         """
-        if reach.pin.shaft:
+        if layered.pin.shaft:
             return 0.0, 0.0
         stock = self.meetings.stock
-        grip = (places[reach.last] - places[reach.first] + 1) * stock.thickness
+        grip = (places[layered.last] - places[layered.first] + 1) * stock.thickness
         head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
-        return (nut, head) if reach.first == 0 else (head, nut)
+        return (nut, head) if layered.first == 0 else (head, nut)
 
     def _across(self, pin: Pin, what: str = "end") -> float:
         """Diameter of the disc around a pin, mm; rings are as wide as bars."""
         stock = self.meetings.stock
         return stock.bar_width if what == "ring" else max(stock.fastener_used.across, pin.shaft)
 
-    def is_open(self, shaft: Reach) -> bool:
+    def is_open(self, shaft: LayeredPin) -> bool:
         """Whether a motor's shaft may be longer than its plates: no plate and no pin above would meet it."""
         plates = (name for name, layer in self.layers.items() if layer > shaft.last)
-        pins = (reach.pin for reach in self.reaches if reach is not shaft and reach.last >= shaft.last)
+        pins = (layered.pin for layered in self.layered_pins if layered is not shaft and layered.last >= shaft.last)
         keys = [
             *(self._head_and_plate(shaft.pin, name) for name in plates),
             *(self._two_discs(pin, shaft.pin) for pin in pins),
@@ -328,11 +328,11 @@ class Heads:
         they are clear of all that moves.
         """
         places, ground = placed(gaps), self.meetings.ground
-        for reach in self.reaches:
-            if all(self.plates[name].body == ground for name in reach.pin.plates):
+        for layered in self.layered_pins:
+            if all(self.plates[name].body == ground for name in layered.pin.plates):
                 continue
-            for k in range(reach.first, reach.last):
-                yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
+            for k in range(layered.first, layered.last):
+                yield from ((layered.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
 
     def disc_clears(self, pin: Pin, layer: int, others: Iterable[Pin], gaps: list[int]) -> bool:
         """Whether a disc on a pin meets nothing in a layer, counted without gaps: plates, heads, discs of other pins.
@@ -352,20 +352,20 @@ class Heads:
 
     def _heads_in(self, places: list[int], at: int) -> Iterator[Pin]:
         """Pins whose head or nut is in a layer, counted with gaps."""
-        for reach in self.reaches:
-            below, above = self._ends(reach, places)
-            low, high = places[reach.first], places[reach.last] + 1
+        for layered in self.layered_pins:
+            below, above = self._ends(layered, places)
+            low, high = places[layered.first], places[layered.last] + 1
             if low - below < at + 1 - HAIR < low or high <= at < high + above - HAIR:
-                yield reach.pin
+                yield layered.pin
 
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """Remaining collisions: name of the pin, text that says what its head or ring meets, range of the drive."""
         places = placed(gaps)
         discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
-        for reach in self.reaches:
-            below, above = self._ends(reach, places)
-            low, high = places[reach.first], places[reach.last] + 1
-            discs += [Disc(reach.pin, "end", low - below, low), Disc(reach.pin, "end", high, high + above)]
+        for layered in self.layered_pins:
+            below, above = self._ends(layered, places)
+            low, high = places[layered.first], places[layered.last] + 1
+            discs += [Disc(layered.pin, "end", low - below, low), Disc(layered.pin, "end", high, high + above)]
         plates = [
             (disc, name, self._head_and_plate(disc.pin, name))
             for disc in discs

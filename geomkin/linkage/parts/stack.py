@@ -22,7 +22,7 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
 from .collisions import path_in
-from .layers import Heads, Meetings, Order, Passing, Reach, Run, order, placed, runs
+from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, placed, runs
 from .plates import Assembly, Pin, Plate, assemble, opened, unused
 from .stock import LinkStock
 
@@ -379,8 +379,8 @@ def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
 
 def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     """The stack with empty layers where heads need them, and its collisions."""
-    reaches = tuple(Reach(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
-    heads = Heads(meetings, reaches, stack.layers, stack.plates)
+    layered_pins = tuple(LayeredPin(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
+    heads = Heads(meetings, layered_pins, stack.layers, stack.plates)
     gaps = heads.gaps()
     places = placed(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
@@ -402,8 +402,10 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
         length = (last - first + 1) * meetings.stock.thickness
         spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
     spans = [
-        replace(span, motor=_motor_bill(meetings.stock, span.length, heads.is_open(reach))) if reach.pin.shaft else span
-        for span, reach in zip(spans, reaches)
+        replace(span, motor=_motor_bill(meetings.stock, span.length, heads.is_open(layered)))
+        if layered.pin.shaft
+        else span
+        for span, layered in zip(spans, layered_pins)
     ]
     spread = replace(stack, layers=layers, pins=tuple(spans))
     return replace(spread, collisions=tuple(_collisions(meetings, spread, heads.collisions(gaps))))
