@@ -18,7 +18,7 @@ def test_shares_are_told_from_0_to_1_to_the_innermost_listener():
             report(1.5, "b")
         report(1, "c")
         # Another thread has listeners of its own.
-        other = threading.Thread(target=tell, args=(0.5, "elsewhere"))
+        other = threading.Thread(target=report, args=(0.5, "elsewhere"))
         other.start()
         other.join()
     report(0.5, "nobody listens any more")

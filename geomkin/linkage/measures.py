@@ -540,18 +540,18 @@ def assembly_failure(motion: Motion) -> AssemblyFailure | None:
         lacking = max(lacking, 0.0)
         number = f"{lacking * 1.0005:.4g}"
         name, text, remedy = open_placement.joint, problem.format(f"{lacking:.4g}"), remedy.format(number)
-        text = f"the dyad at {printable(name)} cannot be assembled {at}: {text}"
+        text = f"the dyad at {printable(name)} opens first, {at}: {text}"
     else:
         assert isinstance(open_placement, Loops | Crossed)
         bodies = open_placement.waiting if isinstance(open_placement, Loops) else (open_placement.body,)
         name, lacking = ", ".join(bodies), np.nan
-        text = f"{printable(name)} cannot be placed {at}"
+        text = f"{printable(name)} cannot be placed, {at}"
         remedy = "turn its guides so that they are not parallel, or give another estimate of its pins"
     branch = _closing(motion, solution, frame, open_placement)
     if branch is not None:
         changed = {joint: sign for joint, sign in branch.items() if sign != solution.signs[joint][frame]}
         signs = ", ".join(f"{printable(joint)} = {sign}" for joint, sign in changed.items())
-        text += f"; it can be assembled there with {signs}"
+        text += f"; it closes there with {signs}"
     return AssemblyFailure(name, frame, drive, lacking, branch, text, remedy)
 
 
@@ -565,7 +565,7 @@ def assembly_error(motion: Motion) -> DesignError:
     elif not np.isnan(failure.lacking) and (parts := _reached(motion, failure)):
         driver = motion.linkage.driver
         remedy = f"drive the {printable(driver)} between {' or '.join(parts)}"
-    return DesignError("drive", f"the linkage cannot be assembled at any frame; {failure.text}", remedy)
+    return DesignError("drive", f"the linkage closes at no frame; {failure.text}", remedy)
 
 
 def _open(placement: Placement, solution: LinkageSolution, frame: int) -> bool:

@@ -390,7 +390,7 @@ class Shaper(AbstractLinkage):
         if self.crank >= self.ground:
             raise DesignError(
                 "crank",
-                f"found {self.crank:g} mm, but the lever only swings if this is less than the ground, "
+                f"found {self.crank:g} mm, but the lever turns over unless the crank is shorter than the ground, "
                 f"{self.ground:g} mm",
                 f"give less than {self.ground:g} mm",
             )

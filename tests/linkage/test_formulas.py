@@ -217,7 +217,7 @@ def test_what_is_asked_together_or_anew_is_what_each_is_alone():
 def test_what_is_kept_for_the_next_motion_has_bounds(monkeypatch):
     monkeypatch.setattr(solution, "WORTH", 0)
     monkeypatch.setattr(program, "_own", program._Own())
-    held, drive = program._own.benches, np.linspace(0, 6, 4096)
+    held, drive = program._own.workspaces, np.linspace(0, 6, 4096)
     linkages = [gk.FourBar(100, 30, 90, 70 + k) for k in range(40)]
     for frames in (1, 4096, 700):
         for linkage in linkages:

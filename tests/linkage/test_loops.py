@@ -22,7 +22,7 @@ def posed(linkage, motion, carried=True):
     planner.drive()
     if carried:
         planner.place_determined()
-    planner.rest()
+    planner.place_rest()
     same.plans[False] = tuple(planner.placements)
     return same
 
