@@ -11,7 +11,7 @@ WHAT = "give a CSV file"
 
 def refused(name, folder):
     with pytest.raises(gk.DesignError) as refusal:
-        beside.text_beside(name, folder, "a CSV file")
+        beside.read_text_file(name, folder, "a CSV file")
     assert refusal.value.field == "file" and str(refusal.value).isprintable()
     return refusal.value
 
@@ -21,8 +21,8 @@ def test_a_file_beside_or_below_is_read_with_or_without_a_mark_at_its_start(tmp_
     for content in ("größe".encode(), b"\xef\xbb\xbf" + "größe".encode()):
         (tmp_path / "in/a.csv").write_bytes(content)
         for name, folder in (("in/a.csv", tmp_path), ("a.csv", tmp_path / "in"), ("../in/a.csv", tmp_path / "in")):
-            assert beside.text_beside(name, str(folder), "a CSV file") == "größe"
-        assert beside.text_beside(tmp_path / "in/a.csv", None, "a CSV file") == "größe"
+            assert beside.read_text_file(name, str(folder), "a CSV file") == "größe"
+        assert beside.read_text_file(tmp_path / "in/a.csv", None, "a CSV file") == "größe"
 
 
 def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
@@ -34,7 +34,7 @@ def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
         assert (
             "which lies outside the folder that names it" in error.problem and "itself and not a link" in error.remedy
         )
-        assert beside.text_beside(tmp_path / "in" / name, None, "a CSV file") == "1"
+        assert beside.read_text_file(tmp_path / "in" / name, None, "a CSV file") == "1"
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_a_file_is_text_of_bearable_size(tmp_path, monkeypatch, content, reason)
     monkeypatch.setattr(beside, "LARGEST", 5)
     (tmp_path / "a.csv").write_bytes(content)
     if not reason:
-        assert beside.text_beside("a.csv", tmp_path, "a CSV file") == content.decode()
+        assert beside.read_text_file("a.csv", tmp_path, "a CSV file") == content.decode()
         return
     error = refused("a.csv", tmp_path)
     assert error.problem == f"a.csv cannot be read ({reason})" and error.remedy == WHAT

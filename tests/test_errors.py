@@ -48,13 +48,17 @@ def test_a_refusal_in_another_process_arrives_whole():
     assert isinstance(refusal, gk.DesignError) and refusal.field == "radius" and "above 0" in refusal.remedy
 
 
-@pytest.mark.parametrize("count", [0, 1, errors.TOLD - 1, errors.TOLD, errors.TOLD + 1, errors.TOLD + 1500])
+@pytest.mark.parametrize(
+    "count", [0, 1, errors.MOST_SHOWN - 1, errors.MOST_SHOWN, errors.MOST_SHOWN + 1, errors.MOST_SHOWN + 1500]
+)
 def test_the_first_problems_are_told_line_by_line_and_how_many_more_there_are(count):
     problems = [errors.Problem(f"k{k}" * (k > 0), "found\n1", "give 2") for k in range(count)]
     error = gk.RecipeError("in/a\n.toml", problems)
     lines = str(error).splitlines()
-    told = [f"in/a?.toml: {f'k{k}' if k else '(whole file)'}: found?1; give 2" for k in range(min(count, errors.TOLD))]
-    more = {1: "1", 1500: "1,500"}.get(count - errors.TOLD)
+    told = [
+        f"in/a?.toml: {f'k{k}' if k else '(whole file)'}: found?1; give 2" for k in range(min(count, errors.MOST_SHOWN))
+    ]
+    more = {1: "1", 1500: "1,500"}.get(count - errors.MOST_SHOWN)
     assert lines == told + ([f"in/a?.toml: and {more} more problems; mend these first"] if more else [])
     assert error.problems == tuple(problems) and error.file == "in/a\n.toml"
 

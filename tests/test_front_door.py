@@ -16,7 +16,7 @@ from geomkin import __main__ as door
 from geomkin import build
 from geomkin import cli as commands
 from geomkin.core.errors import FileError, GeomkinError
-from geomkin.core.progress import tell
+from geomkin.core.progress import report
 from geomkin.tradeoff import results
 
 
@@ -96,8 +96,8 @@ def watched(monkeypatch, tmp_path):
 
     def make(file, **options):
         if "= 33" in file.read_text():
-            tell(0.375, "looking for teeth")
-            tell(1.0, "looking for teeth")
+            report(0.375, "looking for teeth")
+            report(1.0, "looking for teeth")
         return real(file, **options)
 
     monkeypatch.setattr(build, "make", make)
@@ -160,8 +160,8 @@ def test_a_closed_stream_is_watched_by_nobody():
 
 def test_a_chart_tells_how_far_it_is_where_someone_watches(watched, monkeypatch):
     def chart(families, quick):
-        tell(0.5, "measuring")
-        tell(1, "measuring")
+        report(0.5, "measuring")
+        report(1, "measuring")
         raise FileError("no\nroom", "cannot be written", "free some", "file-unwritable")
 
     monkeypatch.setattr(results, "chart", chart)

@@ -5,23 +5,23 @@ import threading
 import pytest
 
 from geomkin.core import progress
-from geomkin.core.progress import Watch, shown, tell
+from geomkin.core.progress import Watch, report, shown
 
 
 def test_shares_are_told_from_0_to_1_to_the_innermost_listener():
     outer, inner = [], []
-    tell(0.5, "nobody listens")
+    report(0.5, "nobody listens")
     with shown(lambda *said: outer.append(said)):
-        tell(-0.5, "a")
+        report(-0.5, "a")
         with shown(lambda *said: inner.append(said)):
-            tell(0.25, "b")
-            tell(1.5, "b")
-        tell(1, "c")
+            report(0.25, "b")
+            report(1.5, "b")
+        report(1, "c")
         # Another thread has listeners of its own.
-        other = threading.Thread(target=tell, args=(0.5, "elsewhere"))
+        other = threading.Thread(target=report, args=(0.5, "elsewhere"))
         other.start()
         other.join()
-    tell(0.5, "nobody listens any more")
+    report(0.5, "nobody listens any more")
     assert outer == [(0.0, "a"), (1, "c")] and inner == [(0.25, "b"), (1.0, "b")]
 
 
@@ -30,8 +30,8 @@ def test_a_listener_that_fails_listens_no_longer_than_it_was_to():
         raise ValueError(what)
 
     with pytest.raises(ValueError, match="here"), shown(failing):
-        tell(0.5, "here")
-    tell(0.5, "nobody")
+        report(0.5, "here")
+    report(0.5, "nobody")
 
 
 def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
@@ -43,5 +43,5 @@ def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
         # It is cut short only where it was asked and the time was over.
         assert watch.cut == (at == 103.0) and watch.over() == watch.cut == over
     with shown(lambda *told: said.append(told)):
-        watch.tell(0.75)
+        watch.report(0.75)
     assert said == [(0.75, "looking")]

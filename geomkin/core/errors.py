@@ -1,4 +1,4 @@
-"""What can go wrong, as types: every message says what was found, what is allowed and what to do."""
+"""The errors of geomkin: each message states the field, the problem and the remedy."""
 
 from __future__ import annotations
 
@@ -25,22 +25,31 @@ ProblemId = Literal[
 
 
 class GeomkinError(Exception):
-    """Anything geomkin refuses to do. Its text is meant for a person, without a traceback."""
+    """Base class of all errors that geomkin raises on purpose; its text is shown to users without a traceback."""
 
 
 class DesignError(GeomkinError, ValueError):
-    """A mechanism that cannot exist as asked.
+    """A mechanism or an argument that is not possible.
 
     Parameters
     ----------
     field : str
-        The size that is wrong, as its class spells it.
+        Name of the size or argument that is wrong.
     problem : str
-        What was found.
+        The given value and the reason why it is not possible.
     remedy : str
-        What is allowed, or what to change.
+        What to change.
     id : str
-        The kind of refusal, one of `ProblemId`.
+        Kind of refusal, one of `ProblemId`.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> try:
+    ...     gk.FourBar(ground=200, crank=30, coupler=90, rocker=70)
+    ... except gk.DesignError as error:
+    ...     print(error.field)
+    ground
     """
 
     def __init__(self, field: str, problem: str, remedy: str, id: ProblemId = "impossible-geometry"):
@@ -49,22 +58,24 @@ class DesignError(GeomkinError, ValueError):
         self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # An exception is pickled as its class and its text, which this one is not made from.
+        # By default an exception is pickled as its class and its text, which is not what __init__ takes.
         return type(self), (self.field, self.problem, self.remedy, self.id), self.__dict__
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong in a recipe.
+    """One problem of a recipe.
 
     Parameters
     ----------
     key : str
-        Dotted, as in `linkage.crank`; "" for the whole file.
-    problem, remedy : str
-        What was found, and what to change.
+        Dotted key, such as `linkage.crank`; empty for the whole file.
+    problem : str
+        The given value and the reason why it is not possible.
+    remedy : str
+        What to change.
     id : str
-        The kind of refusal, one of `ProblemId`.
+        Kind of refusal, one of `ProblemId`.
     """
 
     key: str
@@ -79,17 +90,25 @@ class Problem:
         return harmless(f"{self.key or '(whole file)'}: {self.problem}; {self.remedy}")
 
 
-# Problems told of one recipe: more push the first, mostly the cause of the rest, out of sight.
-TOLD = 20
+# Largest number of problems in the text of a RecipeError: the first is mostly the cause of the others.
+MOST_SHOWN = 20
 
 
 class RecipeError(GeomkinError, ValueError):
-    """A recipe that cannot be read or made: all its problems at once, each with its key; the text tells the first."""
+    """A recipe that cannot be read or made, with all its problems at once.
+
+    Parameters
+    ----------
+    file : str
+        Name of the recipe's file.
+    problems : list of Problem
+        The problems; the text shows the first 20.
+    """
 
     def __init__(self, file: str, problems: list[Problem]):
-        lines = [f"{printable(file)}: {p}" for p in problems[:TOLD]]
-        if len(problems) > TOLD:
-            lines.append(f"{printable(file)}: and {len(problems) - TOLD:,} more problems; mend these first")
+        lines = [f"{printable(file)}: {p}" for p in problems[:MOST_SHOWN]]
+        if len(problems) > MOST_SHOWN:
+            lines.append(f"{printable(file)}: and {len(problems) - MOST_SHOWN:,} more problems; fix these first")
         super().__init__("\n".join(lines))
         self.file, self.problems = file, tuple(problems)
 
@@ -117,21 +136,21 @@ class FileError(GeomkinError, OSError):
 
 
 def harmless(text: object) -> str:
-    """`text` as one line without the control characters that a terminal would obey and the marks it would turn by."""
+    """`text` as one line without control characters, including those that change the direction of writing."""
     return "".join(c if c.isprintable() else "?" for c in str(text))
 
 
 def printable(text: object, longest: int = 80) -> str:
-    """`text` as one line fit for a terminal: no control characters, no more than `longest` characters.
+    """`text` as one line for a terminal: no control characters, and at most `longest` characters.
 
-    A longer one loses its middle, since a path is known by its two ends.
+    A longer text loses its middle, since a path is recognised by its two ends.
     """
     line = harmless(text)
     return line if len(line) <= longest else f"{line[: longest // 2]}...{line[-(longest // 2 - 3) :]}"
 
 
 def shown(value: object) -> str:
-    """A value as its author would recognise it, on one line of bearable length, whatever it is."""
+    """A value as it was written, on one line of limited length, whatever its type."""
     try:
         return printable(repr(value))
     except (ValueError, RecursionError):

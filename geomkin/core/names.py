@@ -1,4 +1,4 @@
-"""Names that a person chooses: plain enough to stand in a file name, a layer, a column and a message."""
+"""Names chosen by users, plain enough for file names, layers, columns and messages; text files named in recipes."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from pathlib import Path
 
 from .errors import DesignError, printable, shown
 
-# Letters of a name. With a word such as `_mechanical_advantage` behind it, it still fits a column and a file.
+# Largest number of letters of a name. With a suffix such as `_mechanical_advantage` it still fits a column and a file.
 LONGEST = 40
-# Names of which is kept what was found. Fewer, and those of what is made anew over and over are looked at each time.
+# Number of checked names in the cache.
 NAMES = 4096
-# Bytes of a file's name: what the common file systems take.
+# Bytes of a file's name in common file systems.
 LONGEST_FILE = 255
-# What Windows takes for a device, whatever the ending (Microsoft, "Naming Files, Paths, and Namespaces"); it takes
-# superscript digits too, which composing makes plain ones.
+# Names of devices in Windows, with any ending (Microsoft, "Naming Files, Paths, and Namespaces"); superscript digits
+# count too, which normalisation makes plain ones.
 DEVICES = {"con", "prn", "aux", "nul", "conin$", "conout$"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(10)}
-# Categories of Unicode: letters, digits, and the marks that some scripts write on letters.
+# Categories of Unicode: letters, digits, and combining marks.
 LETTERS = {"Lu", "Ll", "Lt", "Lm", "Lo", "Nd"}
 MARKS = {"Mn", "Mc"}
-# Letters by category that show nothing, so that two names would look alike: the Hangul fillers.
+# Letters by category that are invisible, so that two names would look alike: the Hangul fillers.
 UNSEEN = "\u115f\u1160\u3164\uffa0"
 ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
 
@@ -31,33 +31,32 @@ ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, 
 def check_names(field: str, names: Iterable[str], what: str) -> None:
     """Raise DesignError unless every name is plain and no two differ only by case.
 
-    field: the size that holds them; what: what they name, for the message. Plain are letters and digits of any
-    script, space, `_` and `-`, first a letter or digit, no space at the end, at most 40, and no word that Windows
-    takes for a device.
+    field: the size that contains them; what: the kind of thing named, for the message. A plain name has letters and
+    digits of any script, space, `_` and `-`, begins with a letter or digit, does not end with a space, has at most 40
+    letters, and is not the name of a Windows device.
     """
     seen: dict[str, str] = {}
     for name in names:
         flaw = _flaw(name)
         if flaw:
             raise DesignError(field, f"{what} is named {shown(name)}, which {flaw}", f"give {ALLOWED}", "out-of-range")
-        twin = seen.setdefault(folded(name), name)
-        if twin != name:
-            problem = f"{shown(twin)} and {shown(name)} differ only by case or look the same"
-            raise DesignError(
-                field, problem, "give names that differ, since some file systems take these for one", "conflict"
-            )
+        same = seen.setdefault(folded(name), name)
+        if same != name:
+            problem = f"{shown(same)} and {shown(name)} differ only by case or look the same"
+            remedy = "give names that differ, since some file systems treat these as equal"
+            raise DesignError(field, problem, remedy, "conflict")
 
 
 @lru_cache(NAMES)
 def folded(name: str) -> str:
-    """The name as a file system compares it that knows neither case nor how letters are composed."""
+    """The name as compared by a file system that ignores case and the composition of letters."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
 def _flaw(name: object) -> str:
-    """Why this is no plain name; empty for one."""
+    """The reason why a name is not plain; empty if it is."""
     if not isinstance(name, str):
-        return "is no text"
+        return "is not a text"
     if not name:
         return "is empty"
     if len(name) > LONGEST:
@@ -67,7 +66,7 @@ def _flaw(name: object) -> str:
 
 @lru_cache(NAMES)
 def _letters_flaw(name: str) -> str:
-    """The same of a text that is neither empty nor too long."""
+    """The same for a text that is neither empty nor too long."""
     for before, letter in zip(f" {name}", name):
         if not (is_letter(letter, before) or letter in " _-"):
             return f"has the sign {shown(letter)}"
@@ -76,21 +75,21 @@ def _letters_flaw(name: str) -> str:
     if name[-1] == " ":
         return "ends with a space"
     if folded(name) in DEVICES:
-        return "Windows takes for a device"
+        return "is the name of a device in Windows"
     return ""
 
 
 def is_letter(letter: str, before: str = "") -> bool:
-    """Whether it is a letter or digit of any script that shows, or a mark on the one `before` it."""
+    """Whether it is a visible letter or digit of any script, or a combining mark on the letter `before` it."""
     category = unicodedata.category(letter)
     on_letter = bool(before) and unicodedata.category(before) in LETTERS | MARKS
     return letter not in UNSEEN and (category in LETTERS or (category in MARKS and on_letter))
 
 
 def file_name_flaw(name: str) -> str:
-    """Why a name would not make one visible file in the folder it is meant for, on any system; empty where it would.
+    """The reason why a name does not make one visible file in its folder on any system; empty if it does.
 
-    A file that a person named may hold dots, brackets and signs that the names inside a recipe may not.
+    A file named by a user may contain dots, brackets and signs that names inside a recipe may not.
     """
     if not name or set(name) <= {"."}:
         return "it would name another folder"
@@ -98,58 +97,55 @@ def file_name_flaw(name: str) -> str:
         return "it is too long"
     bad = next((c for c in name if c in '/\\:*?"<>|' or not c.isprintable()), None)
     if bad is not None:
-        return f"it has the sign {shown(bad)}, which is no part of a file's name everywhere"
+        return f"it has the sign {shown(bad)}, which is not allowed in file names on all systems"
     if name[0] in ".- " or name[-1] in ". ":
         return f"it begins or ends with {shown(name[0] if name[0] in '.- ' else name[-1])}"
     if folded(name).split(".")[0].rstrip(" ") in DEVICES:
-        return "Windows takes it for a device"
+        return "it is the name of a device in Windows"
     return ""
 
 
-# Bytes of a file at most. A larger one is something else by mistake, and may fill the memory.
+# Largest size of a text file, bytes: a larger one is a mistake and might fill the memory.
 LARGEST = 10_000_000
-# A number with a decimal comma, as spreadsheets write it where a comma stands for the point.
+# A number with a decimal comma, as spreadsheets write it in some languages.
 WITH_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 
 
-def text_beside(name: str | Path, folder: str | Path | None, what: str) -> str:
-    """The text of a file, UTF-8, refused under the field `file`.
+def read_text_file(name: str | Path, folder: str | Path | None, what: str) -> str:
+    """The text of a file, UTF-8; DesignError with the field `file` if it cannot be read.
 
-    folder: it must lie there or below, and be no link that leads out; None, as from a script: anywhere. what: the
-    file that is to be given instead, such as "a CSV file".
+    folder: the file must be in it or below, and not be a link that leads out; None, as from a script: anywhere. what:
+    the expected file for the message, such as "a CSV file".
     """
     try:
         home = Path(folder or ".").resolve()
         path = (home / name).resolve()
         if folder is not None and not path.is_relative_to(home):
             problem = f"found {shown(str(name))}, which lies outside the folder that names it"
-            raise DesignError(
-                "file", problem, "put it beside the recipe or below, itself and not a link to it", "file-unreadable"
-            )
+            raise DesignError("file", problem, "put it next to the recipe or below, not as a link", "file-unreadable")
         if not path.is_file():
-            raise FileNotFoundError(0, "it is no file")
+            raise FileNotFoundError(0, "it is not a file")
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
         if len(content) > LARGEST:
             raise OSError(0, f"it is larger than {LARGEST:,} bytes")
-        # As spreadsheets save it, with a mark at the start.
+        # Spreadsheets write a byte order mark at the start.
         return content.decode("utf-8-sig")
     except DesignError:
         raise
     except (OSError, ValueError, RuntimeError) as error:
         # A name with a zero byte is a ValueError, a link that leads to itself a RuntimeError.
-        told = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is no file's name"
-        reason = (error.strerror if isinstance(error, OSError) else None) or told
-        raise DesignError(
-            "file", f"{printable(name)} cannot be read ({reason})", f"give {what}", "file-unreadable"
-        ) from None
+        other = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else "it is not a file name"
+        reason = (error.strerror if isinstance(error, OSError) else None) or other
+        problem = f"{printable(name)} cannot be read ({reason})"
+        raise DesignError("file", problem, f"give {what}", "file-unreadable") from None
 
 
 def csv_cells(text: str, name: str | Path) -> list[list[str]]:
-    """The cells of a CSV file, line by line; refused under the field `file`.
+    """The cells of a CSV file, line by line; DesignError with the field `file` if it is not CSV.
 
-    Semicolons separate them if the first line that is not empty has one, commas if not. Decimal commas of a file with
-    semicolons become points.
+    Semicolons separate them if the first line that is not empty has one, otherwise commas. Decimal commas of a file
+    with semicolons become points.
     """
     lines = text.splitlines()
     separator = ";" if ";" in next((line for line in lines if line.strip()), "") else ","

@@ -1,4 +1,4 @@
-"""Mechanisms and their recipes in another size: what is a length is known from the declarations of the fields."""
+"""Mechanisms and their recipes in another size; lengths are recognised by the declarations of the fields."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from .arguments import between, checked
 from .errors import DesignError
 
 T = TypeVar("T")
-# Beyond, no mechanism stays between the least and the greatest sizes that are calculated with.
+# Beyond this range every mechanism leaves the range of permitted sizes.
 Scale = Annotated[float, between(1e-6, 1e6)]
 
 
 @checked
 def scaled(thing: T, scale: Scale) -> T:
-    """The same linkage or cam, or the same recipe of one, in another size.
+    """A linkage or cam, or a recipe of one, in another size.
 
     Angles, times, masses and numbers of turns stay.
 
     Parameters
     ----------
     thing : a linkage, a cam, or a recipe of either
-        Of a recipe every length of the mechanism, of its stroke and of what a goal wants is multiplied; what it is cut
-        from and held by (`stock` with its screws and motor, `base`) and `files` stay. Points and lifts that are read
-        from a file are multiplied, and then stand in the recipe itself. A slide keeps its times: its speed and its
-        acceleration are multiplied. A cam's lifts in degrees stay.
+        In a recipe every length of the mechanism, of its stroke and of a goal is multiplied; `stock` with its screws
+        and motor, `base` and `files` stay. Points and lifts that are read from a file are multiplied, and are then
+        written in the recipe itself. A slide keeps its times: its speed and acceleration are multiplied. A cam's lifts
+        in degrees stay.
     scale : float
         From 1e-6 to 1e6; lengths are multiplied by it, 1/mm is divided by it, kg mm multiplied.
 
@@ -40,7 +40,13 @@ def scaled(thing: T, scale: Scale) -> T:
     Raises
     ------
     DesignError
-        If it is nothing that can be scaled, or a length leaves its range.
+        If the thing cannot be scaled, or a length leaves its range.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> gk.scaled(gk.FourBar(100, 30, 90, 70), 0.5)
+    FourBar(ground=50.0, crank=15.0, coupler=45.0, rocker=35.0)
     """
     if not getattr(thing, "can_be_scaled", False) or isinstance(thing, type):
         raise DesignError(
@@ -49,20 +55,20 @@ def scaled(thing: T, scale: Scale) -> T:
     if scale == 1:
         return thing
     try:
-        found: T = resized(thing, scale)
+        result: T = resized(thing, scale)
     except DesignError as error:
         problem = f"found {scale:g}, with which {error.field}: {error.problem}"
         raise DesignError("scale", problem, error.remedy, error.id) from None
-    return found
+    return result
 
 
 def resized(thing: Any, scale: float) -> Any:
-    """A dataclass in another size: by its own `at_scale`, where it has one, or field by field."""
+    """A dataclass in another size: by its own `at_scale` if it has one, otherwise field by field."""
     return thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
 
 
 def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
-    """A dataclass whose fields are multiplied as their declarations say. but: names of fields that stay."""
+    """A dataclass whose fields are multiplied as their declarations require. but: names of fields that stay."""
     hints = get_type_hints(type(thing), include_extras=True)
     changed: dict[str, Any] = {}
     for field in dataclasses.fields(thing):
@@ -80,7 +86,7 @@ def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
 
 
 def _power(unit: str) -> int:
-    """Of the length in a unit: 1 in mm, mm/s2 and kg mm, -1 in 1/mm, 0 in deg."""
+    """Power of the length in a unit: 1 for mm, mm/s2 and kg mm, -1 for 1/mm, 0 for deg."""
     above, _, below = unit.partition("/")
     return sum(
         sign * int(part[2:] or 1)
@@ -91,14 +97,14 @@ def _power(unit: str) -> int:
 
 
 def _rows(rows: Any, factors: Sequence[float]) -> Any:
-    """Rows of numbers, each multiplied by its own factor."""
+    """Rows of numbers, each column multiplied by its own factor."""
     if rows and isinstance(rows[0], (tuple, list)):
         return tuple(_rows(row, factors) for row in rows)
     return tuple(number * factor for number, factor in zip(rows, factors)) if rows else rows
 
 
 def _resized(value: Any, hint: Any, scale: float) -> Any:
-    """A value whose places, complex as its annotation says, are multiplied, and the dataclasses in it resized."""
+    """A value whose points (complex by annotation) are multiplied and whose dataclasses are resized."""
     origin, inner = get_origin(hint), get_args(hint)
     if dataclasses.is_dataclass(value):
         return resized(value, scale)
@@ -107,13 +113,13 @@ def _resized(value: Any, hint: Any, scale: float) -> Any:
     if hint is complex:
         return np.multiply(value, scale) if np.ndim(value) else value * scale
     if origin in (Union, types.UnionType):
-        # A sign, or the place of a joint.
+        # A sign, or the position of a joint.
         if int in inner and isinstance(value, int):
             return value
         return _resized(value, complex if complex in inner else inner[0], scale)
     if isinstance(value, (tuple, list)) and inner:
         hints = inner if origin is tuple and inner[-1] is not ... else [inner[0]] * len(value)
-        return tuple(_resized(one, of, scale) for one, of in zip(value, hints))
+        return tuple(_resized(item, item_hint, scale) for item, item_hint in zip(value, hints))
     if isinstance(value, Mapping) and inner:
-        return {name: _resized(one, inner[1], scale) for name, one in value.items()}
+        return {name: _resized(item, inner[1], scale) for name, item in value.items()}
     return value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.errors import DesignError, shown
-from ..core.progress import tell
+from ..core.progress import report
 from .cut import Cut
 from .job import Job
 from .mesh import solid, triangles
@@ -25,10 +25,10 @@ def write_stl(job: Job) -> dict[str, bytes]:
         if name in contents:
             raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
         if (size := len(HEADER) + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
-            tell(0.0, f"{name}, about {size / 1e6:.0f} MB")
+            report(0.0, f"{name}, about {size / 1e6:.0f} MB")
         contents[name] = stl(cut)
         if size >= LARGE:
-            tell(1.0, name)
+            report(1.0, name)
     return contents
 
 

@@ -1,4 +1,4 @@
-"""Paths of a body's points: one as an exact curve, many over frames, and dashed as an atlas draws them."""
+"""Coupler curves: paths of a body's points as exact curves, over frames, and as the dashes of an atlas; cognates."""
 
 from __future__ import annotations
 
@@ -22,27 +22,24 @@ from .measures import driver_limits
 from .motion import Motion, PointMotion
 from .moving import move
 from .named_linkages import FourBar
-from .solve.branch import Branch, chosen
+from .solve.branch import Branch, as_branch_spec
 
-# Share of the tolerance that is aimed at. A chord's distance is sampled in three places, which may miss 3 % of it.
-# Nearer to 1, and such a chord exceeds the tolerance; smaller takes more chords than need be.
+# Share of the tolerance that chords must keep. Their distance is sampled at three points, which may miss 3 % of it.
 AIM = 0.95
-# From five nodes to 33 places on the quartic through them: fewer places miss more of how far a path turns back.
+# From five nodes to 33 points of the quartic through them, which locate a reversal of the path between the nodes.
 FINER = np.linalg.solve(np.vander(np.linspace(0, 1, 5)).T, np.vander(np.linspace(0, 1, 33), 5).T)
-# Chords of a dash at most, as a power of 2. More would take a tolerance that no machine can cut for a real one.
+# Largest number of chords of a dash, as a power of 2: finer than any machine can cut.
 FINEST = 12
-# Points of all dashes together that are looked at, at most: what takes some seconds and half a GB. More takes minutes,
-# fewer refuses tolerances that can be cut.
+# Largest number of points of all dashes together: they take some seconds and half a GB.
 MOST_POINTS = 2_000_000
-# Spacings of floating point that a dash ends short of a limit of the linkage: at the very limit, rounding decides
-# whether it is closed. More would show as a dash that ends early.
+# Units in the last place by which a dash ends before a limit of the linkage, where rounding decides if it is closed.
 SHORT = 8
 
 
-def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
-    """The motion at drives of any shape and order, and which of its frames each of them is.
+def motion_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: float) -> tuple[Motion, Whole]:
+    """The motion at drives of any shape and order, and the frame of each of them.
 
-    A branch that is followed is followed from `start`, whatever drives on one side of it are asked for.
+    A followed branch is followed from `start`, whatever drives are given.
     """
     drive = np.asarray(t, dtype=float)
     order = np.argsort(abs(drive - start), axis=None, kind="stable")
@@ -53,11 +50,36 @@ def moved_at(linkage: AbstractLinkage, t: ArrayLike, branch: Branch, start: floa
 
 @record(checked=True, eq=False)
 class CouplerCurve(AbstractCurve):
-    """The path of the point named `point_name`; t is the driver's angle, rad, or place, mm, over `span`.
+    """Path of a named point of a linkage, as a curve whose parameter t is the drive, rad or mm.
 
-    Exact: each point of it solves the linkage. span: one turn unless given; where a slide drives it must be. branch as
-    in `move`. DesignError for a point that the linkage has not, and where it does not reach the whole span. Derived
-    here.
+    Each point of the curve solves the linkage exactly.
+
+    Parameters
+    ----------
+    linkage : Linkage or any named linkage
+        One linkage, its sizes numbers.
+    point_name : str
+        Name of the point.
+    branch : {+1, -1, "follow"}, mapping or Continuation
+        As for `move`.
+    span : (float, float), optional
+        First and last drive, rad or mm, rising. By default one turn; required if a slider drives.
+
+    Raises
+    ------
+    DesignError
+        If the linkage has no such point, or cannot be assembled over the whole span.
+
+    Notes
+    -----
+    Derived here.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> curve = gk.CouplerCurve(gk.FourBar(100, 30, 90, 70, coupler_point=45 + 40j), "coupler_point")
+    >>> round(gk.length(curve), 2)
+    167.19
     """
 
     linkage: OneLinkage
@@ -69,24 +91,24 @@ class CouplerCurve(AbstractCurve):
         named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
         if self.point_name not in named:
             raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
-        if self.way[0] >= self.way[1]:
+        if self.drive_span[0] >= self.drive_span[1]:
             raise DesignError("span", f"found {self.span}", "give a rising pair")
-        untold = self.span is None and self.linkage.linkage.driven_slider is not None
-        parts = driver_limits(self.linkage, self.branch, None if untold else self.way)
+        missing = self.span is None and self.linkage.linkage.driven_slider is not None
+        parts = driver_limits(self.linkage, self.branch, None if missing else self.drive_span)
         reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
-        if untold:
-            remedy = f"give its first and last place, mm: the linkage closes from {reached}"
-            raise DesignError("span", "is missing where a slide drives", remedy)
-        if parts != (self.way,):
+        if missing:
+            remedy = f"give its first and last displacement, mm: the linkage closes from {reached}"
+            raise DesignError("span", "is missing although a slide drives", remedy)
+        if parts != (self.drive_span,):
             raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
 
     @property
-    def way(self) -> tuple[float, float]:
-        """The driver's first and last angle or place."""
+    def drive_span(self) -> tuple[float, float]:
+        """First and last drive, rad or mm."""
         return (0.0, 2 * np.pi) if self.span is None else (self.span[0], self.span[1])
 
     def _track(self, t: ArrayLike) -> tuple[PointMotion, Whole]:
-        motion, frames = moved_at(self.linkage, t, self.branch, self.way[0])
+        motion, frames = motion_at(self.linkage, t, self.branch, self.drive_span[0])
         return motion.point(self.point_name), frames
 
     def point(self, t: ArrayLike) -> Complex:
@@ -100,26 +122,49 @@ class CouplerCurve(AbstractCurve):
     def curvature(self, t: ArrayLike) -> Real:
         track, frames = self._track(t)
         first: Complex = track.first[frames]
-        bend: Real = cross(first, track.second[frames])
+        numerator: Real = cross(first, track.second[frames])
         with np.errstate(divide="ignore", invalid="ignore"):
-            return bend / abs(first) ** 3
+            return numerator / abs(first) ** 3
 
     @property
     def breaks(self) -> Real:
-        return np.array(self.way, dtype=float)
+        return np.array(self.drive_span, dtype=float)
 
     @cached_property
     def closed(self) -> bool:
-        ends = self.point(np.array(self.way))
-        return bool(abs(ends[1] - ends[0]) <= 1e-9 * abs(self.velocity(self.way[0])) * (self.way[1] - self.way[0]))
+        ends = self.point(np.array(self.drive_span))
+        return bool(
+            abs(ends[1] - ends[0])
+            <= 1e-9 * abs(self.velocity(self.drive_span[0])) * (self.drive_span[1] - self.drive_span[0])
+        )
 
 
 @checked
 def coupler_grid(length: float, height: float, rows: int, columns: int, centre: complex = 0j) -> Complex:
-    """Points (rows, columns), mm in a body's own frame, evenly over a rectangle about `centre`.
+    """Points of a rectangular grid, for coupler curves.
 
-    length along the body's x axis, height along its y; the first row is the lowest. One row or column
-    stands in the middle. DesignError for sides below 0, and for no row or column. Derived here.
+    Parameters
+    ----------
+    length, height : float
+        Sides along the body's x and y axes, mm; at least 0.
+    rows, columns : int
+        Number of rows and columns, at least 1; a single one is in the middle.
+    centre : complex
+        Centre of the rectangle, mm in the body's frame.
+
+    Returns
+    -------
+    array of complex, shape (rows, columns)
+        mm in the body's frame, the lowest row first.
+
+    Raises
+    ------
+    DesignError
+        If an argument is out of range.
+
+    Notes
+    -----
+    Derived here.
     """
     for name, value, least in (
         ("length", length, 0),
@@ -137,9 +182,30 @@ def coupler_grid(length: float, height: float, rows: int, columns: int, centre: 
 
 @checked
 def coupler_curves(motion: Motion, points: Points, body: str = "coupler") -> Complex:
-    """Paths (..., frames) of a body's own points (...,), mm; nan where the linkage is open.
+    """Paths of a body's points over the frames of a motion.
 
-    DesignError for a body that the linkage has not. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    points : complex or array_like, shape (...,)
+        Points, mm in the body's frame.
+    body : str
+        Name of the body.
+
+    Returns
+    -------
+    array of complex, shape (..., frames)
+        mm; nan where the linkage is open.
+
+    Raises
+    ------
+    DesignError
+        If the linkage has no such body.
+
+    Notes
+    -----
+    Derived here.
     """
     _check_body(motion.linkage.bodies, body)
     pose = motion.bodies[body]
@@ -151,28 +217,56 @@ def coupler_curves(motion: Motion, points: Points, body: str = "coupler") -> Com
 def dashes(
     linkage: OneLinkage, points: Points, drive: Reals, tolerance: float, branch: Branch = 1, body: str = "coupler"
 ) -> list[list[Complex]]:
-    """Each point's path as dashes: one for the first step of the drive, a gap for the next, and so on.
+    """Dashed paths of a body's points, as in an atlas: one dash for every other step of the drive.
 
-    With equal steps a long dash is a fast stretch. points: (n,) complex, mm in the body's own frame.
-    drive: rising limits of the steps, rad or mm, `np.radians(np.arange(0, 361, 5))` for a dash each other 5 deg.
-    For each point its dashes in order: points (m,) of the curve itself, no farther than `tolerance` mm from it
-    along their chords. A dash ends where the linkage opens and goes on where it closes again. branch: as of
-    `move`, but not "follow", and the linkage is to be a chain of dyads: poses must not hang on the frames before.
-    DesignError where any of these is not so, and for a tolerance too fine to reach. The dashes are those of Hrones and
-    Nelson, Analysis of the Four-Bar Linkage, 1951; how they are found is derived here.
+    With equal steps a long dash means a fast part of the path. A dash ends where the linkage opens and starts again
+    where it closes.
+
+    Parameters
+    ----------
+    linkage : Linkage or any named linkage
+        One linkage that is a chain of dyads: its poses must not depend on earlier frames.
+    points : complex or array_like, shape (n,)
+        Points, mm in the body's frame.
+    drive : array_like
+        Rising limits of the steps, rad or mm; `np.radians(np.arange(0, 361, 5))` for dashes of 5 deg.
+    tolerance : float
+        Largest distance of the chords from the path, mm; above 0.
+    branch : {+1, -1} or mapping
+        As for `move`, but not "follow".
+    body : str
+        Name of the body.
+
+    Returns
+    -------
+    list of list of array
+        For each point its dashes in order, each a row of points of the path, complex, mm.
+
+    Raises
+    ------
+    DesignError
+        If an argument is not as described, or the tolerance is too fine to reach.
+
+    Notes
+    -----
+    The dashes are those of Hrones and Nelson, Analysis of the Four-Bar Linkage, 1951; the algorithm is derived here.
     """
     local, steps = np.atleast_1d(np.asarray(points, dtype=complex)), np.asarray(drive, dtype=float)
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
     if steps.ndim != 1 or len(steps) < 2 or not np.all(np.diff(steps) > 0):
-        raise DesignError("drive", "found no rising row", "give the limits of the steps in rising order, at least two")
+        raise DesignError(
+            "drive", "the values do not rise", "give the limits of the steps in rising order, at least two"
+        )
     if local.ndim != 1 or not local.size or not np.isfinite(local).all():
-        raise DesignError("points", "found no row of finite points", "give finite points; ravel a grid")
-    if chosen(branch).follow:
+        raise DesignError(
+            "points", "found something other than a 1-D array of finite points", "give finite points; ravel a grid"
+        )
+    if as_branch_spec(branch).follow:
         raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint")
     _check_body(linkage.linkage.bodies, body)
-    if chosen(branch).branch_points:
-        # Near the places given at the first step, whatever drives a dash is looked at.
+    if as_branch_spec(branch).branch_points:
+        # The branch nearest to the given positions at the first step serves for all dashes.
         branch = {joint: int(signs[0]) or 1 for joint, signs in move(linkage, steps, branch).solution.signs.items()}
     return _drawn(linkage, local, _dash_limits(linkage, steps, branch), tolerance, branch, body)
 
@@ -183,25 +277,25 @@ def _check_body(bodies: Collection[str], body: str) -> None:
 
 
 def _dash_limits(linkage: AbstractLinkage, steps: Real, branch: Branch) -> Real:
-    """Limits (dashes, 2) of the drive over which the linkage is closed, none across the limits of a step."""
+    """Limits (dashes, 2) of the drive of each dash, within which the linkage is closed."""
     first, last = float(steps[0]), float(steps[-1])
     short = SHORT * np.spacing(max(abs(first), abs(last)))
-    reached = [
+    closed = [
         (low if low == first else low + short, high if high == last else high - short)
         for low, high in driver_limits(linkage, branch, (first, last))
     ]
-    cut = [(max(a, low), min(b, high)) for a, b in zip(steps[:-1:2], steps[1::2]) for low, high in reached]
-    return np.array([(a, b) for a, b in cut if a < b]).reshape(-1, 2)
+    limits = [(max(a, low), min(b, high)) for a, b in zip(steps[:-1:2], steps[1::2]) for low, high in closed]
+    return np.array([(a, b) for a, b in limits if a < b]).reshape(-1, 2)
 
 
 def _drawn(
     linkage: AbstractLinkage, local: Complex, limits: Real, tolerance: float, branch: Branch, body: str
 ) -> list[list[Complex]]:
-    found: list[dict[int, Complex]] = [{} for _ in local]
+    finished: list[dict[int, Complex]] = [{} for _ in local]
     waiting, worst = np.arange(len(limits)), 0.0
     for level in range(_levels(len(local) * len(limits))):
         chords = 2**level
-        # Crowded at both ends by cosines: at a limit of the linkage a path starts off with infinite speed.
+        # Cosine spacing, denser at both ends: at a limit of the linkage the speed is infinite.
         share = (1 - np.cos(np.pi * np.linspace(0, 1, 4 * chords + 1))) / 2
         nodes = limits[waiting, :1] + np.diff(limits[waiting]) * share
         nodes[:, -1] = limits[waiting, 1]
@@ -213,10 +307,10 @@ def _drawn(
         distance = _distance(path)
         near, worst = distance <= AIM * tolerance, float(distance.max(initial=0.0))
         for k, dash in zip(*np.nonzero(near)):
-            found[k].setdefault(int(waiting[dash]), path[k, dash, ::4])
+            finished[k].setdefault(int(waiting[dash]), path[k, dash, ::4])
         waiting = waiting[~near.all(axis=0)]
         if not waiting.size:
-            return [[runs[dash] for dash in sorted(runs)] for runs in found]
+            return [[runs[dash] for dash in sorted(runs)] for runs in finished]
     raise DesignError(
         "tolerance",
         f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
@@ -225,7 +319,7 @@ def _drawn(
 
 
 def _levels(dashes: int) -> int:
-    """How often the chords of so many dashes may be doubled, the first time included, however many come to need it."""
+    """How often the chords of so many dashes may be doubled, including the first time."""
     nodes = MOST_POINTS / max(1, dashes)
     return 1 + int(np.clip(np.log2(max(1.0, (nodes - 1) / 4)), 0, FINEST))
 
@@ -235,11 +329,11 @@ def _distance(path: Complex) -> Real:
     start, end = path[..., :-1:4, None], path[..., 4::4, None]
     between = path[..., :-1].reshape(*path.shape[:-1], -1, 4)[..., 1:]
     chord = end - start
-    # Of a path that comes back to where it began, the way out.
-    way = np.where(chord == 0, between[..., 1:2] - start, chord)
-    across = (between - start) * np.conj(np.where(way == 0, 0, unit(way)))
+    # For a path that returns to its start, the direction in which it leaves.
+    direction = np.where(chord == 0, between[..., 1:2] - start, chord)
+    across = (between - start) * np.conj(np.where(direction == 0, 0, unit(direction)))
     length = abs(chord)
-    # Where a path turns back is mostly between the nodes.
+    # The point at which a path reverses is mostly between the nodes.
     along = np.concatenate([np.zeros_like(length), across.real, length], axis=-1) @ FINER
     beyond = np.maximum(np.maximum(-along, along - length).max(axis=-1, keepdims=True), 0)
     most: Real = np.hypot(across.imag, beyond).max(axis=(-1, -2))
@@ -249,10 +343,10 @@ def _distance(path: Complex) -> Real:
 Link = Literal["crank", "coupler", "rocker"]
 
 # Distance of the coupler point from a pin, as a share of the coupler, below which a cognate counts as shrunk to
-# a point. Smaller takes the rounding of a pin's own place for a linkage; larger refuses a tiny but real one.
+# a point.
 AT_PIN = 1e-12
 
-# What turns with what. P = A + w AB is the coupler point as a ratio w of the coupler AB. With a e1, b e3, c e4 and
+# Links that turn together. P = A + w AB is the coupler point as a ratio w of the coupler AB. With a e1, b e3, c e4 and
 # d e0 the links crank, coupler, rocker and ground as vectors, a e1 + b e3 = d e0 + c e4, and parallelograms on both
 # sides of P make, about the third pivot O_A + w d e0:
 #     left   w b e3       + w a e1       = w d e0       + w c e4         from the crank pivot to the third
@@ -263,10 +357,21 @@ RIGHT: Mapping[Link, Link] = MappingProxyType({"crank": "crank", "coupler": "roc
 
 @record
 class Cognate:
-    """One of the three four-bars of a coupler curve, and how it moves to be at the same point at the same moment.
+    """One of the three four-bars of a coupler curve.
 
-    Move `linkage` at the given linkage's drive plus `drive_offset`, rad, on the given branch times `branch`.
-    turns_with: for each of its links, the link of the given linkage that it keeps its angle to.
+    Move `linkage` at the drive of the given linkage plus `drive_offset`, on the branch of the given linkage times
+    `branch`: then both coupler points coincide at every frame.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        The cognate.
+    drive_offset : float
+        rad.
+    branch : {+1, -1}
+        Factor of the branch.
+    turns_with : mapping of str to str
+        For each of its links, the link of the given linkage to which its angle is constant.
     """
 
     linkage: FourBar
@@ -277,19 +382,34 @@ class Cognate:
 
 @checked
 def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
-    """The given four-bar and its two cognates: three linkages whose coupler points trace one curve.
+    """The given four-bar and its two cognates: three linkages whose coupler points trace the same curve.
 
-    The second stands on the crank pivot and the third pivot, the third on the third pivot and the rocker
-    pivot. Each is driven by the link that turns with the given linkage's driver, which need not be its crank.
-    A coupler point on the line of the coupler is an ordinary case; at a pin one cognate shrinks to that pin's
-    pivot, which is a DesignError. Roberts, On three-bar motion in plane space, Proc. London Math. Soc. 7, 1875;
-    Chebyshev 1878. Drivers and branches are derived here.
+    Parameters
+    ----------
+    four_bar : FourBar
+        One four-bar with its coupler point.
+
+    Returns
+    -------
+    tuple of three Cognate
+        The given four-bar; the cognate between crank pivot and third pivot; the cognate between third pivot and rocker
+        pivot. Each is driven by the link that turns with the given linkage's driver, which need not be its crank.
+
+    Raises
+    ------
+    DesignError
+        If the coupler point is at a pin, where one cognate shrinks to a point.
+
+    Notes
+    -----
+    Roberts, On three-bar motion in plane space, Proc. London Math. Soc. 7, 1875; Chebyshev 1878. Drivers
+    and branches are derived here.
     """
     given, w = four_bar, _ratio(four_bar)
     same = MappingProxyType({link: link for link in LEFT})
-    # Turned and scaled, never mirrored: the branch's sign changes only where the two links of the dyad change places.
+    # Rotated and scaled, never mirrored: the branch changes its sign only if the two links of the dyad are exchanged.
     left = Cognate(_left(given, w), 0.0, -1 if given.driver == "rocker" else 1, LEFT)
-    # Coupler and rocker of the right one point against the links that they turn with: they have w - 1, not 1 - w.
+    # Coupler and rocker of the right cognate point against the links they turn with: their factor is w - 1, not 1 - w.
     half_turn = 0.0 if given.driver == "crank" else np.pi
     right = Cognate(_right(given, w), half_turn, -1 if given.driver == "crank" else 1, RIGHT)
     return Cognate(given, 0.0, 1, same), left, right
@@ -297,9 +417,21 @@ def cognates(four_bar: FourBar) -> tuple[Cognate, Cognate, Cognate]:
 
 @checked
 def third_pivot(four_bar: FourBar) -> complex:
-    """The fixed point, mm, at which the two cognates meet: it makes with the pivots the coupler's triangle.
+    """The fixed pivot that the two cognates share: it forms with the other two pivots the coupler's triangle.
 
-    Roberts 1875, as in `cognates`.
+    Parameters
+    ----------
+    four_bar : FourBar
+        One four-bar with its coupler point.
+
+    Returns
+    -------
+    complex
+        mm.
+
+    Notes
+    -----
+    Roberts 1875, as for `cognates`.
     """
     ground = four_bar.ground * direction_deg(four_bar.ground_angle_deg)
     return complex(four_bar.origin + four_bar.coupler_point / four_bar.coupler * ground)
@@ -309,12 +441,33 @@ def third_pivot(four_bar: FourBar) -> complex:
 def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -> Linkage:
     """Roberts' figure: the three cognates as one linkage of ten bars, joined at the coupler point.
 
-    Their third pivot is a pin of two links and not of the ground: that it stays put is Roberts' theorem (pinned
-    to the ground too, the linkage counts as rigid). Bodies crank, coupler, rocker; left_crank, left_coupler,
-    left_rocker; right_crank, right_coupler, right_rocker; new pins left_pin, left_rocker_pin, right_crank_pin,
-    right_pin, third_pivot. Its parallelograms pass change points: move it with branch "follow" from the
-    drive `start`, rad, where the given linkage stands on `branch`. DesignError as for `cognates`, and where the
-    linkage is open at `start`. The figure: Roberts 1875; that it runs through change points is derived here.
+    Its bodies are crank, coupler, rocker; left_crank, left_coupler, left_rocker; right_crank, right_coupler,
+    right_rocker; its new pins left_pin, left_rocker_pin, right_crank_pin, right_pin, third_pivot. The third pivot is a
+    pin of two links and not of the ground: that it does not move is Roberts' theorem (pinned to the ground too, the
+    linkage would count as over-constrained). The parallelograms pass change points: move it with branch "follow" from
+    the drive `start`.
+
+    Parameters
+    ----------
+    four_bar : FourBar
+        One four-bar with its coupler point.
+    start : float
+        First drive, rad.
+    branch : {+1, -1, "follow"}, mapping or Continuation
+        Branch of the given four-bar at `start`.
+
+    Returns
+    -------
+    Linkage
+
+    Raises
+    ------
+    DesignError
+        As for `cognates`, or if the four-bar is open at `start`.
+
+    Notes
+    -----
+    The figure: Roberts 1875; that it runs through change points is derived here.
     """
     a, b, c, d = four_bar.crank, four_bar.coupler, four_bar.rocker, four_bar.ground
     w = _ratio(four_bar)
@@ -347,29 +500,29 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
         "right_coupler": ("right_crank_pin", "right_pin", "coupler_point"),
         "right_rocker": ("rocker_pivot", "right_pin"),
     }
-    # Where the coupler drives, crank and rocker close as a dyad whose second pivot is set back by the coupler.
+    # If the coupler drives, crank and rocker close as a dyad whose second pivot is moved back by the coupler.
     back = point["rocker_pivot"] - (point["rocker_pin"] - point["crank_pin"])
     point |= {"driver_back": back}
-    own = {
+    first_dyad = {
         "crank": ("coupler", "rocker", ("crank_pin", "rocker_pin", "rocker_pivot")),
         "coupler": ("crank", "rocker", ("crank_pivot", "crank_pin", "driver_back")),
         "rocker": ("crank", "coupler", ("crank_pivot", "crank_pin", "rocker_pin")),
     }
     dyads = [
-        own[four_bar.driver],
+        first_dyad[four_bar.driver],
         ("left_crank", "left_coupler", ("crank_pivot", "left_pin", "coupler_point")),
         ("right_coupler", "right_rocker", ("coupler_point", "right_pin", "rocker_pivot")),
         ("left_rocker", "right_crank", ("left_rocker_pin", "third_pivot", "right_crank_pin")),
     ]
     order = ["ground", four_bar.driver]
     for one, two, (first, joint, last) in dyads:
-        # "follow" starts with every joint on the left of its dyad, seen from the body named first.
+        # "follow" starts with every joint on the left of its dyad, from the body that comes first.
         on_left = cross(point[last] - point[first], point[joint] - point[first]) >= 0
         order += [one, two] if on_left else [two, one]
 
     def local(body: str) -> dict[str, complex | Complex]:
-        origin, ahead = (point[name] for name in made_of[body][:2])
-        x_axis = (ahead - origin) / abs(complex(ahead - origin))
+        origin, on_x_axis = (point[name] for name in made_of[body][:2])
+        x_axis = (on_x_axis - origin) / abs(complex(on_x_axis - origin))
         return {name: (point[name] - origin) * x_axis.conjugate() for name in made_of[body]}
 
     return Linkage(
@@ -387,7 +540,7 @@ def _ratio(four_bar: FourBar) -> complex:
             raise DesignError(
                 "coupler_point",
                 f"found {four_bar.coupler_point:g} mm, at the {pin} pin, where one cognate shrinks to a point",
-                "give a point away from both pins: at a pin the coupler curve is an arc, which the one link traces",
+                "give a point away from both pins: at a pin the coupler curve is an arc, which a single link traces",
             )
     return w
 
@@ -422,5 +575,5 @@ def _right(given: FourBar, w: complex) -> FourBar:
 
 
 def _turned(given: FourBar, by: complex) -> float:
-    """Angle of the ground line turned by a ratio, deg, within half a turn."""
+    """Angle of the ground line rotated by a ratio, deg, within half a turn."""
     return float(np.degrees(np.angle(direction_deg(given.ground_angle_deg) * by)))

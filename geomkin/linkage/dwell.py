@@ -1,4 +1,4 @@
-"""Dwell of an output: the longest way of the driver over which it stays within a band."""
+"""Dwell of an output: the longest range of the driver over which it stays within a band."""
 
 from __future__ import annotations
 
@@ -12,18 +12,24 @@ from ..core.records import record
 from ..plane.vec import Real, dot
 from .motion import Motion, is_translating
 
-# Places between two frames at which the output is looked at, at most, and in all. Fewer, and a dwell that ends at a
-# steep place is told short; more take longer for digits that nobody reads.
+# Largest number of points between two frames at which the output is evaluated, and in all. With fewer, a dwell that
+# ends at a steep point is reported too short.
 BETWEEN, LOOKS = 16, 20_000
-# Miss of a turn's end from its start, of unit directions and in sizes, by which it still closes.
+# Difference of a turn's end from its start, of unit directions and in sizes, up to which it is periodic.
 CLOSED = 1e-9
 
 
 @record
 class OutputDwell:
-    """The longest dwell of a body. start, end: drives, rad or mm; low, high: rad, or mm of a body that slides.
+    """The longest dwell of a body.
 
-    Of a driver that turns round and round, `end` may lie beyond the last frame: the dwell goes on in the next turn.
+    Parameters
+    ----------
+    start, end : float
+        Drives, rad or mm. For a driver that turns continuously `end` may be beyond the last frame: the dwell goes on in
+        the next turn.
+    low, high : float
+        Least and greatest output during the dwell: rad, or mm for a body that slides.
     """
 
     start: float
@@ -44,35 +50,35 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     Parameters
     ----------
     motion : Motion
-        Of one linkage, its drives rising or falling. Between frames the output is a cubic with its
-        values and slopes there.
+        Motion of one linkage, its drives rising or falling. Between frames the output is a cubic with its values and
+        slopes there.
     output : str
-        The body.
+        Name of the body.
     band : float
-        Largest less smallest value during the dwell: rad for a body that turns, mm for one that slides on the ground.
+        Greatest less least value during the dwell: rad for a body that turns, mm for one that slides on the ground;
+        above 0.
 
     Returns
     -------
     OutputDwell
-        Where it begins and ends, and the output's least and greatest value there.
 
     Raises
     ------
     DesignError
-        If the linkage has no such body, if the body neither turns nor slides on the ground, and for less than two
-        neighbouring frames that are reached.
+        If the linkage has no such body, the body neither turns nor slides on the ground, or no two neighbouring frames
+        are reached.
 
     Notes
     -----
-    Derived here: of all places between the frames, the two farthest apart between which the output keeps within the
-    band.
+    Derived here: of all points between the frames, the two farthest apart between which the output stays
+    within the band.
     """
     drive, value, slope = motion.drive, *_output(motion, output)
     if len(drive) and drive[-1] < drive[0]:
         # The same positions, in the order of rising drives.
         drive, value, slope = drive[::-1], value[::-1], slope[::-1]
     last, turn = drive[-1] if len(drive) else np.nan, float(np.ptp(drive)) if len(drive) else np.nan
-    if motion.linkage.driven_slider is None and _comes_round(motion):
+    if motion.linkage.driven_slider is None and _is_periodic(motion):
         # A dwell may begin in one turn and end in the next.
         drive = np.append(drive, drive[1:] + (drive[-1] - drive[0]))
         value, slope = np.append(value, value[1:] + (value[-1] - value[0])), np.append(slope, slope[1:])
@@ -80,16 +86,16 @@ def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
     start, end = _longest(t, y, float(band))
     if start == end:
         raise DesignError("motion", "found no two neighbouring frames that are reached", "give drives that it reaches")
-    # On to where it leaves the band, at the end and then at the start.
-    t_end, y_end = _left_at(t, y, end, end + 1, y[start : end + 1], float(band))
-    t_start, y_start = _left_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
+    # Extended to the points at which it leaves the band, at the end and then at the start.
+    t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
+    t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
     inside = np.append(y[start : end + 1], [y_start, y_end])
     first = t_start - turn if t_start >= last else t_start
     return OutputDwell(first, first + min(t_end - t_start, turn), float(inside.min()), float(inside.max()))
 
 
 def _output(motion: Motion, output: str) -> tuple[Real, Real]:
-    """Angle, rad, or place along its slide, mm, and the derivative by the drive."""
+    """Angle, rad, or displacement along its slide, mm, and its derivative by the drive."""
     general = motion.linkage
     if general.is_batch:
         raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
@@ -102,14 +108,14 @@ def _output(motion: Motion, output: str) -> tuple[Real, Real]:
         return angle, body.first
     slider = next((s for s in general.sliders if {s.body, s.along} == {output, general.ground}), None)
     if slider is None:
-        problem = f"found {output}, which moves without turning and is not guided straight by the {general.ground}"
+        problem = f"found {output}, which translates and is not guided along a line of the {general.ground}"
         raise DesignError("output", problem, "give a body that turns or slides on the ground")
     line = motion.bodies[slider.along].direction * slider.direction * (1 if slider.body == output else -1)
     return dot(line, body.origin.position), dot(line, body.origin.first)
 
 
-def _comes_round(motion: Motion) -> bool:
-    """Whether the frames are one turn of the driver, at the end of which the linkage is where it began."""
+def _is_periodic(motion: Motion) -> bool:
+    """Whether the frames are one turn of the driver, after which the linkage is in its first pose."""
     if abs(abs(motion.drive[-1] - motion.drive[0]) - 2 * np.pi) > CLOSED or not motion.assembled.all():
         return False
     size = float(motion.linkage.size) or 1.0
@@ -120,7 +126,7 @@ def _comes_round(motion: Motion) -> bool:
 
 
 def _between(drive: Real, value: Real, slope: Real) -> tuple[Real, Real]:
-    """Drives and values at the frames and between them, by cubics; nan where there is no value or no slope."""
+    """Drives and values at the frames and between them, by cubics; nan where there is no value or slope."""
     parts = int(np.clip(LOOKS // max(1, len(drive)), 1, BETWEEN))
     s, step = np.arange(parts) / parts, np.diff(drive)[:, None]
     from_one = (1 + 2 * s) * (1 - s) ** 2 * value[:-1, None] + s * (1 - s) ** 2 * step * slope[:-1, None]
@@ -129,7 +135,7 @@ def _between(drive: Real, value: Real, slope: Real) -> tuple[Real, Real]:
 
 
 def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
-    """First and last of the places, farthest apart, between which values keep within a band."""
+    """First and last of the points, farthest apart, between which values stay within a band."""
     best, start = (0, 0), 0
     low: deque[int] = deque()
     high: deque[int] = deque()
@@ -155,8 +161,8 @@ def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
     return best
 
 
-def _left_at(t: Real, y: Real, inside: int, outside: int, values: Real, band: float) -> tuple[float, float]:
-    """Where between two neighbouring places the value leaves the band that the values inside leave free."""
+def _leaves_band_at(t: Real, y: Real, inside: int, outside: int, values: Real, band: float) -> tuple[float, float]:
+    """Point between two neighbouring points at which the value leaves the band."""
     if not 0 <= outside < len(t) or not np.isfinite(y[outside]):
         return float(t[inside]), float(y[inside])
     border = values.min() + band if y[outside] > y[inside] else values.max() - band

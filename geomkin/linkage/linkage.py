@@ -1,4 +1,4 @@
-"""The one general linkage: bodies with named points, sliders, a driver."""
+"""The general linkage: rigid bodies with named points, sliders and one driver."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ def _are_bodies(value: Any) -> bool:
     )
 
 
-# That the points are finite is said with their names.
+# `Linkage` itself checks that the points are finite, so that its message can name the point.
 Bodies = Annotated[
     Mapping[str, Mapping[str, complex | Array]],
     ArgumentType(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
 ]
 
 
-# kind -> table of all linkages that one table of a recipe may describe; filled in `kinds.any_linkage`.
+# kind -> class of each linkage that a recipe may contain as a table; filled in `kinds.any_linkage`.
 LINKAGES: KindTable[AbstractLinkage] = KindTable()
 
 
 class AbstractLinkage(ABC):
-    """A linkage by whatever describes it: the sizes of a FourBar, a SliderCrank, ..., or the bodies of a Linkage."""
+    """Base class of all linkages: the named ones (FourBar, SliderCrank, ...) and the general Linkage."""
 
     KINDS: ClassVar[KindTable[AbstractLinkage]] = LINKAGES
 
@@ -54,13 +54,12 @@ class AbstractLinkage(ABC):
     @property
     @abstractmethod
     def linkage(self) -> Linkage:
-        """The same as bodies with named points: what is solved, drawn and cut."""
+        """The same mechanism as a general Linkage, which is what is solved, drawn and cut."""
 
     def __repr__(self) -> str:
-        """As it is made, without what may be left out; of much in one line."""
         values = ((f.name, getattr(self, f.name), f.default) for f in fields(self))  # type: ignore[arg-type]
-        told = ", ".join(f"{name}={value!r}" for name, value, left_out in values if np.any(value != left_out))
-        text = f"{type(self).__name__}({told})"
+        arguments = ", ".join(f"{name}={value!r}" for name, value, default in values if np.any(value != default))
+        text = f"{type(self).__name__}({arguments})"
         return text if len(text) <= LONGEST and not self.linkage.is_batch else one_line(self)
 
 
@@ -79,10 +78,22 @@ OneLinkage = Annotated[
 
 @record(checked=True, eq=False)
 class Slider:
-    """A sliding joint: `body` slides along a straight line of the body `along`, without turning against it.
+    """Sliding joint: `body` slides along a straight line of the body `along`, without turning relative to it.
 
-    point: the place of `body`, mm in its own frame, that stays on the line. through, direction_deg:
-    the line in the frame of `along`. angle_deg: the body's x axis from the line's direction.
+    Parameters
+    ----------
+    name : str
+        Name of the joint.
+    body, along : str
+        The sliding body, and the body that has the line.
+    point : complex
+        Point of `body` that stays on the line, mm in the frame of `body`.
+    through : complex
+        Point of the line, mm in the frame of `along`; the displacement is measured from it.
+    direction_deg : float
+        Direction of the line in the frame of `along`, deg.
+    angle_deg : float
+        Angle of the x axis of `body` from the line's direction, deg.
     """
 
     name: str
@@ -95,29 +106,77 @@ class Slider:
 
     @property
     def direction(self) -> Complex:
-        """The line's direction in the frame of `along`, unit complex."""
+        """Direction of the line in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
 
-    def seen(self, body: str, place: complex | Complex, displacement: float) -> Complex:
-        """A point of one of its two bodies in the frame of the other, mm."""
-        turn = self.direction * direction_deg(self.angle_deg)
+    def in_other_frame(self, body: str, place: complex | Complex, displacement: float) -> Complex:
+        """A point of one of the two bodies, in the frame of the other.
+
+        Parameters
+        ----------
+        body : str
+            The body that the point belongs to.
+        place : complex or array
+            The point, mm in the frame of `body`.
+        displacement : float
+            Displacement of the slider, mm.
+
+        Returns
+        -------
+        complex or array
+            mm, in the frame of the other body.
+        """
+        rotation = self.direction * direction_deg(self.angle_deg)
         start = self.through + displacement * self.direction
-        return (
-            start + turn * (place - self.point) if body == self.body else self.point + np.conj(turn) * (place - start)
-        )
+        if body == self.body:
+            return start + rotation * (place - self.point)
+        return self.point + np.conj(rotation) * (place - start)
 
 
 @record(checked=True, eq=False)
 class Linkage(AbstractLinkage):
-    """Rigid bodies with named points: where two bodies name the same point, a pin joins them there.
+    """Rigid bodies with named points; a pin joins two bodies at each point that both name.
 
-    bodies: the fixed body first, each with its points, mm in its own frame. sliders: the sliding
-    joints. driver: the body that is driven: its angle from the ground's x axis, or its displacement if it
-    slides on the ground; or the slider that is driven: its displacement, as of a cylinder and its rod between any
-    two bodies, which count as one bar where a branch goes by the order of bodies. origin, ground_angle_deg: where
-    the fixed body's frame stands. estimate: roughly where pins are with the driver at its first frame, mm; needed
-    only where the linkage is no chain of dyads.
-    Points may be arrays (linkages,): many linkages of one make.
+    Parameters
+    ----------
+    bodies : mapping of str to mapping of str to complex
+        The fixed body first, each with its points, mm in its own frame. Points may be arrays of shape
+        (linkages,): many linkages of one structure. A body may not have the name of an attribute of `Motion`.
+    driver : str
+        The driven body: its angle from the fixed body's x axis is driven, or its displacement if it slides on
+        the fixed body. Or the name of a slider, whose displacement is driven, as in a hydraulic cylinder
+        between any two bodies. The two bodies of such an actuator count as one bar if a branch depends on the order
+        of bodies.
+    sliders : tuple of Slider
+        The sliding joints.
+    origin : complex
+        Position of the fixed body's origin, mm.
+    ground_angle_deg : float
+        Direction of the fixed body's x axis, deg.
+    estimate : mapping of str to complex
+        Approximate positions of pins at the first frame, mm. Only needed if the linkage is not a chain of dyads.
+
+    Raises
+    ------
+    DesignError
+        If a name is not allowed or used twice, a point is not finite, a slider or the driver names no body, or the
+        driver could be meant as an angle and as a displacement.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> linkage = gk.Linkage(
+    ...     bodies={
+    ...         "ground": {"crank_pivot": 0, "rocker_pivot": 100},
+    ...         "crank": {"crank_pivot": 0, "crank_pin": 30},
+    ...         "coupler": {"crank_pin": 0, "rocker_pin": 90},
+    ...         "rocker": {"rocker_pivot": 0, "rocker_pin": 70},
+    ...     },
+    ...     driver="crank",
+    ... )
+    >>> motion = gk.move(linkage, [0.0])
+    >>> complex(motion.point("rocker_pin").position[0].round(3))
+    (87.857+68.939j)
     """
 
     bodies: Bodies
@@ -132,22 +191,23 @@ class Linkage(AbstractLinkage):
         if len(names) < 2:
             raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
         check_names("bodies", names, "a body")
+        self._check_body_names()
         check_names("bodies", (point for points in self.bodies.values() for point in points), "a point")
         check_names("sliders", (slider.name for slider in self.sliders), "a slider")
         if len({slider.name for slider in self.sliders}) < len(self.sliders):
-            raise DesignError("sliders", "two have the same name", "give each a name of its own")
+            raise DesignError("sliders", "two have the same name", "give each a different name")
         drivers = [*names[1:], *(slider.name for slider in self.sliders)]
         if self.driver not in drivers:
             raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}")
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not is_place(place):
-                    found = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
-                    raise DesignError("bodies", found, f"give finite coordinates below {LARGEST:g} mm")
-        rows = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
-        if len(rows) > 1 or (0,) in rows:
-            found = f"found points of {' and '.join(str(row[0]) for row in sorted(rows))} linkages"
-            raise DesignError("bodies", found, "give one place, or as many of each")
+                    problem = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
+                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm")
+        shapes = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
+        if len(shapes) > 1 or (0,) in shapes:
+            problem = f"found points of {' and '.join(str(row[0]) for row in sorted(shapes))} linkages"
+            raise DesignError("bodies", problem, "give one place, or as many of each")
         for slider in self.sliders:
             for body in (slider.body, slider.along):
                 if body not in names:
@@ -158,12 +218,21 @@ class Linkage(AbstractLinkage):
                 raise DesignError("sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies")
         self._check_driver()
 
+    def _check_body_names(self) -> None:
+        """A body is an attribute of its `Motion`, so it may not be named as one that a Motion has anyway."""
+        from .motion import Motion  # here, because motion.py imports this module
+
+        taken = [name for name in self.bodies if hasattr(Motion, name) or name in Motion.__dataclass_fields__]
+        if taken:
+            problem = f"a body is named {shown(taken[0])}, which is an attribute of every Motion"
+            raise DesignError("bodies", problem, f"give it another name, such as {taken[0]}_body")
+
     def _check_driver(self) -> None:
         """A driver that could be meant as an angle or as a displacement is refused."""
         if self.driver not in self.bodies or self.driven_slider:
             return
-        alike = [slider.name for slider in self.sliders if slider.name == self.driver]
-        if alike:
+        namesakes = [slider.name for slider in self.sliders if slider.name == self.driver]
+        if namesakes:
             raise DesignError(
                 "driver", f"{self.driver} is the name of a body and of a slider", "give the slider another name"
             )
@@ -172,17 +241,17 @@ class Linkage(AbstractLinkage):
         if not sliding or self.driver in pinned:
             return
         name, (other,) = next(iter(sliding.items()))
-        turning = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
+        or_angle = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
         raise DesignError(
             "driver",
             f"{self.driver} slides on {other} and is not pinned to the {self.ground}, so its angle may be meant or its "
             "displacement",
-            f"give {name}, the slider, for its displacement{turning}",
+            f"give {name}, the slider, for its displacement{or_angle}",
         )
 
     @property
     def driver_pivot(self) -> str | None:
-        """The pin on which the driver turns on the ground; None where it slides, or turns on no pin there."""
+        """The pin on which the driver turns on the ground; None if it slides, or has no pin there."""
         if self.driven_slider is not None:
             return None
         on_ground = self.bodies[self.ground]
@@ -190,32 +259,32 @@ class Linkage(AbstractLinkage):
 
     @property
     def linkage(self) -> Linkage:
-        """Itself."""
+        """The linkage itself."""
         return self
 
     @cached_property
     def is_batch(self) -> bool:
-        """Whether sizes are arrays: many linkages of one make."""
+        """Whether points are arrays: many linkages of one structure."""
         return bool(self.shape)
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
-        """(linkages,) where sizes are arrays, otherwise ()."""
+        """(linkages,) if points are arrays, otherwise ()."""
         return np.broadcast_shapes(*(np.shape(z) for points in self.bodies.values() for z in points.values()))
 
     @cached_property
     def ground_direction(self) -> complex:
-        """The fixed body's x axis, unit complex."""
+        """Direction of the fixed body's x axis, unit complex."""
         return complex(direction_deg(self.ground_angle_deg))
 
     @cached_property
     def shifted(self) -> bool:
-        """Whether the fixed body's origin stands elsewhere than at 0."""
+        """Whether the fixed body's origin is not at 0."""
         return bool(np.any(self.origin != 0))
 
     @cached_property
     def size(self) -> Real:
-        """Largest distance of a point or a slide's line from its body's origin, mm, () or (linkages,)."""
+        """Largest distance of a point or a slide line from its body's origin, mm, shape () or (linkages,)."""
         places = [z for points in self.bodies.values() for z in points.values()]
         places += [place for slider in self.sliders for place in (slider.point, slider.through)]
         largest: Real = np.zeros(())
@@ -230,7 +299,7 @@ class Linkage(AbstractLinkage):
 
     @cached_property
     def driven_slider(self) -> Slider | None:
-        """The sliding joint whose displacement, mm, is driven; None where the driver is an angle."""
+        """The sliding joint whose displacement, mm, is driven; None if the driver is an angle."""
         if self.driver in self.bodies:
             ends = {self.driver, self.ground}
             return next((s for s in self.sliders if {s.body, s.along} == ends), None)
@@ -238,19 +307,19 @@ class Linkage(AbstractLinkage):
 
     @cached_property
     def pins(self) -> Mapping[str, tuple[str, ...]]:
-        """Pins: the bodies each one joins, two or more."""
-        joined: dict[str, list[str]] = {}
+        """Name of each pin -> the bodies that it joins, two or more."""
+        bodies_at: dict[str, list[str]] = {}
         for body, points in self.bodies.items():
             for point in points:
-                joined.setdefault(point, []).append(body)
-        return {name: tuple(bodies) for name, bodies in joined.items() if len(bodies) > 1}
+                bodies_at.setdefault(point, []).append(body)
+        return {name: tuple(bodies) for name, bodies in bodies_at.items() if len(bodies) > 1}
 
     @cached_property
     def plans(self) -> dict[bool, tuple[Placement, ...]]:
-        """Kept here by the solver, as curves ask for it thousands of times: how bodies are placed, by `follow`."""
+        """Cache of the solver: the placements of all bodies, by whether branches are followed."""
         return {}
 
     @cached_property
     def formulas(self) -> dict[object, Formulas | int]:
-        """Kept here by the solver: the formulas of its placements on each branch, or how many frames went without."""
+        """Cache of the solver: recorded formulas by branch, or the number of frames computed without them."""
         return {}

@@ -1,4 +1,4 @@
-"""In which order bodies are placed: the driver, then dyads in closed form; what is left goes to iteration."""
+"""`move`, and the order in which bodies are placed: the driver, dyads in closed form, then the remaining loops."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..core.errors import DesignError
 from ..plane.vec import Complex, Real
 from .linkage import AnyLinkage, Linkage, Slider
 from .motion import Motion
-from .solve.actuators import Stroked, actuated_dyad
-from .solve.branch import Branch, BranchSpec, chosen
+from .solve.actuators import ActuatorBar, actuated_dyad
+from .solve.branch import Branch, BranchSpec, as_branch_spec
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
 from .solve.formulas import Timing
 from .solve.input_dyads import driver_dyad
@@ -30,15 +30,15 @@ from .solve.placement import (
 )
 from .solve.solution import LinkageSolution
 
-# Arms in a row, each with the body that it turns with.
+# Consecutive arms, each with the body that it turns with.
 Arms = tuple[tuple[str, complex | Complex], ...]
 
 
 def plan(linkage: Linkage, follow: bool = False) -> tuple[Placement, ...]:
-    """Placements of every body, each on those before it; `follow`: through change points.
+    """Placements of all bodies, each of which needs only those before it; `follow`: through change points.
 
-    Raises DesignError where the joints leave the linkage rigid or loose. Derived here; that a linkage comes apart into
-    groups that are solved one after the other is Assur's.
+    Raises DesignError if the linkage is over- or under-constrained. Assur's decomposition into groups that are solved
+    one after the other; the algorithm is derived here.
     """
     if follow not in linkage.plans:
         linkage.plans[follow] = _find_plan(linkage, follow)
@@ -49,34 +49,39 @@ def _find_plan(linkage: Linkage, follow: bool) -> tuple[Placement, ...]:
     _check_mobility(linkage)
     planner = Planner(linkage, follow)
     planner.drive()
-    # Every round finds a direction or a place of one body at least.
+    # Every round finds at least the direction or the position of one body.
     for _ in range(2 * len(linkage.bodies)):
-        if not (planner.carry() or planner.dyad()):
+        if not (planner.place_determined() or planner.place_dyad()):
             break
-    planner.rest()
+    planner.place_rest()
     return tuple(planner.placements)
 
 
 def _check_mobility(linkage: Linkage) -> None:
-    """Each moving body has three freedoms; a pin or a slider takes two; one is to be left, the driver's (Gruebler)."""
+    """Gruebler's count: three freedoms per moving body, less two per pin or slider, must leave one for the driver."""
     pins = sum(len(bodies) - 1 for bodies in linkage.pins.values())
     freedom = 3 * (len(linkage.bodies) - 1) - 2 * pins - 2 * len(linkage.sliders)
     joined = {body for bodies in linkage.pins.values() for body in bodies}
     joined |= {body for slider in linkage.sliders for body in (slider.body, slider.along)}
-    alone = [body for body in linkage.bodies if body not in joined]
-    if alone:
-        raise DesignError("bodies", f"{alone[0]} is joined to nothing", "give it a point that another body has too")
+    unjoined = [body for body in linkage.bodies if body not in joined]
+    if unjoined:
+        raise DesignError(
+            "bodies", f"{unjoined[0]} is not joined to any other body", "give it a point that another body has too"
+        )
     if freedom != 1:
         count = f"{len(linkage.bodies) - 1} moving bodies with {pins} pins and {len(linkage.sliders)} sliders"
         raise DesignError(
             "bodies",
-            f"{count} have {freedom} freedoms, so the linkage is {'rigid' if freedom < 1 else 'loose'} with one driver",
-            "take a bar away, or a pin" if freedom < 1 else "pin another bar to two bodies that move apart",
+            f"{count} have {freedom} degrees of freedom and one driver, so the linkage is "
+            f"{'over' if freedom < 1 else 'under'}-constrained",
+            "remove a bar or a pin"
+            if freedom < 1
+            else "pin another bar to two bodies that move relative to each other",
         )
 
 
 class Planner:
-    """A linkage that is being solved: the placements so far, and the bodies whose direction or whose place is known."""
+    """Collects the placements of a linkage, with the bodies whose direction or position is already known."""
 
     def __init__(self, linkage: Linkage, follow: bool):
         self.linkage = linkage
@@ -85,11 +90,11 @@ class Planner:
         self.oriented = {linkage.ground}
         self.placed = {linkage.ground}
         slider = linkage.driven_slider
-        # The two bodies of an actuator, which hangs between bodies that move or is pinned to the ground.
+        # The slider of an actuator between two moving bodies, one of which may be pinned to the ground.
         self.actuator = slider if slider and linkage.ground not in (slider.body, slider.along) else None
 
     def drive(self) -> None:
-        """The driver's own placement, by how it is joined to the ground; an actuator waits for what holds its ends."""
+        """The driver's own placement, by its joint with the ground; an actuator is placed once its ends are known."""
         ground, slider = self.linkage.ground, self.linkage.driven_slider
         if slider is None:
             self.placements.append(RevoluteInput(self.linkage.driver))
@@ -98,25 +103,25 @@ class Planner:
             self.placements.append(StrokeInput(slider.name))
         else:
             body = slider.along if slider.body == ground else slider.body
-            self.placements.append(AlignedBody(body, ground, _turn(slider, body)))
+            self.placements.append(AlignedBody(body, ground, _rotation(slider, body)))
             self.oriented.add(body)
-            # A body's displacement is along the line's direction, a slider's that of its sliding body.
+            # The displacement of a body is along the line's direction, that of a slider is that of its sliding body.
             self.slide(slider, body, -1 if slider.along == body == self.linkage.driver else 1)
 
     def slide(self, slider: Slider, body: str, sense: int = 1) -> None:
-        """Place a body of known direction by the driven slider, from the other body of it."""
+        """Place a body of known direction by the driven slider, relative to the slider's other body."""
         other = _other(slider, body)
-        near, through, direction = _stroke_seen_from(slider, other)
-        self.placements.append(PrismaticInput(body, near, Anchor(other, through), SlideAxis(other, sense * direction)))
+        local, through, direction = _stroke_line(slider, other)
+        self.placements.append(PrismaticInput(body, local, Anchor(other, through), SlideAxis(other, sense * direction)))
         self.placed.add(body)
 
-    def carry(self) -> bool:
-        """Whatever follows without a choice; whether anything did."""
+    def place_determined(self) -> bool:
+        """Place all bodies that have only one possible pose; return whether there were any."""
         before = len(self.placements)
         for slider in self.linkage.sliders:
             for body, other in ((slider.body, slider.along), (slider.along, slider.body)):
                 if other in self.oriented and body not in self.oriented:
-                    self.placements.append(AlignedBody(body, other, _turn(slider, body)))
+                    self.placements.append(AlignedBody(body, other, _rotation(slider, body)))
                     self.oriented.add(body)
         for body in self.linkage.bodies:
             if body not in self.oriented - self.placed:
@@ -137,12 +142,12 @@ class Planner:
             self.placed.add(body)
         return len(self.placements) > before
 
-    def dyad(self) -> bool:
-        """The first two bodies, in the linkage's order, that stand on placed ones and on each other."""
-        waiting = [body for body in self.linkage.bodies if body not in self.placed]
-        return any(self.join(one, two) for one, two in combinations(waiting, 2))
+    def place_dyad(self) -> bool:
+        """Place the first pair of bodies, in the linkage's order, that are joined to placed ones and to each other."""
+        unplaced = [body for body in self.linkage.bodies if body not in self.placed]
+        return any(self.place_pair(one, two) for one, two in combinations(unplaced, 2))
 
-    def join(self, one: str, two: str) -> bool:
+    def place_pair(self, one: str, two: str) -> bool:
         for slider in self.linkage.sliders:
             if {slider.body, slider.along} == {one, two} and not {one, two} & self.oriented:
                 if slider is self.actuator:
@@ -165,11 +170,11 @@ class Planner:
         outer = self.outer_pin(one), self.outer_pin(two)
         if not (outer[0] and outer[1]):
             return False
-        # The bodies at the outer pins: of an actuator not the one at the inner pin.
+        # The bodies at the outer pins: with an actuator it is not the one at the inner pin.
         ends, pins = (outer[0][0], outer[1][0]), (outer[0][1], outer[1][1])
         arms = [
-            self.arm(end, pin, near) if end == body else 1.0
-            for body, end, pin, near in zip((one, two), ends, pins, inner)
+            self.arm(end, pin, inner_pin) if end == body else 1.0
+            for body, end, pin, inner_pin in zip((one, two), ends, pins, inner)
         ]
         second = self.anchor(pins[1])
         bases = self.anchor(pins[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
@@ -197,14 +202,14 @@ class Planner:
         # `inner` and `shift` lead from the first body of the pair to the second.
         if bar_is_second:
             inner, shift = inner[::-1], tuple((b, -z) for b, z in shift)
-        near, far = inner
+        near_pin, far_pin = inner
         slider = self.rails_to_placed(slid)[0]
-        start = self.start(slider, slid, ((slid, self.local(slid, far)), *((b, -z) for b, z in shift)))
-        arm = self.arm(bar, pin, near) if end == bar else 1.0
+        start = self.start(slider, slid, ((slid, self.local(slid, far_pin)), *((b, -z) for b, z in shift)))
+        arm = self.arm(bar, pin, near_pin) if end == bar else 1.0
         dyad = RRP(name, end, arm, self.anchor(pin), start, self.rail(slider, slid))
         if end == bar:
             self.append(dyad)
-        elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near)):
+        elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near_pin)):
             return False
         self.placements.append(PinnedBody(end, self.local(end, pin), self.anchor(pin)))
         self.placed.add(end)
@@ -215,15 +220,15 @@ class Planner:
         outer = self.pins_to_placed(one), self.pins_to_placed(two)
         if not all(outer):
             return False
-        # Seen along the line: each body's direction, and how far left of it its outer pin lies.
-        turns, left = [], []
+        # Relative to the line: each body's direction, and the distance of its outer pin to the left.
+        rotations, left = [], []
         for body, pins in zip((one, two), outer):
-            _, on_line, along = _seen_from(slider, body)
-            turns.append(np.conj(along))
+            _, on_line, along = _line_on(slider, body)
+            rotations.append(np.conj(along))
             left.append(np.imag(np.conj(along) * (self.local(body, pins[0]) - on_line)))
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
-        before = tuple(one for one in self.placements if isinstance(one, Dyad))
-        directions, offset = (turns[0], turns[1]), left[1] - left[0]
+        before = tuple(placement for placement in self.placements if isinstance(placement, Dyad))
+        directions, offset = (rotations[0], rotations[1]), left[1] - left[0]
         self.placements.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
         for body, pins in zip((one, two), outer):
             self.placements.append(PinnedBody(body, self.local(body, pins[0]), self.anchor(pins[0])))
@@ -234,32 +239,30 @@ class Planner:
     def two_slides(self, one: str, two: str, inner: tuple[str, str], shift: Arms) -> bool:
         rails = self.rails_to_placed(one)[0], self.rails_to_placed(two)[0]
         # From the origin of `one` over the inner pin to the point of `two` that runs on its rail.
-        way = ((one, -self.local(one, inner[0])), *((b, -z) for b, z in shift), (two, self.local(two, inner[1])))
-        starts = self.start(rails[0], one, ()), self.start(rails[1], two, way)
+        arms = ((one, -self.local(one, inner[0])), *((b, -z) for b, z in shift), (two, self.local(two, inner[1])))
+        starts = self.start(rails[0], one, ()), self.start(rails[1], two, arms)
         self.placements.append(Crossed(one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
         self.placed.add(one)
         return True
 
-    def rest(self) -> None:
-        """Bodies that no dyad places: all their loops at once, by iteration."""
-        waiting = [body for body in self.linkage.bodies if body not in self.placed]
-        if waiting:
-            joined = frozenset(self.oriented), frozenset(self.placed)
-            turns = any(isinstance(one, RevoluteInput) for one in self.placements)
-            self.placements.append(Loops(self.linkage, tuple(waiting), *joined, turns, self.follow))
+    def place_rest(self) -> None:
+        """Place the bodies that are in no dyad: all their loops at once, by iteration."""
+        unplaced = [body for body in self.linkage.bodies if body not in self.placed]
+        if unplaced:
+            known = frozenset(self.oriented), frozenset(self.placed)
+            turns = any(isinstance(placement, RevoluteInput) for placement in self.placements)
+            self.placements.append(Loops(self.linkage, tuple(unplaced), *known, turns, self.follow))
 
     def append(self, dyad: RRR | RRP) -> None:
-        """The dyad, in the form that keeps its digits at a toggle where the driver alone moves it."""
+        """Append the dyad; if only the driver moves it, in the form that stays accurate at a toggle."""
         self.placements.append(driver_dyad(dyad, self.linkage.ground, self.placements, self.follow) or dyad)
 
-    def append_actuated(self, dyad: RRR | RRP, which: int, arm: Stroked) -> bool:
-        """The dyad with an actuator for its bar `which`, where what it stands on does not move."""
-        found = actuated_dyad(dyad, which, arm, self.linkage.ground, self.placements, self.follow)
-        if found is not None:
-            self.placements.append(found)
-        return found is not None
-
-    # What the linkage says of a body.
+    def append_actuated(self, dyad: RRR | RRP, which: int, arm: ActuatorBar) -> bool:
+        """Append the dyad with an actuator as its bar `which`, if its bases are fixed; return whether it was."""
+        actuated = actuated_dyad(dyad, which, arm, self.linkage.ground, self.placements, self.follow)
+        if actuated is not None:
+            self.placements.append(actuated)
+        return actuated is not None
 
     def has(self, body: str, pin: str) -> bool:
         return pin in self.linkage.bodies[body]
@@ -279,35 +282,35 @@ class Planner:
         return [pin for pin, bodies in self.linkage.pins.items() if body in bodies and self.placed & set(bodies)]
 
     def outer_pin(self, body: str) -> tuple[str, str] | None:
-        """A body and its pin on a placed one: the body itself, or where it is half of an actuator the other half."""
+        """A body and its pin on a placed body: the body itself, or the other half of its actuator."""
         halves = (self.actuator.body, self.actuator.along) if self.actuator else ()
         bodies = (body, *(half for half in halves if half != body)) if body in halves else (body,)
         return next(((b, pins[0]) for b in bodies if (pins := self.pins_to_placed(b))), None)
 
-    def stroked(self, end: str, outer: str, body: str, inner: str) -> Stroked:
-        """The actuator from a pin of one half, in the frame of that, to a pin of the other."""
+    def stroked(self, end: str, outer: str, body: str, inner: str) -> ActuatorBar:
+        """The actuator from a pin of one half to a pin of the other, in the frame of the first."""
         assert self.actuator is not None
-        start = self.actuator.seen(body, self.local(body, inner), 0.0) - self.local(end, outer)
-        return Stroked(start, _stroke_seen_from(self.actuator, end)[2])
+        start = self.actuator.in_other_frame(body, self.local(body, inner), 0.0) - self.local(end, outer)
+        return ActuatorBar(start, _stroke_line(self.actuator, end)[2])
 
     def rails_to_placed(self, body: str) -> list[Slider]:
         return [s for s in self.linkage.sliders if body in (s.body, s.along) and _other(s, body) in self.placed]
 
     def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], Arms]]:
-        """Ways from `one` to `two` over pins that are not placed yet: name, the two pins, and the arms between.
+        """Connections from `one` to `two` over pins that are not placed yet: name, the two pins, arms between them.
 
-        A body between them whose direction is known shifts one pin from the other, no more.
+        A body between them whose direction is known only shifts one pin relative to the other.
         """
         free = {pin: set(b) for pin, b in self.linkage.pins.items() if not self.placed & set(b)}
-        ways: list[tuple[str, tuple[str, str], Arms]] = [
+        connections: list[tuple[str, tuple[str, str], Arms]] = [
             (pin, (pin, pin), ()) for pin, bodies in free.items() if {one, two} <= bodies
         ]
         for body in self.linkage.bodies:
             if body in self.oriented - self.placed - {one, two}:
                 for a, b in permutations(free, 2):
                     if {one, body} <= free[a] and {two, body} <= free[b]:
-                        ways.append((body, (a, b), ((body, self.local(body, b) - self.local(body, a)),)))
-        return ways
+                        connections.append((body, (a, b), ((body, self.local(body, b) - self.local(body, a)),)))
+        return connections
 
     def anchor(self, pin: str) -> Anchor:
         body = next(b for b in self.linkage.bodies if b in self.placed and self.has(b, pin))
@@ -315,73 +318,103 @@ class Planner:
 
     def rail(self, slider: Slider, body: str) -> SlideAxis:
         other = _other(slider, body)
-        return SlideAxis(other, _seen_from(slider, other)[2])
+        return SlideAxis(other, _line_on(slider, other)[2])
 
-    def start(self, slider: Slider, body: str, way: Arms) -> Anchor:
-        """Where the body's origin, less the arms of `way`, is when its point stands at the rail's own point."""
+    def start(self, slider: Slider, body: str, arms: Arms) -> Anchor:
+        """Position of the body's origin, plus `arms`, when the body's point is at the rail's own point."""
         other = _other(slider, body)
-        near, through, _ = _seen_from(slider, other)
-        return Anchor(other, through, ((body, -near), *way))
+        local, through, _ = _line_on(slider, other)
+        return Anchor(other, through, ((body, -local), *arms))
 
 
 def _other(slider: Slider, body: str) -> str:
     return slider.along if body == slider.body else slider.body
 
 
-def _turn(slider: Slider, body: str) -> Complex:
-    """Direction of the body's x axis seen from the other body of the slider."""
-    turn = slider.direction * np.exp(1j * np.radians(slider.angle_deg)) if slider.angle_deg else slider.direction
-    return turn if body == slider.body else np.conj(turn)
+def _rotation(slider: Slider, body: str) -> Complex:
+    """Direction of the body's x axis in the frame of the other body of the slider."""
+    rotation = slider.direction * np.exp(1j * np.radians(slider.angle_deg)) if slider.angle_deg else slider.direction
+    return rotation if body == slider.body else np.conj(rotation)
 
 
-def _seen_from(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
+def _line_on(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
     """A slider as a line on `other`: the point that runs on it, a point of the line, the line's direction.
 
-    Seen from the body that slides, it is the guide's own point that runs along a line through `point`,
-    backwards; the line's direction is kept, which leaves the slide's sign as it is.
+    In the frame of the sliding body, it is the guide's own point that runs along a line through `point`, backwards. The
+    line's direction is kept, so that the sign of the displacement stays the same.
     """
     if other == slider.along:
         return slider.point, slider.through, slider.direction
-    return slider.through, slider.point, _turn(slider, slider.body).conjugate() * slider.direction
+    return slider.through, slider.point, _rotation(slider, slider.body).conjugate() * slider.direction
 
 
-def _stroke_seen_from(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
-    """The same with the direction in which the point runs as the slider's displacement grows."""
-    near, through, direction = _seen_from(slider, other)
-    return near, through, direction if other == slider.along else -direction
+def _stroke_line(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
+    """The same, with the direction in which the point moves as the slider's displacement grows."""
+    local, through, direction = _line_on(slider, other)
+    return local, through, direction if other == slider.along else -direction
 
 
 @checked
 def move(
     linkage: AnyLinkage, drive: Reals, branch: Branch = 1, speed: Reals = 1.0, acceleration: Reals = 0.0
 ) -> Motion:
-    """Motion of a linkage whose driver stands at `drive`: rad from the ground's x axis, mm where a slider drives.
+    """Move a linkage through the given driver positions.
 
-    drive: (frames,). speed and acceleration of the driver, rad/s and rad/s2 or mm/s and mm/s2: numbers or
-    (frames,). branch: +1 or -1 for all dyads, or for each by the name of its inner joint (+1 where not
-    named): +1 puts the joint left of the line from the first body's outer pin to the second's. A point's name with
-    its place, a complex number in mm, takes the branch nearest to that at the first frame at which its dyad closes, and
-    starts bodies that are no chain of dyads as the linkage's `estimate` does. "follow" starts at +1, `Continuation`
-    at any of these, and keeps the smooth continuation, at any step: through a change point, where the branches meet,
-    and past a place where they only come near. A frame that cannot be reached is nan with closed False. At a true
-    dead centre of the driver the rates are not finite. Dyads are solved in closed form, whatever else by Newton's method on their
-    loop equations; rates come by the chain rule from kinematic coefficients.
+    Parameters
+    ----------
+    linkage : Linkage or any named linkage
+        Its lengths may be arrays of shape (linkages,); results then have the shape (frames, linkages).
+    drive : float or array_like, shape (frames,)
+        Angle of the driver from the ground's x axis, rad, or its displacement, mm, if a slider drives.
+    branch : {+1, -1, "follow"}, mapping or Continuation
+        Assembly mode. +1 puts the inner joint of each dyad to the left of the line from the first body's outer pin to
+        the second's. A mapping gives the sign of each dyad by the name of its inner joint (+1 if missing). A mapping
+        of a point's name to a position, complex, mm, takes the branch nearest to it at the first frame at which its
+        dyad can be assembled; it also replaces the linkage's `estimate`. "follow" starts at +1, and
+        `Continuation` at any of these; both continue smoothly through change points, at any step.
+    speed, acceleration : float or array_like, shape (frames,)
+        Of the driver: rad/s and rad/s2, or mm/s and mm/s2 if a slider drives.
+
+    Returns
+    -------
+    Motion
+        Frames that cannot be reached are nan; `Motion.assembled` masks them. At a dead centre of the driver the rates
+        are not finite.
+
+    Raises
+    ------
+    DesignError
+        If an argument is not allowed, a branch names no joint or point, or the linkage is over- or under-constrained.
+
+    Notes
+    -----
+    Dyads are solved in closed form, everything else by Newton's method on the loop equations. Rates follow by the chain
+    rule from kinematic coefficients (Uicker, Pennock, Shigley, Theory of Machines and Mechanisms, chapters 3, 4).
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.FourBar(100, 30, 90, 70), [0.0, 1.0], branch=-1)
+    >>> motion.point("rocker_pin").position.round(3)
+    array([87.857-68.939j, 56.802-55.081j])
+    >>> motion.assembled
+    array([ True,  True])
     """
     general = linkage.linkage
     q = np.asarray(drive, dtype=float)
     q = q if q.ndim else q[None]
     if q.ndim != 1:
         raise DesignError(
-            "drive", "found something else than one row of finite numbers", "give (frames,) of rad or mm", "wrong-type"
+            "drive", f"found an array of shape {q.shape}", "give a 1-D array of finite numbers, rad or mm", "wrong-type"
         )
     timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
-    asked = chosen(branch)
-    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, asked), q, asked, timing))
+    spec = as_branch_spec(branch)
+    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing))
 
 
-def _time(name: str, told: Reals, drive: Real, linkage: Linkage) -> Real:
+def _time(name: str, rate: Reals, drive: Real, linkage: Linkage) -> Real:
     """Speed or acceleration as a number, or over all frames and linkages."""
-    values = np.asarray(told, dtype=float)
+    values = np.asarray(rate, dtype=float)
     if not values.ndim:
         return values
     if values.shape != drive.shape:
@@ -389,17 +422,17 @@ def _time(name: str, told: Reals, drive: Real, linkage: Linkage) -> Real:
     return values.reshape(-1, *(1,) * len(linkage.shape))
 
 
-def planned(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
-    """How the bodies are placed on a branch; DesignError for joints or points that the linkage has not."""
-    return _plan_for(linkage, chosen(branch))
+def placements_for(linkage: Linkage, branch: Branch) -> tuple[Placement, ...]:
+    """The placements of all bodies on a branch; DesignError if the branch names no joint or point of the linkage."""
+    return _plan_for(linkage, as_branch_spec(branch))
 
 
-def _plan_for(linkage: Linkage, asked: BranchSpec) -> tuple[Placement, ...]:
-    told = replace(linkage, estimate={**linkage.estimate, **asked.branch_points}) if asked.branch_points else linkage
-    placements = plan(told, asked.follow)
-    if asked.branch_points and not any(isinstance(one, Loops) for one in placements):
-        # Only what is iterated starts from places. Any other plan is the linkage's own, by which its formulas are kept.
-        placements = plan(linkage, asked.follow)
-    if asked.branch or asked.branch_points:
-        asked.check(linkage, [one.joint for one in placements if isinstance(one, Dyad)])
+def _plan_for(linkage: Linkage, spec: BranchSpec) -> tuple[Placement, ...]:
+    estimate = {**linkage.estimate, **spec.branch_points}
+    placements = plan(replace(linkage, estimate=estimate) if spec.branch_points else linkage, spec.follow)
+    if spec.branch_points and not any(isinstance(placement, Loops) for placement in placements):
+        # Only loops start from an estimate. Otherwise the linkage's own plan serves, under which formulas are cached.
+        placements = plan(linkage, spec.follow)
+    if spec.branch or spec.branch_points:
+        spec.check(linkage, [placement.joint for placement in placements if isinstance(placement, Dyad)])
     return placements

@@ -1,4 +1,4 @@
-"""Linkages with one slide, the slider-crank and its inversions; with two, trammel, yoke, Oldham coupling and shaper."""
+"""Linkages with a name: four-bar, slider-crank and its inversions, trammel, yoke, Oldham coupling, shaper, six-bars."""
 
 from __future__ import annotations
 
@@ -16,11 +16,43 @@ from .linkage import AbstractLinkage, Linkage, Slider
 
 @record(checked=True, arrays=True)
 class SliderCrank(AbstractLinkage):
-    """A crank that drives a slider, or a slider a crank; lengths pin to pin in mm.
+    """Slider-crank: crank, connecting rod and slider; either the crank or the slider drives.
 
-    The crank turns about the origin; the slider runs along a line parallel to +x at the height `offset`.
-    `origin` and `ground_angle_deg` place the whole. branch +1: the slider stands on the +x side of the crank
-    pin; where the slider drives, the crank pin lies left of the line from crank pivot to slider pin.
+    The crank turns about `origin`. The slider runs along a line parallel to +x at the height `offset`, before
+    `ground_angle_deg` turns the whole linkage. Branch +1: the slider is on the +x side of the crank pin; if the
+    slider drives, the crank pin is left of the line from the crank pivot to the slider pin.
+
+    Parameters
+    ----------
+    crank, coupler : float or array
+        Lengths of crank and connecting rod, mm, pin to pin; above 0.
+    offset : float or array
+        Height of the slide line above the crank pivot, mm.
+    coupler_point : complex or array
+        Point traced by the connecting rod, mm from its crank pin, x towards the slider pin.
+    driver : {"crank", "coupler", "slider"}
+        Driven body: crank and coupler by their angle, the slider by its displacement.
+    origin : complex
+        Position of the crank's ground pivot, mm.
+    ground_angle_deg : float
+        Direction of the slide line, deg, from -360 to 360.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or crank and coupler together do not reach the slide line.
+
+    Notes
+    -----
+    Lengths may be arrays, one value for each of many linkages.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.SliderCrank(crank=30, coupler=90), [0.0, np.pi])
+    >>> motion.slide("slide").displacement.round(6)
+    array([120.,  60.])
     """
 
     crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
@@ -51,7 +83,7 @@ class SliderCrank(AbstractLinkage):
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: the coupler has its frame at the crank pin, the slider at its pin."""
+        """The general linkage: the coupler's frame is at the crank pin, the slider's at its pin."""
         return Linkage(
             bodies={
                 "ground": {"crank_pivot": 0j},
@@ -68,13 +100,37 @@ class SliderCrank(AbstractLinkage):
 
 @record(checked=True, arrays=True)
 class InvertedSliderCrank(AbstractLinkage):
-    """A crank whose pin slides along a rocker, or whose coupler slides through a rocking block; lengths in mm.
+    """Inverted slider-crank: a crank pin that slides along a rocker, or a coupler that slides through a rocking block.
 
-    The crank turns about the origin, the rocker about the point `ground` on +x. With `line` "rocker" the
-    coupler is a block on the crank pin and the rocker a slotted lever: it swings where the crank is shorter
-    than the ground, and turns fully (Whitworth) where it is longer. With `line` "coupler" the coupler is a rod
-    and the rocker the block it slides through. branch +1: the rocker's x axis points from its pivot to the crank pin;
-    of a sliding coupler, the coupler's from the crank pin to the block.
+    The crank turns about `origin`, the rocker about a point on +x at the distance `ground`. With `line` "rocker" the
+    coupler is a block on the crank pin and the rocker a slotted lever: it swings if the crank is shorter
+    than the ground, and turns fully (Whitworth) if it is longer. With `line` "coupler" the coupler is a rod
+    and the rocker the block that it slides through. Branch +1: the rocker's x axis points from its pivot to the crank
+    pin; with a sliding coupler, the coupler's x axis points from the crank pin to the block.
+
+    Parameters
+    ----------
+    ground : float or array
+        Distance between the two ground pivots, mm; above 0.
+    crank : float or array
+        Length of the crank, mm; above 0.
+    offset : float or array
+        Distance of the slide line from the pin about which its body turns, mm, positive to the left.
+    line : {"rocker", "coupler"}
+        Body that has the slide line.
+    point : complex or array
+        Point traced by the body with the slide line, mm from its pin, x along the line.
+    driver : {"crank", "rocker"}
+        Link whose angle is driven.
+    origin : complex
+        Position of the crank's ground pivot, mm.
+    ground_angle_deg : float
+        Direction from the crank pivot to the rocker pivot, deg, from -360 to 360.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or the offset is larger than the distance that the crank pin reaches.
     """
 
     ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80)
@@ -99,30 +155,30 @@ class InvertedSliderCrank(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        reach = self.ground + self.crank
-        if np.ndim(reach + self.offset) == 0 and np.abs(self.offset) >= reach:
+        farthest = self.ground + self.crank
+        if np.ndim(farthest + self.offset) == 0 and np.abs(self.offset) >= farthest:
             raise DesignError(
                 "offset",
-                f"found {self.offset:g} mm, but the crank pin comes no farther than {reach:g} mm from the rocker pivot",
-                f"give less than {reach:g} mm",
+                f"found {self.offset:g} mm, but the crank pin is at most {farthest:g} mm from the rocker pivot",
+                f"give less than {farthest:g} mm",
             )
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: the sliding joint is named "slide"."""
+        """The general linkage; the sliding joint is named "slide"."""
         through = 1j * self.offset
-        crank = {
+        crank_bodies = {
             "ground": {"crank_pivot": 0j, "rocker_pivot": self.ground + 0j},
             "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
         }
         if self.line == "rocker":
-            bodies = crank | {
+            bodies = crank_bodies | {
                 "rocker": {"rocker_pivot": 0j, "rocker_point": self.point},
                 "coupler": {"crank_pin": 0j},
             }
             slide = Slider("slide", "coupler", "rocker", through=through)
         else:
-            bodies = crank | {
+            bodies = crank_bodies | {
                 "coupler": {"crank_pin": 0j, "coupler_point": self.point},
                 "rocker": {"rocker_pivot": 0j},
             }
@@ -132,10 +188,25 @@ class InvertedSliderCrank(AbstractLinkage):
 
 @record(checked=True, arrays=True)
 class EllipticTrammel(AbstractLinkage):
-    """A rod whose two pins run in two straight slots that cross at the origin: its points draw ellipses.
+    """Elliptic trammel: a rod whose two pins run in two straight slots; its points draw ellipses.
 
-    The first slot lies along +x, the second at `angle_deg`; lengths in mm. Driven by the rod's angle or by the first
-    shuttle's x; then branch +1 puts the second shuttle on the positive side of its slot's foot.
+    The slots cross at `origin`; the first lies along +x, the second at `angle_deg`. Branch +1, if the shuttle drives:
+    the second shuttle is on the positive side of the foot of the first shuttle on its slot.
+
+    Parameters
+    ----------
+    rod : float or array
+        Distance between the rod's two pins, mm; above 0.
+    rod_point : complex or array
+        Point traced by the rod, mm from its first pin, x towards the second.
+    angle_deg : float
+        Angle from the first slot to the second, deg, from 10 to 170.
+    driver : {"rod", "shuttle"}
+        What is driven: the angle of the rod, or the displacement of the first shuttle.
+    origin : complex
+        Point where the slots cross, mm.
+    ground_angle_deg : float
+        Direction of the first slot, deg, from -360 to 360.
     """
 
     rod: Sizes = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
@@ -151,7 +222,7 @@ class EllipticTrammel(AbstractLinkage):
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: shuttles "shuttle" and "cross_shuttle" in "slot" and "cross_slot"."""
+        """The general linkage: bodies "shuttle" and "cross_shuttle" slide in the joints "slot" and "cross_slot"."""
         return Linkage(
             bodies={
                 "ground": {},
@@ -171,9 +242,29 @@ class EllipticTrammel(AbstractLinkage):
 
 @record(checked=True, arrays=True)
 class ScotchYoke(AbstractLinkage):
-    """A crank pin in a straight slot of a yoke that slides along x: exact harmonic motion at a slot of 90 deg.
+    """Scotch yoke: a crank pin in a straight slot of a yoke that slides along x.
 
-    The crank turns about the origin; the yoke is guided `guide` beyond its slot; lengths in mm.
+    The crank turns about `origin`. With a slot at 90 deg the yoke's motion is exactly harmonic.
+
+    Parameters
+    ----------
+    crank : float or array
+        Length of the crank, mm; above 0.
+    guide : float or array
+        Distance from the middle of the yoke's slot to the middle of its guide, mm; above 0.
+    slot_deg : float
+        Angle from the yoke's direction of sliding to its slot, deg, from 10 to 170.
+    origin : complex
+        Position of the crank's ground pivot, mm.
+    ground_angle_deg : float
+        Direction in which the yoke slides, deg, from -360 to 360.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.ScotchYoke(crank=30, guide=100), [0.0, 1.0])
+    >>> motion.slide("way").displacement.round(4)
+    array([30.    , 16.2091])
     """
 
     crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
@@ -181,14 +272,16 @@ class ScotchYoke(AbstractLinkage):
         "from the middle of the yoke's slot to the middle of its guide", "mm", above=0, at_most=FARTHEST, example=100
     )
     slot_deg: float = quantity(
-        "direction of the yoke's slot from its way", "deg", default=90.0, at_least=10, at_most=170
+        "angle from the yoke's direction of sliding to its slot", "deg", default=90.0, at_least=10, at_most=170
     )
     origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
-    ground_angle_deg: float = quantity("direction of the yoke's way", "deg", default=0.0, at_least=-360, at_most=360)
+    ground_angle_deg: float = quantity(
+        "direction in which the yoke slides", "deg", default=0.0, at_least=-360, at_most=360
+    )
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: the sliding joints are "slot", block in yoke, and "way", yoke on ground."""
+        """The general linkage: the sliding joints are "slot" (block in yoke) and "way" (yoke on ground)."""
         return Linkage(
             bodies={
                 "ground": {"crank_pivot": 0j},
@@ -208,10 +301,19 @@ class ScotchYoke(AbstractLinkage):
 
 @record(checked=True, arrays=True)
 class OldhamCoupling(AbstractLinkage):
-    """Two shafts side by side, each slotted, and a disc between them that slides in both: they turn alike.
+    """Oldham coupling: two parallel, offset shafts and a disc between them that slides in both hubs.
 
-    The driving hub turns about the origin, the driven one about `shift` on +x; the disc's middle runs twice a
-    turn around the circle over the two centres; lengths in mm.
+    Both hubs turn through equal angles. The driving hub turns about `origin`, the driven one about a point on +x at
+    the distance `shift`. The disc's centre runs twice per turn around the circle over the two shaft centres.
+
+    Parameters
+    ----------
+    shift : float or array
+        Distance between the two shafts, mm; above 0.
+    origin : complex
+        Centre of the driving shaft, mm.
+    ground_angle_deg : float
+        Direction from the driving to the driven shaft, deg, from -360 to 360.
     """
 
     shift: Sizes = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
@@ -222,7 +324,7 @@ class OldhamCoupling(AbstractLinkage):
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: hubs "driving" and "driven", the disc's tongues "first" and "second" at right angles."""
+        """The general linkage: hubs "driving" and "driven"; the disc slides in the joints "first" and "second"."""
         return Linkage(
             bodies={
                 "ground": {"driving_pivot": 0j, "driven_pivot": self.shift + 0j},
@@ -242,12 +344,34 @@ class OldhamCoupling(AbstractLinkage):
 
 @record(checked=True)
 class Shaper(AbstractLinkage):
-    """A crank pin in the slot of a lever, whose tip moves a ram through a connecting rod; lengths in mm.
+    """Shaper (quick-return) mechanism: a crank pin in the slot of a lever, whose tip moves a ram by a connecting rod.
 
-    The crank turns about the origin; the lever's pivot is `ground` away, the ram's line at right angles to
-    that on the other side of the crank. The ram cuts slowly and comes back quickly. As it stands by default
-    the lever's pivot is below and +x the ram's way. Joints for branches: `slide`, and `ram_pin`: +1, the ram
-    on the +x side of the lever's tip.
+    The crank turns about `origin`. The ram's line is perpendicular to the line from crank pivot to lever pivot, on the
+    other side of the crank. By default the lever's pivot is below the crank and the ram runs along x. The ram cuts
+    slowly and returns quickly. Joints for branches: `slide`, and `ram_pin`: +1 puts the ram on the +x side of the
+    lever's tip.
+
+    Parameters
+    ----------
+    ground : float
+        Distance from crank pivot to lever pivot, mm; above 0.
+    crank : float
+        Length of the crank, mm; above 0 and below `ground`.
+    lever : float
+        Distance from the lever's pivot to its tip, mm; above 0.
+    link : float
+        Connecting rod from the lever's tip to the ram, mm; above 0.
+    ram_height : float
+        Distance from the crank pivot to the ram's line, away from the lever pivot, mm; above 0.
+    origin : complex
+        Position of the crank's ground pivot, mm.
+    ground_angle_deg : float
+        Direction from the crank pivot to the lever pivot, deg, from -360 to 360.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or the crank is not shorter than the ground.
     """
 
     ground: float = quantity("from crank pivot to lever pivot", "mm", above=0, at_most=FARTHEST, example=90)
@@ -266,13 +390,14 @@ class Shaper(AbstractLinkage):
         if self.crank >= self.ground:
             raise DesignError(
                 "crank",
-                f"found {self.crank:g} mm, but the lever turns over at the {self.ground:g} mm to its pivot and more",
+                f"found {self.crank:g} mm, but the lever turns over unless the crank is shorter than the ground, "
+                f"{self.ground:g} mm",
                 f"give less than {self.ground:g} mm",
             )
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: the sliding joints are "slide", crank pin on lever, and "ram_slide"."""
+        """The general linkage: the sliding joints are "slide" (crank pin on lever) and "ram_slide"."""
         return Linkage(
             bodies={
                 "ground": {"crank_pivot": 0j, "lever_pivot": self.ground + 0j},
@@ -294,11 +419,47 @@ class Shaper(AbstractLinkage):
 
 @record(checked=True, arrays=True)
 class FourBar(AbstractLinkage):
-    """Four links pinned in a loop: ground, crank, coupler, rocker; lengths pin to pin in mm.
+    """Four-bar linkage: ground, crank, coupler and rocker, joined in a loop by four pins.
 
-    The crank turns about the origin; the rocker's ground pivot lies on +x at `ground`. `origin` and
-    `ground_angle_deg` place the whole. Lengths may be arrays (linkages,): many four-bars at once, of
-    which those that cannot be assembled are open at every frame.
+    The crank turns about `origin`. The rocker's ground pivot is on +x at the distance `ground`, before
+    `ground_angle_deg` turns the whole linkage. Branch +1: the rocker pin is left of the line from the crank pin to the
+    rocker pivot.
+
+    Parameters
+    ----------
+    ground : float or array
+        Distance between the two ground pivots, mm; above 0.
+    crank : float or array
+        Length of the driving link, mm, pin to pin; above 0.
+    coupler : float or array
+        Length of the floating link between crank and rocker, mm, pin to pin; above 0.
+    rocker : float or array
+        Length of the driven link, mm, pin to pin; above 0.
+    coupler_point : complex or array
+        Point traced by the coupler, mm from its crank pin, x towards the rocker pin.
+    driver : {"crank", "coupler", "rocker"}
+        Link whose angle is driven.
+    origin : complex
+        Position of the crank's ground pivot, mm.
+    ground_angle_deg : float
+        Direction from the crank pivot to the rocker pivot, deg, from -360 to 360.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or one link is as long as the other three together.
+
+    Notes
+    -----
+    Lengths may be arrays of shape (linkages,), one value for each of many four-bars. Those that cannot be assembled are
+    open (nan) at every frame.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.FourBar(ground=100, crank=30, coupler=90, rocker=70), [0.0, 1.0], speed=10.0)
+    >>> motion.rocker.omega.round(4)
+    array([-4.2857,  2.1951])
     """
 
     ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
@@ -349,11 +510,22 @@ class FourBar(AbstractLinkage):
 
 @record(checked=True)
 class StephensonSixBar(AbstractLinkage):
-    """A four-bar whose coupler point moves an output link through a connecting link; lengths in mm.
+    """Stephenson six-bar: a four-bar whose coupler point moves an output link through a connecting link.
 
-    Where the coupler point runs along an arc about the far end of the connecting link, of its length, the
-    output dwells. Joints for branches: `rocker_pin`, and `output_pin`: +1, left of the line from the coupler
-    point to the output pivot. Angles and `output_pivot` are from the four-bar's ground line.
+    The output dwells while the coupler point runs along an arc about the far end of the connecting link, with the
+    radius `link`. Joints for branches: `rocker_pin`, and `output_pin`: +1 puts it left of the line from the coupler
+    point to the output pivot. Angles and `output_pivot` are measured from the four-bar's ground line.
+
+    Parameters
+    ----------
+    four_bar : FourBar
+        The first loop; its `coupler_point` moves the connecting link.
+    link : float
+        Connecting link from coupler point to output pin, mm; above 0.
+    output : float
+        Output link from its pivot to its pin, mm; above 0.
+    output_pivot : complex
+        Ground pivot of the output link, mm from the crank pivot.
     """
 
     four_bar: FourBar
@@ -367,16 +539,29 @@ class StephensonSixBar(AbstractLinkage):
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: bodies of the four-bar, then link and output."""
+        """The general linkage: bodies of the four-bar, then "link" and "output"."""
         return _with_dyad(self.four_bar, "coupler_point", "coupler", self.four_bar.coupler_point, self)
 
 
 @record(checked=True)
 class WattSixBar(AbstractLinkage):
-    """Two four-bars in a row: a point of the first one's rocker moves an output link; lengths in mm.
+    """Watt six-bar: two four-bars in series; a point of the first one's rocker moves an output link.
 
-    Joints for branches: `rocker_pin`, and `output_pin`: +1, left of the line from the rocker's point to the
-    output pivot. Angles and `output_pivot` are from the first four-bar's ground line.
+    Joints for branches: `rocker_pin`, and `output_pin`: +1 puts it left of the line from the rocker's point to the
+    output pivot. Angles and `output_pivot` are measured from the first four-bar's ground line.
+
+    Parameters
+    ----------
+    four_bar : FourBar
+        The first loop.
+    rocker_point : complex
+        Point of the rocker that moves the second coupler, mm from its ground pivot, x towards the rocker pin.
+    link : float
+        Second coupler, from rocker point to output pin, mm; above 0.
+    output : float
+        Output link from its pivot to its pin, mm; above 0.
+    output_pivot : complex
+        Ground pivot of the output link, mm from the crank pivot.
     """
 
     four_bar: FourBar
@@ -394,7 +579,7 @@ class WattSixBar(AbstractLinkage):
 
     @cached_property
     def linkage(self) -> Linkage:
-        """The general linkage: bodies of the four-bar, then link and output."""
+        """The general linkage: bodies of the four-bar, then "link" and "output"."""
         return _with_dyad(self.four_bar, "rocker_point", "rocker", self.rocker_point, self)
 
 

@@ -1,4 +1,4 @@
-"""A linkage as a scene: its plates where they go, pins and slides, traced points, instant centres, vectors."""
+"""A linkage as a scene: its moving plates, pins and slides, traced points, instant centres, vectors."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from .linkage import Linkage
 
 
-# Share of the linkage's size that the longest arrow of a kind is drawn with: longer ones cover the links.
+# Length of the longest arrow of a kind, as a share of the linkage's size.
 LONGEST_ARROW = 0.5
-# Bodies of which all instant centres are shown: of more, only those on the ground, for nobody finds one among dozens.
+# Largest number of bodies for which all instant centres are shown; with more, only those with the ground.
 ALL_CENTRES = 6
-# Instant centres farther away than so many times the linkage's size are left out: nobody would look there.
+# Distance, in sizes of the linkage, beyond which instant centres are omitted.
 FARTHEST_CENTRE = 3.0
 
 
@@ -40,28 +40,53 @@ def linkage_scene(
     others: Mapping[str, Scene] | None = None,
     rates: bool = True,
 ) -> Scene:
-    """A linkage moving, at the frames of its motion.
+    """A moving linkage as a scene, at the frames of its motion.
 
-    table: `motion_table(motion)`, or another of its frames, for the plots. parts: as `link_parts` gives them, each
-    placed by the body it belongs to; without them only pins and lines are drawn. layers: of the stack, by the plates'
-    names. plots: of the table's columns; `motion_plots` unless given; columns of nan are left out. others: scenes of
-    the same linkage in other assembly modes. Points that are no pins leave trails; velocities, accelerations, instant
-    centres and dimensions are there to be switched on, and left out where `rates` is false. DesignError for arrays of
-    linkages. Derived here.
+    Points that are not pins leave trails. Velocities, accelerations, instant centres and dimensions can be switched on.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    table : Table
+        `motion_table(motion)`, or another table with its frames, for the plots.
+    parts : sequence of Part
+        Plates from `link_parts`, each drawn with its body; without them only pins and lines are drawn.
+    layers : mapping of str to int, optional
+        Layers of the stack, by the plates' names.
+    plots : sequence of Plot, optional
+        Plots of the table's columns; `motion_plots` by default. Columns of nan are left out.
+    others : mapping of str to Scene, optional
+        Scenes of the same linkage in other assembly modes.
+    rates : bool
+        Whether velocities, accelerations, instant centres and dimensions are included.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    DesignError
+        If the motion has no frames, or is of arrays of linkages.
+
+    Notes
+    -----
+    Derived here.
     """
     if motion.linkage.is_batch:
         raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
     if not len(motion.drive):
-        raise DesignError("motion", "it has no frames", "give at least one place of the driver")
+        raise DesignError("motion", "it has no frames", "give at least one position of the driver")
     bodies = tuple(placed_bodies(motion, parts, layers or {}))
     marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *traced_points(motion))
     if rates:
         marks += (*_vectors(motion), *_centres(motion))
-    around = motion.drive[-1] - motion.drive[0]
-    turns = motion.linkage.driven_slider is None and bool(np.isclose(around % (2 * np.pi), 0, atol=1e-9))
-    # Of a speed that changes no time is known: then it is shown in two seconds.
-    passed = np.abs(motion.timing.elapsed(motion.drive))
-    time = passed if np.isfinite(passed).all() else np.linspace(0, 2, len(passed))
+    travel = motion.drive[-1] - motion.drive[0]
+    turns = motion.linkage.driven_slider is None and bool(np.isclose(travel % (2 * np.pi), 0, atol=1e-9))
+    # If the speed changes the time is unknown: the motion is then shown in two seconds.
+    elapsed = np.abs(motion.timing.elapsed(motion.drive))
+    time = elapsed if np.isfinite(elapsed).all() else np.linspace(0, 2, len(elapsed))
     return Scene(
         table,
         time,
@@ -70,7 +95,7 @@ def linkage_scene(
         tuple(link_dimensions(motion.linkage)) if rates else (),
         marks,
         motion_plots(motion, table) if plots is None else _plottable(plots, table),
-        turns and around != 0,
+        turns and travel != 0,
         dict(others or {}),
     )
 
@@ -79,16 +104,16 @@ def placed_bodies(motion: Motion, parts: Sequence[Part], layers: Mapping[str, in
     """Each body with its plates, on their layers."""
     ground = motion.linkage.ground
     for name, body in motion.bodies.items():
-        own = [part for part in parts if part.body == name]
+        plates = [part for part in parts if part.body == name]
         place, fixed = (body.origin.position, body.direction), name == ground
-        # What else moves with a body, as a bridge of the ground or a counterweight, has a layer of its own.
-        for part in own[1:]:
+        # Further plates of a body, such as a bridge of the ground or a counterweight, have their own layers.
+        for part in plates[1:]:
             yield SceneBody(part.name, (part,), *place, layers.get(part.name, 0), fixed)
-        yield SceneBody(name, tuple(own[:1]), *place, layers.get(own[0].name if own else name, 0), fixed)
+        yield SceneBody(name, tuple(plates[:1]), *place, layers.get(plates[0].name if plates else name, 0), fixed)
 
 
 def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
-    """Bodies that nothing is cut of, as lines from each point to the next and back to the first."""
+    """Bodies without plates, as lines from each point to the next and back to the first."""
     for name, points in motion.linkage.bodies.items():
         if name in with_parts or name == motion.linkage.ground or len(points) < 2:
             continue
@@ -100,8 +125,8 @@ def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
 def _joints(motion: Motion) -> Iterator[SceneMark]:
     linkage = motion.linkage
     for pin, bodies in linkage.pins.items():
-        sort = "fixed pin" if linkage.ground in bodies else "pin"
-        yield SceneMark(sort, motion.point(pin).position, "construction", pin)  # type: ignore[arg-type]
+        kind = "fixed pin" if linkage.ground in bodies else "pin"
+        yield SceneMark(kind, motion.point(pin).position, "construction", pin)  # type: ignore[arg-type]
     for slider in linkage.sliders:
         place = motion.bodies[slider.body].point(slider.point).position
         line = motion.bodies[slider.along].direction * slider.direction
@@ -109,23 +134,33 @@ def _joints(motion: Motion) -> Iterator[SceneMark]:
 
 
 def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Complex]]:
-    """Points that are no pins, nor lie at one: name, place, velocity, acceleration."""
+    """Points that are not pins, nor coincide with one: name, position, velocity, acceleration."""
     for body, points in motion.linkage.bodies.items():
         pins = [z for name, z in points.items() if name in motion.linkage.pins]
         for name, z in points.items():
             if body != motion.linkage.ground and not any(z == pin for pin in pins):
-                track = motion.point(name)
-                yield name, track.position, track.velocity, track.acceleration
+                moved = motion.point(name)
+                yield name, moved.position, moved.velocity, moved.acceleration
 
 
 def traced_points(motion: Motion) -> Iterator[SceneMark]:
-    """Points that are no pins, with their trails."""
+    """Points that are not pins, with their trails.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+
+    Returns
+    -------
+    iterator of SceneMark
+    """
     for name, place, _, _ in _free_points(motion):
         yield SceneMark("point", place, "traced", name, trail=True)
 
 
 def _vectors(motion: Motion) -> Iterator[SceneMark]:
-    """Velocities and accelerations of moving pins and free points, each kind at a scale of its own."""
+    """Velocities and accelerations of moving pins and free points, each at its own scale."""
     tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
     for pin, bodies in motion.linkage.pins.items():
         if motion.linkage.ground not in bodies:
@@ -136,27 +171,27 @@ def _vectors(motion: Motion) -> Iterator[SceneMark]:
         largest = max((_largest(track[k]) for track in tracks.values()), default=0.0)
         if not largest:
             continue
-        # Near a limit rates grow beyond all measure: what is usual sets the scale, what is more is cut off.
-        usual = max(float(np.nanpercentile(np.abs(_finite(track[k])), 95)) for track in tracks.values())
-        scale = LONGEST_ARROW * size / (usual or largest)
+        # Near a limit rates become very large: the 95th percentile sets the scale, and longer arrows are cut off.
+        typical = max(float(np.nanpercentile(np.abs(_finite(track[k])), 95)) for track in tracks.values())
+        scale = LONGEST_ARROW * size / (typical or largest)
         for name, track in tracks.items():
             arrow = _finite(track[k]) * scale
-            most = 1.5 * LONGEST_ARROW * size
-            arrow = arrow * (most / np.maximum(np.abs(arrow), most))
+            longest = 1.5 * LONGEST_ARROW * size
+            arrow = arrow * (longest / np.maximum(np.abs(arrow), longest))
             yield SceneMark("vector", track[0], role, f"{name} {role}, {drawn_at(scale, unit)}", vector=arrow)  # type: ignore[arg-type]
 
 
 def drawn_at(scale: float, unit: str) -> str:
-    """What a millimetre of an arrow stands for, where one of the unit is drawn `scale` mm long."""
+    """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
     return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
 
 
 def _centres(motion: Motion) -> Iterator[SceneMark]:
     size, pins = float(np.max(motion.linkage.size)), motion.linkage.pins.values()
     joints = {frozenset(pair) for bodies in pins for pair in combinations(bodies, 2)}
-    some = len(motion.bodies) > ALL_CENTRES
+    only_ground = len(motion.bodies) > ALL_CENTRES
     for pair in combinations(motion.bodies, 2):
-        if frozenset(pair) in joints or (some and motion.linkage.ground not in pair):
+        if frozenset(pair) in joints or (only_ground and motion.linkage.ground not in pair):
             continue
         position = instant_centre(motion, *pair).position
         place = np.where(np.abs(position) < FARTHEST_CENTRE * size, position, np.nan)
@@ -237,16 +272,16 @@ def _largest(values: Complex) -> float:
     return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
-# Of a linkage's size: what is shorter is no size, but rounding.
+# Share of a linkage's size below which a length counts as rounding.
 NOTHING = 1e-9
 
 
 def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
-    """Every link between its joints, and how far a slide passes by the first joint of the body that it is on."""
+    """Dimensions of every link between its joints, and of every slide's offset from the first joint of its guide."""
     least = NOTHING * float(np.max(linkage.size))
     joints = {name: _joint_positions(linkage, name) for name in linkage.bodies}
     for body, places in joints.items():
-        # Of many joints the distances to the next say all that is wanted.
+        # With more than three joints only the distances to the next are shown.
         pairs = combinations(places.items(), 2) if len(places) <= 3 else pairwise(places.items())
         for (one, start), (other, end) in pairs:
             if abs(end - start) > least:
@@ -262,7 +297,7 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
 
 
 def _joint_positions(linkage: Linkage, body: str) -> dict[str, complex]:
-    """Pins of a body, and points that it slides by, mm."""
+    """Pins of a body, and points on which it slides, mm."""
     places: dict[str, complex | Array] = {n: z for n, z in linkage.bodies[body].items() if n in linkage.pins}
     places |= {slider.name: slider.point for slider in linkage.sliders if slider.body == body}
     return {name: complex(np.asarray(place)) for name, place in places.items()}

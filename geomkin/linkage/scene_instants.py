@@ -1,4 +1,4 @@
-"""What a body's motion looks like at an instant, as it goes: inflection circle, curvature of a path, centrodes."""
+"""Scenes of a body's motion at each instant: inflection circle, curvature of a path, centrodes, polygons, forces."""
 
 from __future__ import annotations
 
@@ -20,82 +20,99 @@ from .instant.polygons import polygon_parts, round_scale
 from .motion import Motion
 from .scene import FARTHEST_CENTRE, LONGEST_ARROW, drawn_at, linkage_scene, place_plot
 
-# Times as far as centres, which are left out beyond, that an inflection circle may reach: a larger one is a line.
+# Size of an inflection circle, relative to the largest distance of a drawn centre, beyond which it is omitted.
 LARGEST_CIRCLE = 100.0
 
 
 @checked
 def inflection_scene(motion: Motion, table: Table, body: str, point: complex) -> Scene:
-    """A linkage with a body's inflection circle, and the centre of curvature of the path of a point of the body.
+    """A linkage with a body's inflection circle and the centre of curvature of the path of one of its points.
 
-    table: of the motion's frames, with the columns `inflection_diameter`, `path_curvature`, and x and y of
-    `centre_of_curvature` and `instant_centre`. point: mm in the body's own frame. What is far off or large beside the
-    linkage, as it passes through infinity, is left out. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    table : Table
+        Of the motion's frames, with the columns `inflection_diameter`, `path_curvature`, and x and y of
+        `centre_of_curvature` and `instant_centre`.
+    body : str
+        Name of the body.
+    point : complex
+        The point, mm in the body's frame.
+
+    Returns
+    -------
+    Scene
+        Marks that are far away or very large, as they pass through infinity, are omitted.
+
+    Notes
+    -----
+    Derived here.
     """
     circle, path = inflection_circle(motion, body), path_curvature(motion, body, point)
-    reach = FARTHEST_CENTRE * float(np.max(motion.linkage.size))
+    farthest = FARTHEST_CENTRE * float(np.max(motion.linkage.size))
     centre, pole = circle.instant_centre.position, circle.pole
 
-    def near(z: Complex, radius: float = reach) -> Complex:
+    def near(z: Complex, radius: float = farthest) -> Complex:
         with np.errstate(invalid="ignore"):
             return np.where(np.abs(z - path.position) < radius, z, np.nan)
 
-    # Of a circle that passes near by, centre and pole may be far away.
-    seen = np.isfinite(near(circle.nearest)) & np.isfinite(near(pole, LARGEST_CIRCLE * reach))
-    middle = np.where(seen, (centre + pole) / 2, np.nan)
-    centre, pole, bent = near(centre), near(pole), near(path.centre, reach / FARTHEST_CENTRE)
-    half = circle.tangent * reach / 4
+    # A circle may pass nearby although its centre and pole are far away.
+    visible = np.isfinite(near(circle.nearest)) & np.isfinite(near(pole, LARGEST_CIRCLE * farthest))
+    middle = np.where(visible, (centre + pole) / 2, np.nan)
+    centre, pole, path_centre = near(centre), near(pole), near(path.centre, farthest / FARTHEST_CENTRE)
+    half = circle.tangent * farthest / 4
     marks = (
         SceneMark(
-            "circle", middle, "inflection", "inflection circle", radius=np.where(seen, circle.diameter / 2, np.nan)
+            "circle", middle, "inflection", "inflection circle", radius=np.where(visible, circle.diameter / 2, np.nan)
         ),
         SceneMark("point", centre, "centre", f"instant centre of the {body}"),
         SceneMark("point", pole, "inflection", "inflection pole"),
         SceneMark("line", centre - half, "inflection", "centrode tangent", vector=2 * half),
         SceneMark("line", centre, "inflection", "centrode normal", vector=pole - centre),
-        SceneMark("point", bent, "wanted", "centre of curvature of the path"),
-        SceneMark("line", bent, "wanted", "radius of curvature", vector=path.position - bent),
+        SceneMark("point", path_centre, "wanted", "centre of curvature of the path"),
+        SceneMark("line", path_centre, "wanted", "radius of curvature", vector=path.position - path_centre),
     )
-    shown = {
+    plotted = {
         "curvature of the path": ("path_curvature",),
         "diameter of the inflection circle": ("inflection_diameter",),
         "centre of curvature, place": ("centre_of_curvature_x", "centre_of_curvature_y"),
         "instant centre, place": ("instant_centre_x", "instant_centre_y"),
     }
-    plots = tuple(Plot(title, ids) for title, ids in shown.items())
-    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.abs(length) < reach))
+    plots = tuple(Plot(title, ids) for title, ids in plotted.items())
+    scene = linkage_scene(motion, _lengths_where(table, lambda length: np.abs(length) < farthest))
     return replace(scene, marks=(*scene.marks, *marks, *_bobillier(motion, body, near)), plots=plots)
 
 
 def _bobillier(motion: Motion, body: str, near: Callable[[Complex], Complex]) -> Iterator[SceneMark]:
-    """Bobillier's construction from the body's first two pins: rays, their crossings, collineation axis and tangent.
+    """Bobillier's construction from the body's first two pins: rays, crossings, collineation axis and tangent.
 
-    near: a place, or nan where it is too far away to be seen.
+    near: a position, or nan if it is too far away to be drawn.
     """
-    held = [z for name, z in motion.linkage.bodies[body].items() if name in motion.linkage.pins][:2]
-    if len(held) < 2:
+    pins = [z for name, z in motion.linkage.bodies[body].items() if name in motion.linkage.pins][:2]
+    if len(pins) < 2:
         return
-    one, two = (path_curvature(motion, body, z) for z in held)
-    found = bobillier(one, two)
-    centre, crossing = near(found.instant_centre.position), near(found.crossing)
+    one, two = (path_curvature(motion, body, z) for z in pins)
+    construction = bobillier(one, two)
+    centre, crossing = near(construction.instant_centre.position), near(construction.crossing)
 
     def line(start: Complex, end: Complex, label: str) -> SceneMark:
         return SceneMark("line", start, "bobillier", label, vector=end - start)
 
-    # Whole rays: from the instant centre to whichever of pin and pivot is farther away; and so the lines.
+    # Rays from the instant centre to the farther one of pin and pivot; the lines likewise.
     for path in (one, two):
         yield line(centre, _farther(centre, path.position, near(path.centre)), "ray from the instant centre")
     for ends in ((one.position, two.position), (near(one.centre), near(two.centre))):
         yield line(crossing, _farther(crossing, *ends), "line to the crossing")
     yield SceneMark("point", crossing, "bobillier", "crossing of coupler and frame")
     yield line(centre, crossing, "collineation axis")
-    # As far to both sides as the axis is long, so that the equal angles are seen beside each other.
-    half = found.tangent * np.abs(crossing - centre)
+    # As long on both sides as the axis, so that the equal angles can be compared.
+    half = construction.tangent * np.abs(crossing - centre)
     yield line(centre - half, centre + half, "centrode tangent")
 
 
 def _farther(place: Complex, one: Complex, other: Complex) -> Complex:
-    """Of two points the one farther from a place; the first where there is no other."""
+    """The point farther from a place; the first if there is no other."""
     return np.where(np.abs(other - place) > np.abs(one - place), other, one)
 
 
@@ -110,8 +127,26 @@ def centrodes_scene(
 ) -> Scene:
     """A linkage with a body's centrodes: the moving one, on the body, rolls on the fixed one.
 
-    table: of the motion's frames. fixed: on the ground, moving: in the body's own frame, mm, each in its runs. centre:
-    the instant centre, in which they touch, (frames,), mm; nan where neither is drawn. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    table : Table
+        Of the motion's frames.
+    body : str
+        Name of the body.
+    fixed, moving : iterable of AbstractCurve
+        The centrodes in their runs, on the ground and in the body's frame, mm.
+    centre : array of complex, shape (frames,)
+        The instant centre, at which they touch, mm; nan where neither is drawn.
+
+    Returns
+    -------
+    Scene
+
+    Notes
+    -----
+    Derived here.
     """
     curves = [SceneCurve(curve, "centrode", "fixed centrode") for curve in fixed]
     curves += [SceneCurve(curve, "centrode", "moving centrode", body) for curve in moving]
@@ -122,7 +157,7 @@ def centrodes_scene(
 
 
 def _lengths_where(table: Table, kept: Callable[[Real], Mask]) -> Table:
-    """A table whose lengths are left out where they are not kept: near infinity nothing else would be seen in plots."""
+    """A table without the lengths that are not kept: near infinity they would flatten all plots."""
     columns = (
         replace(c, values=np.where(kept(np.asarray(c.values)), c.values, np.nan)) if c.unit == "mm" else c
         for c in table.columns
@@ -132,19 +167,33 @@ def _lengths_where(table: Table, kept: Callable[[Real], Mask]) -> Table:
 
 # Room between the linkage and its polygons, as a share of its size.
 GAP = 0.2
-# Times the usual length from which sides of a polygon are left out, as they run off at a dead centre.
+# Multiple of the typical length beyond which sides of a polygon are omitted, as near a dead centre.
 LONGEST_SIDE = 2.0
 
-# N below which there is no arrow: no scale would show it, and one over it overflows.
+# Force, N, below which no arrow is drawn, since its scale would overflow.
 NO_FORCE = 1e-200
 
 
 @checked
 def polygons_scene(motion: Motion, table: Table) -> Scene:
-    """A linkage with its velocity and acceleration polygons beside it at each frame.
+    """A linkage with its velocity and acceleration polygons at each frame.
 
-    table: of the motion's frames. The tips of the vectors from the poles leave trails, the hodographs of the points;
-    each polygon is about as large as the linkage, at a round scale. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    table : Table
+        Of the motion's frames.
+
+    Returns
+    -------
+    Scene
+        The tips of the vectors leave trails, the hodographs of the points. Each polygon is about as large as the
+        linkage, at a round scale.
+
+    Notes
+    -----
+    Derived here.
     """
     scene = linkage_scene(motion, table)
     low, high = scene.box
@@ -157,7 +206,7 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
         if extent := float(max(np.ptp(ends.real), np.ptp(ends.imag))):
             scale = round_scale(extent, size)
             drawn.append((sides, scale * ends, scale, rate, drawn_at(scale, unit)))
-    # One above the other: side by side they would be small where a screen is narrow.
+    # One above the other, since side by side they would be small on a narrow screen.
     tall = sum(float(np.ptp(ends.imag)) for _, ends, *_ in drawn) + GAP * size * (len(drawn) - 1)
     marks, left, top = list(scene.marks), high.real + GAP * size, (low.imag + high.imag + tall) / 2
     for sides, ends, scale, rate, words in drawn:
@@ -167,22 +216,22 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
 
 
 def _sides(motion: Motion, order: Literal[1, 2]) -> Iterator[tuple[str, str, Complex, Complex]]:
-    """Kind, name of the end, tail and tip, (frames,), mm/s or mm/s2 from the pole; nan where they run off."""
+    """Kind, name of the end, tail and tip, (frames,), mm/s or mm/s2 from the pole; nan where they are too long."""
     parts, _, _ = polygon_parts(motion, order, slice(None))
     lengths = [np.abs(part.tip) for part in parts]
     finite = [row[np.isfinite(row)] for row in lengths]
-    usual = max((float(np.percentile(row, 95)) for row in finite if row.size), default=0.0)
+    typical = max((float(np.percentile(row, 95)) for row in finite if row.size), default=0.0)
     for part, length in zip(parts, lengths):
         with np.errstate(invalid="ignore"):
-            kept = length <= LONGEST_SIDE * usual
-        tail, tip = (np.where(kept, z, np.nan) for z in (part.tail, part.tip))
+            drawn = length <= LONGEST_SIDE * typical
+        tail, tip = (np.where(drawn, z, np.nan) for z in (part.tail, part.tip))
         yield part.kind, part.end, tail, tip
 
 
 def _polygon(
     sides: list[tuple[str, str, Complex, Complex]], pole: complex, scale: float, rate: str, words: str
 ) -> Iterator[SceneMark]:
-    """What the recipe is for, and so in the accent of what is traced; the sides between tips have no names."""
+    """Marks of a polygon in the colour of traced points; only vectors from the pole have labels."""
     for kind, name, tail, tip in sides:
         if not np.nanmax(np.abs(tip - tail), initial=0.0):
             continue
@@ -198,10 +247,28 @@ def _polygon(
 def force_scene(
     scene: Scene, place: complex, forces: Mapping[Role, Complex], what: Mapping[Role, str], plots: tuple[Plot, ...]
 ) -> Scene:
-    """A scene with forces at a place on the ground, mm, and plots of them before its own.
+    """A scene with forces at a point of the ground, and plots of them before its own.
 
-    forces: over the frames, (frames,) complex, N, by the role that each is drawn in; all at one scale. what: in words,
-    by role. Derived here.
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    place : complex
+        Point on the ground, mm.
+    forces : mapping of role to array of complex, shape (frames,)
+        N; all are drawn at one scale.
+    what : mapping of role to str
+        Labels of the forces.
+    plots : tuple of Plot
+        Plots of the forces.
+
+    Returns
+    -------
+    Scene
+
+    Notes
+    -----
+    Derived here.
     """
     low, high = scene.box
     largest = max((float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.values()), default=0.0)

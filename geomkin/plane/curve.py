@@ -1,7 +1,7 @@
-"""The one contract for curves, and curves made from one curve: moved, reversed, mirrored, cut to a stretch, parallel.
+"""The contract of all curves, and curves derived from one curve: moved, reversed, mirrored, shortened, parallel.
 
-A curve is a point that depends on a parameter. Everything that measures, flattens or writes a
-curve uses this contract alone, so a cam profile, a gear tooth and a bar are treated alike.
+A curve is a point that depends on a parameter. All code that measures, flattens or writes a curve uses only this
+contract, so that a cam profile, a gear tooth and a bar are treated alike.
 """
 
 from __future__ import annotations
@@ -17,55 +17,89 @@ from .vec import Complex, Pose, Real, cross, unit
 
 
 class AbstractCurve(ABC):
-    """A plane curve: a point, mm, that depends on a parameter t and never changes otherwise.
+    """A plane curve: a point, mm, that depends on a parameter t, and on nothing else.
 
-    A curve must say `point`, `velocity`, `breaks` and `closed`, and may say `curvature` where a closed form is known.
-    All that is offered for curves (`flatten`, `to_arcs`, `length`, `area`, `nearest`, `Moved`, `Offset`, the outline
-    of a `Part`) asks no more. The domain is breaks[0] <= t <= breaks[-1]; outside it nothing is promised. At a break
-    velocity and curvature are those of the piece that starts there, at the last one of the piece that ends. Curves
-    are told apart by identity: what is worked out for one is kept, so none may change once it is made.
+    A subclass defines `point`, `velocity`, `breaks` and `closed`, and may define `curvature` if a closed form is known.
+    All functions for curves (`flatten`, `to_arcs`, `length`, `area`, `nearest`, `Moved`, `Offset`, the outline of a
+    `Part`) need no more. The domain is breaks[0] <= t <= breaks[-1]; outside it the results are undefined. At a break
+    velocity and curvature are those of the piece that starts there, at the last break those of the piece that ends.
+    Curves compare by identity and results are cached, so a curve must not change after its creation.
     """
 
     __repr__ = one_line
 
     @abstractmethod
     def point(self, t: ArrayLike) -> Complex:
-        """Points, mm, at parameters of any shape, in that shape; continuous over the whole domain."""
+        """Points of the curve.
+
+        Parameters
+        ----------
+        t : float or array_like
+            Parameters of any shape.
+
+        Returns
+        -------
+        array of complex
+            mm, in the shape of t; continuous over the whole domain.
+        """
 
     @abstractmethod
     def velocity(self, t: ArrayLike) -> Complex:
-        """dP/dt, mm per unit of t, at parameters of any shape: exact, not by differences; 0 at cusps alone."""
+        """Derivative dP/dt, exact and not by differences.
+
+        Parameters
+        ----------
+        t : float or array_like
+            Parameters of any shape.
+
+        Returns
+        -------
+        array of complex
+            mm per unit of t, in the shape of t; 0 only at cusps.
+        """
 
     @property
     @abstractmethod
     def breaks(self) -> Real:
         """Rising parameters (n,), n > 1: the ends of the domain, and each corner, cusp or jump of curvature within it.
 
-        From one to the next all derivatives are continuous. More breaks do no harm.
+        Between them all derivatives are continuous. Additional breaks do no harm.
         """
 
     @property
     @abstractmethod
     def closed(self) -> bool:
-        """Whether the end is the start, and the curve an outline: it may run either way round."""
+        """Whether the curve ends at its start and is an outline, in either direction."""
 
     def _repr_svg_(self) -> str | None:
         return still(self, (self,))
 
     def curvature(self, t: ArrayLike) -> Real:
-        """Signed curvature, 1/mm, positive where the curve turns left along rising t; not finite at a cusp.
+        """Signed curvature, positive if the curve turns left along rising t.
 
-        Unless a curve knows better, from the velocity: the derivative of the polynomial of degree 8 through nine
-        neighbours inside the same smooth piece, good to about 1e-9 of the largest value where the piece is smooth
+        Parameters
+        ----------
+        t : float or array_like
+            Parameters of any shape.
+
+        Returns
+        -------
+        array
+            1/mm, in the shape of t; not finite at a cusp.
+
+        Notes
+        -----
+        By default it is computed from the velocity: the derivative of the polynomial of degree 8 through
+        nine neighbours within the same smooth piece, accurate to about 1e-9 of the largest value if the piece is smooth
         on a scale of a sixteenth of its length (derived here).
         """
         t, breaks = np.asarray(t, dtype=float), self.breaks
         piece = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
         start, end = breaks[piece], breaks[piece + 1]
-        # Half the window: wider loses smoothness, narrower loses digits to rounding.
+        # Half the window: a wider one is less smooth, a narrower one loses digits to rounding.
         half = (end - start) / 32
         middle = np.clip(t, start + half, end - half)
-        # 0.999 keeps the outer neighbours off a break, where the velocity belongs to the next piece.
+        # 0.999 keeps the outer neighbours off a break, at which the velocity is that of the next piece.
         nodes = 0.999 * np.cos(np.pi * np.arange(8.5, 0, -1) / 9)
         v = self.velocity(middle[..., None] + half[..., None] * nodes)
         x = ((t - middle) / half)[..., None]
@@ -76,23 +110,23 @@ class AbstractCurve(ABC):
 
 
 def curvature_from_derivatives(velocity: ArrayLike, acceleration: ArrayLike) -> Real:
-    """Curvature, positive to the left, from the first two derivatives by any parameter; nan where a point stands still.
+    """Curvature, positive to the left, from the first two derivatives by any parameter; nan if the point does not move.
 
     v x a / |v|^3 (do Carmo, Differential Geometry of Curves and Surfaces, section 1-5, exercise 12).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        turn: Real = cross(velocity, acceleration) / np.abs(velocity) ** 3
-    return turn
+        curvature: Real = cross(velocity, acceleration) / np.abs(velocity) ** 3
+    return curvature
 
 
 def just_before(t: Real, breaks: Real) -> Real:
-    """Parameters, with those at a break moved before it: by more than the rounding that finds a piece again."""
-    at = t == breaks[np.minimum(breaks.searchsorted(t), len(breaks) - 1)]
-    return np.where(at, t - 64 * np.spacing(np.abs(breaks).max()), t) if at.any() else t
+    """Parameters, with those at a break moved before it by more than the rounding with which breaks are found."""
+    at_break = t == breaks[np.minimum(breaks.searchsorted(t), len(breaks) - 1)]
+    return np.where(at_break, t - 64 * np.spacing(np.abs(breaks).max()), t) if at_break.any() else t
 
 
 def extent(curve: AbstractCurve) -> float:
-    """Largest distance of a coarse sample of the curve from its start, mm: its size, for relative limits."""
+    """Largest distance of a coarse sample of the curve from its start, mm, as a scale for tolerances."""
     b = curve.breaks
     sample = curve.point(np.concatenate([b[:-1] + f * np.diff(b) for f in (0.0, 0.25, 0.5, 0.75)]))
     return float(np.abs(sample - sample[0]).max())
@@ -100,7 +134,7 @@ def extent(curve: AbstractCurve) -> float:
 
 @record(checked=True, eq=False)
 class Derived(AbstractCurve):
-    """What is made from one curve: over the same parameters, unless it says otherwise."""
+    """A curve made from another one, over the same parameters unless stated otherwise."""
 
     curve: AbstractCurve
 
@@ -115,7 +149,15 @@ class Derived(AbstractCurve):
 
 @record(eq=False)
 class Moved(Derived):
-    """A curve seen from outside when its own frame stands at `pose`."""
+    """A curve placed by a pose.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve in its own frame.
+    pose : Pose
+        Position and direction of that frame.
+    """
 
     pose: Pose
 
@@ -131,12 +173,18 @@ class Moved(Derived):
 
 @record(eq=False)
 class Reversed(Derived):
-    """The same points the other way round: t runs over the negated domain."""
+    """A curve in the opposite direction: t runs over the negated domain.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    """
 
     def point(self, t: ArrayLike) -> Complex:
         return self.curve.point(-np.asarray(t, dtype=float))
 
-    # The piece that starts at a break here is the one that ends there in the curve itself.
+    # The piece that starts at a break of the reversed curve is the one that ends there in the original.
     def velocity(self, t: ArrayLike) -> Complex:
         return -self.curve.velocity(just_before(-np.asarray(t, dtype=float), self.curve.breaks[1:]))
 
@@ -150,7 +198,13 @@ class Reversed(Derived):
 
 @record(eq=False)
 class Mirrored(Derived):
-    """The mirror image of a curve in the y axis."""
+    """The mirror image of a curve in the y axis.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    """
 
     def point(self, t: ArrayLike) -> Complex:
         return -np.conj(self.curve.point(t))
@@ -164,7 +218,7 @@ class Mirrored(Derived):
 
 @record(eq=False)
 class SubCurve(Derived):
-    """The part of a curve over `run`, rising parameters of it; the curve may jump at the last."""
+    """The part of a curve between the first and last of `run`, its rising breaks; the curve may jump at the last."""
 
     run: Real
 
@@ -178,10 +232,10 @@ class SubCurve(Derived):
         return self.curve.curvature(self._inside(t))
 
     def _inside(self, t: ArrayLike) -> Real:
-        """At its end, if that is a break, the curve would answer for the piece beyond."""
+        """At the last break the curve would use the piece beyond, so the parameter is moved before it."""
         t, end = np.asarray(t, dtype=float), self.run[-1:]
-        near = 64 * np.spacing(np.abs(end))
-        return just_before(t, end) if (np.abs(self.curve.breaks - end) <= near).any() else t
+        rounding = 64 * np.spacing(np.abs(end))
+        return just_before(t, end) if (np.abs(self.curve.breaks - end) <= rounding).any() else t
 
     @property
     def breaks(self) -> Real:
@@ -194,11 +248,17 @@ class SubCurve(Derived):
 
 @record(eq=False)
 class Offset(Derived):
-    """The parallel curve at a signed distance, mm, to the right of a curve.
+    """The parallel curve at a signed distance to the right of a curve; right is outside for a counterclockwise outline.
 
-    Right is outside for a counterclockwise outline. Exact, loops included: where the distance
-    exceeds the radius of curvature the parallel curve turns back on itself, and nothing trims it.
-    Corners of the curve leave gaps.
+    It is exact and includes loops: if the distance exceeds the radius of curvature the parallel curve reverses, and
+    nothing is trimmed. Corners of the curve leave gaps.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    distance : float
+        mm, positive to the right.
     """
 
     distance: float
@@ -211,7 +271,7 @@ class Offset(Derived):
         return v * (1 + self.distance * self.curve.curvature(t))
 
     def _moving(self, t: ArrayLike) -> tuple[Real, Complex]:
-        """Parameters and velocities; at a cusp, where the curve stands still, those just inside the piece."""
+        """Parameters and velocities; at a cusp, where the velocity is zero, those just inside the piece."""
         t = np.asarray(t, dtype=float)
         v = self.curve.velocity(t)
         if (still := v == 0).any():
@@ -222,6 +282,6 @@ class Offset(Derived):
         return t, v
 
     def curvature(self, t: ArrayLike) -> Real:
-        bend = self.curve.curvature(t)
+        curvature = self.curve.curvature(t)
         with np.errstate(divide="ignore"):
-            return bend / abs(1 + self.distance * bend)
+            return curvature / abs(1 + self.distance * curvature)

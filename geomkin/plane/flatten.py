@@ -27,24 +27,47 @@ from .subdivision import (
 )
 from .vec import Complex, Mask, Real, Whole
 
-# Where a chord is compared with its curve: the middle matters most, the others see an S, a loop, and a
-# curve whose parameter runs unevenly. Fewer let the largest deviation slip between two.
+# Positions at which a chord is compared with its curve: the middle matters most, the others detect an S, a loop, and an
+# uneven parameter.
 SHARES = np.linspace(0, 1, 11)
-# Chords of arcs at most, half a second and half a GB: they follow a circle a metre wide to 1e-10 mm. More is a slip of
-# the tolerance; with a thousandth of them a fine drawing would be refused.
+# Largest number of chords of arcs, half a second and half a GB: enough for a circle of 1 m to 1e-10 mm.
 MOST_CHORDS = 5_000_000
 
 
 @checked
 def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
-    """Points (n,) complex on the curve, mm, whose chords are nowhere farther than `tolerance` from it.
+    """Points of a curve whose chords are nowhere farther than a tolerance from it.
 
-    A closed curve does not repeat its start, which need not be among the points; an open one includes both ends.
-    Every corner is a point. All chords get the same error instead of the same length, which takes the least count
-    possible for chords between points of the curve, within 3 % + 1 for each stretch between corners (measured on
-    involutes and cams; up to 8 % where a stretch has an inflection every twenty chords). Of curves made of arcs and
-    straight edges alone each arc takes the least count, and the edges stay where they are. DesignError unless the
-    tolerance, mm, is above 0. Derived here.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    tolerance : float
+        mm; above 0.
+
+    Returns
+    -------
+    array of complex, shape (n,)
+        mm. A closed curve does not repeat its start, which need not be among the points; an open one includes both
+        ends. Every corner is a point.
+
+    Raises
+    ------
+    DesignError
+        If the tolerance is not above 0, or so small that it takes millions of chords.
+
+    Notes
+    -----
+    All chords get the same error instead of the same length. This gives the fewest chords between points of
+    the curve, within 3 % + 1 between two corners (measured on involutes and cams; up to 8 % if there is an inflection
+    every twenty chords). Of curves made of arcs and straight edges each arc gets the fewest chords, and the edges stay
+    unchanged. Derived here.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> len(gk.flatten(gk.plane.Circle(0j, 10.0), 0.01))
+    71
     """
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
@@ -52,16 +75,16 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
 
 
 def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Complex]) -> Complex:
-    """What `flatten` gives. Congruent pieces are worked out once, and arcs by their own rule.
+    """The points of `flatten`. Congruent pieces are computed once, and arcs by a simpler rule.
 
-    known: the points of curves met before.
+    known: the points of earlier curves.
     """
     if curve in known:
         return known[curve]
     match curve:
         case PolarArray():
             one = _end_to_end(curve.piece, tolerance, known)[:-1]
-            # Two straight copies would leave no area.
+            # Two straight copies would enclose no area.
             if len(one) * curve.count > 2:
                 return (curve.turns[:, None] * one).ravel()
         case Moved():
@@ -83,23 +106,20 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
     if runs:
         parts = [curve.point(edges) for edges in adaptive_subdivision(_chord_judge(curve), runs, tolerance, order=2)]
     if curve.closed and sum(len(part) - 1 for part in parts) < 3:
-        # A tolerance as large as the curve would leave no area: keep a triangle.
+        # With a tolerance as large as the curve nothing would be left: keep a triangle.
         parts = [curve.point(np.linspace(run[0], run[-1], 4)) for run in smooth_runs(curve)]
     known[curve] = np.concatenate([part[:-1] for part in parts] + ([] if curve.closed else [parts[-1][-1:]]))
     return known[curve]
 
 
 def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Complex]) -> Complex:
-    """The same with the end, where that is the start too."""
+    """The same including the end, if the curve is closed."""
     points = _points(curve, tolerance, known)
     return np.append(points, points[0]) if curve.closed else points
 
 
 def _between_corners(curve: AbstractCurve) -> tuple[list[AbstractCurve], list[Real]]:
-    """A path cut where its pieces meet in corners, so that what is known of a piece's form can be used.
-
-    Of what is not cut so, its smooth runs instead.
-    """
+    """The pieces of a path between its corners, so that congruent pieces are recognised; otherwise the smooth runs."""
     if not isinstance(curve, Path) or len(curve.pieces) == 1:
         return [], smooth_runs(curve)
     joints = np.arange(1, len(curve.pieces))
@@ -110,7 +130,7 @@ def _between_corners(curve: AbstractCurve) -> tuple[list[AbstractCurve], list[Re
 
 
 def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
-    """Sweep, rad, and radius, mm, of each edge, 0 and 1 of a straight one; None for curves with other pieces.
+    """Sweep, rad, and radius, mm, of each edge, 0 and 1 for a straight one; None for curves with other pieces.
 
     Edge k runs evenly over k <= t <= k + 1.
     """
@@ -123,12 +143,12 @@ def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
 
 
 def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Real:
-    """Least number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
+    """Smallest number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
     half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
-    # A circle asked for with a tolerance that just gives a whole number gets that.
+    # 1e-9 below: a tolerance that gives exactly a whole number must not be rounded up.
     count: Real = np.asarray(sweep) / (2 * half)
     if (total := float(np.sum(count))) > MOST_CHORDS:
-        # The count goes with one over the root of the tolerance.
+        # The count is inversely proportional to the root of the tolerance.
         remedy = f"give at least {rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)} mm"
         raise DesignError(
             "tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy, "too-much-work"
@@ -139,18 +159,18 @@ def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Rea
 def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: float) -> Complex:
     """Points whose chords keep the tolerance, the end of an open curve included.
 
-    Straight edges stay where they are: they guide and carry, and a chord that reached into the arc beyond one, for
-    the sake of one point less, would shift it by the tolerance.
+    Straight edges stay unchanged, since they may guide or carry another part; a chord that saved a point by extending
+    into the next arc would shift the edge.
     """
     bent, edge = sweep > 0, np.arange(len(sweep), dtype=float)
     chords = np.where(bent, np.ceil(_chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
     if len(edge) > 1 and not bent.all():
         smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
         smooth[0] &= curve.closed
-        # Where one straight edge goes on in the next there is nothing to tell.
+        # Between two straight edges in line no point is needed.
         chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
     if curve.closed and chords.sum() < 3:
-        # A tolerance as large as the curve would leave no area.
+        # With a tolerance as large as the curve no area would be left.
         chords = chords + 1
     first = np.repeat(np.cumsum(chords) - chords, chords)
     t = np.repeat(edge, chords) + (np.arange(len(first)) - first) / np.repeat(chords, chords)
@@ -158,10 +178,10 @@ def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: fl
 
 
 def smooth_runs(curve: AbstractCurve) -> list[Real]:
-    """The breaks, cut into stretches without a corner; a chord may well span a jump of curvature."""
+    """The breaks, divided into runs without a corner; a chord may span a jump of curvature."""
     b = curve.breaks
     if len(b) == 2:
-        # Nothing is asked of a curve that need not be: tangents of a centrode are made of accelerations.
+        # No tangents are evaluated without need: those of a centrode need accelerations.
         return [b]
     inner = np.arange(1, len(b) - 1)
     corners = inner[_is_corner(curve, inner)].tolist()
@@ -169,16 +189,16 @@ def smooth_runs(curve: AbstractCurve) -> list[Real]:
 
 
 def _is_corner(curve: AbstractCurve, inner: Whole) -> Mask:
-    """Whether each of these breaks, told by their number, none of them the first or the last, is a corner."""
+    """Whether each of these inner breaks, given by index, is a corner."""
     b = curve.breaks
     beside = (inner[:, None] + np.array([-1, 1])).ravel()
-    ways = towards(curve, b[inner].repeat(2), b[beside])
-    return ~(np.abs(ways[1::2] - ways[::2]) <= CORNER)
+    tangents = towards(curve, b[inner].repeat(2), b[beside])
+    return ~(np.abs(tangents[1::2] - tangents[::2]) <= CORNER)
 
 
 def _chord_judge(curve: AbstractCurve) -> Judge:
     def judge(intervals: Intervals) -> tuple[Real, Real]:
-        # A chord across a break is looked at on both sides of it: each side is smooth.
+        # A chord across a break is compared on both sides of it, each of which is smooth.
         low, high, owner = cells_of(intervals, curve.breaks)
         inside = curve.point(probes(low, high, SHARES))
         if len(low) == len(intervals.low):
@@ -196,7 +216,7 @@ def _chord_judge(curve: AbstractCurve) -> Judge:
 
 
 def _distance(a: Complex, b: Complex, p: Complex) -> Real:
-    """Distance of points from the segments a-b (not from the lines: a loop may pass an end)."""
+    """Distance of points from the segments a-b (not from the lines, since a loop may extend beyond an end)."""
     chord = b - a
     length = np.abs(chord)
     w = (p - a) * (np.conj(chord) / np.where(length > 0, length, 1))

@@ -1,4 +1,4 @@
-"""Curves made of pieces: a path end to end, a ring of equal copies."""
+"""Curves made of pieces: a path of pieces end to end, and a polar array of equal copies."""
 
 from __future__ import annotations
 
@@ -16,17 +16,27 @@ from ..core.records import record
 from .curve import AbstractCurve, Mirrored, Reversed
 from .vec import Complex, Real, Whole
 
-# Ends of neighbouring pieces may differ by this share of their distance from the origin: larger lets
-# a visible gap pass as closed, smaller refuses pieces that differ by rounding.
+# Largest distance between the ends of neighbouring pieces, as a share of their distance from the origin.
 GAP = 1e-9
-# Of a curve's parameter: the points there tell its place and its size.
+# Shares of a curve's parameter range, at which points are taken to find its position and size.
 _SHARES = np.array([0.0, 0.5, 1.0])
 Number = TypeVar("Number", np.complex128, np.float64)
 
 
 @record(checked=True, eq=False)
 class Path(AbstractCurve):
-    """Pieces end to end; piece k runs over k <= t <= k + 1, whatever its own parameter."""
+    """Pieces end to end; piece k runs over k <= t <= k + 1, whatever its own parameter.
+
+    Parameters
+    ----------
+    pieces : tuple of AbstractCurve
+        At least one; each starts where the previous one ends.
+
+    Raises
+    ------
+    DesignError
+        If there is a gap between two pieces; gives its number and length.
+    """
 
     pieces: tuple[AbstractCurve, ...]
 
@@ -49,16 +59,16 @@ class Path(AbstractCurve):
 
     @property
     def _rounding(self) -> float:
-        """Largest distance between ends, mm, that rounding explains."""
+        """Largest distance between ends, mm, that counts as rounding."""
         return float(GAP * np.abs(self._samples).max())
 
     @cached_property
     def breaks(self) -> Real:
-        found = [0.0]
+        breaks = [0.0]
         for k, piece in enumerate(self.pieces):
             b = piece.breaks
-            found += [k + 1.0] if len(b) == 2 else (k + (b[1:] - b[0]) / (b[-1] - b[0])).tolist()
-        return np.array(found)
+            breaks += [k + 1.0] if len(b) == 2 else (k + (b[1:] - b[0]) / (b[-1] - b[0])).tolist()
+        return np.array(breaks)
 
     @cached_property
     def closed(self) -> bool:
@@ -76,14 +86,14 @@ class Path(AbstractCurve):
     def _each(
         self, t: ArrayLike, value: Callable[[AbstractCurve, Real, float], Complex | Real], dtype: type[Number]
     ) -> NDArray[Number]:
-        """What `value` gives of each piece at its own parameters, per unit of which t moves 1 / span."""
+        """The values of each piece at its own parameters; its range is `span`, that of t is 1."""
         t = np.asarray(t, dtype=float)
         out = np.empty(t.shape, dtype)
         if not t.size:
             return out
         flat, places, (inner, firsts, lasts) = out.ravel(), t.ravel(), self._ends
         which: Whole = inner.searchsorted(places, side="right")
-        # Most calls ask for rising parameters, of which each piece has a stretch.
+        # Most calls have rising parameters, of which each piece has a contiguous part.
         rising = bool((which[1:] >= which[:-1]).all())
         least: int = int(which[0] if rising else which.min())
         most: int = int(which[-1] if rising else which.max())
@@ -93,10 +103,10 @@ class Path(AbstractCurve):
             s = np.minimum(np.maximum(s, first), last) if breaks is None else _at_breaks(s, breaks, rounding)
             out[...] = value(self.pieces[least], s, last - first)
             return out
-        # The place of all in their pieces at once: calls cost, not places.
+        # All parameters in their pieces at once, since calls are expensive, not numbers.
         share, first_of, last_of = places - which, firsts[which], lasts[which]
-        own = first_of * (1 - share) + last_of * share
-        inside = np.minimum(np.maximum(own, first_of), last_of)
+        local = first_of * (1 - share) + last_of * share
+        inside = np.minimum(np.maximum(local, first_of), last_of)
         masks: Iterable[Any]
         if rising:
             ends = [0, *which.searchsorted(range(least + 1, most + 1)).tolist(), t.size]
@@ -105,33 +115,44 @@ class Path(AbstractCurve):
             masks = (which == k for k in range(least, most + 1))
         for k, mask in enumerate(masks, least):
             breaks, first, last, rounding = self._domains[k]
-            s = inside[mask] if breaks is None else _at_breaks(own[mask], breaks, rounding)
+            s = inside[mask] if breaks is None else _at_breaks(local[mask], breaks, rounding)
             if s.size:
                 flat[mask] = value(self.pieces[k], s, last - first)
         return out
 
     @cached_property
     def _domains(self) -> list[tuple[Real | None, float, float, float]]:
-        """Of each piece its breaks where it has inner ones, the first and the last, and what rounding moves t by."""
-        found: list[tuple[Real | None, float, float, float]] = []
+        """For each piece its breaks if it has inner ones, the first and the last, and the rounding of t."""
+        domains: list[tuple[Real | None, float, float, float]] = []
         for k, b in enumerate(piece.breaks for piece in self.pieces):
             first, last = float(b[0]), float(b[-1])
-            found.append((b if len(b) > 2 else None, first, last, (last - first) * math.ulp(k + 1.0)))
-        return found
+            domains.append((b if len(b) > 2 else None, first, last, (last - first) * math.ulp(k + 1.0)))
+        return domains
 
     @cached_property
     def _ends(self) -> tuple[Real, Real, Real]:
-        """Where pieces meet; the first and the last of each piece's own parameters."""
+        """Parameters at which pieces meet; the first and the last of each piece's own parameters."""
         _, first, last, _ = zip(*self._domains)
         return np.arange(1.0, len(self.pieces)), np.array(first), np.array(last)
 
 
 @record(checked=True, eq=False)
 class PolarArray(AbstractCurve):
-    """`count` copies of a piece, each turned about the origin by one count-th of a turn more.
+    """Equal copies of a piece around the origin, each turned by one count-th of a turn more; closed.
 
-    The piece must end where its next copy starts. Each copy takes as much of t as the piece itself,
-    from t = 0. Whatever is worked out for one copy serves all, and the copies are alike to the last bit.
+    Each copy takes the same range of t as the piece, from t = 0. The copies are equal to the last bit.
+
+    Parameters
+    ----------
+    piece : AbstractCurve
+        It must end where its next copy starts.
+    count : int
+        Number of copies; above 0.
+
+    Raises
+    ------
+    DesignError
+        If there is a gap between two copies.
     """
 
     piece: AbstractCurve
@@ -145,7 +166,7 @@ class PolarArray(AbstractCurve):
 
     @cached_property
     def turns(self) -> Complex:
-        """Direction of each copy, (count,)."""
+        """Direction of each copy, unit complex, (count,)."""
         turns: Complex = np.exp(2j * np.pi * np.arange(self.count) / self.count)
         return turns
 
@@ -172,7 +193,7 @@ class PolarArray(AbstractCurve):
     def _local(self, t: ArrayLike) -> tuple[Whole, Real]:
         t = np.asarray(t, dtype=float)
         span = self.piece.breaks[-1] - self.piece.breaks[0]
-        # At a break between copies the quotient may fall short of the whole number by rounding.
+        # At a break between copies the quotient may be below the whole number by rounding.
         copy = np.clip(np.floor(t / span * (1 + 4e-16)), 0, self.count - 1).astype(int)
         return copy, _at_breaks(
             self.piece.breaks[0] + (t - copy * span), self.piece.breaks, np.spacing(self.count * span)
@@ -180,7 +201,7 @@ class PolarArray(AbstractCurve):
 
 
 def _start_middle_end(curve: AbstractCurve) -> Complex:
-    """The points of a curve at the start, the middle and the end of its parameter, (3,): of a path, known already."""
+    """The points of a curve at the start, the middle and the end of its parameter, (3,); those of a path are cached."""
     match curve:
         case Path():
             samples, half = curve._samples, len(curve.pieces) / 2
@@ -193,10 +214,10 @@ def _start_middle_end(curve: AbstractCurve) -> Complex:
 
 
 def _at_breaks(t: Real, breaks: Real, rounding: float) -> Real:
-    """Parameters that rounding has moved off an inner break put back on it, so that the right piece answers."""
+    """Parameters, with those near an inner break moved onto it, so that rounding does not select the wrong piece."""
     if len(breaks) == 2:
         inside: Real = np.minimum(np.maximum(t, breaks[0]), breaks[1])
         return inside
-    near = np.minimum(np.maximum(breaks.searchsorted(t), 1), len(breaks) - 1)
-    near = near - (t - breaks[near - 1] < breaks[near] - t)
-    return np.where(np.abs(t - breaks[near]) <= 8 * rounding, breaks[near], t)
+    k = np.minimum(np.maximum(breaks.searchsorted(t), 1), len(breaks) - 1)
+    k = k - (t - breaks[k - 1] < breaks[k] - t)
+    return np.where(np.abs(t - breaks[k]) <= 8 * rounding, breaks[k], t)

@@ -1,4 +1,4 @@
-"""Measures of any curve from its contract: length, area, centroid, curvature, nearest point."""
+"""Measures of any curve by its contract: length, area, centroid, curvature, nearest point."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from .joined import PolarArray
 from .primitives import Polyline
 from .vec import Complex, Real, cross, dot, unit
 
-# Gauss points per smooth piece. 16 integrate the pieces met here to rounding at once; the doubling
-# below confirms it, and takes over where they do not. Those above 0, and weights (Abramowitz and Stegun, table 25.4);
-# to find them takes longer than what a gear asks of them.
+# Gauss points per smooth piece, the positive ones, and weights (Abramowitz and Stegun, table 25.4). 16 usually
+# integrate a piece to rounding; the doubling below confirms it. Computing them takes longer than integrating a gear.
 _ABOVE = np.array([
     0.09501250983763744, 0.2816035507792589, 0.45801677765722737, 0.6178762444026438,
     0.755404408355003, 0.8656312023878318, 0.9445750230732326, 0.9894009349916499,
@@ -26,17 +25,38 @@ _HALF = np.array([
     0.12462897125553407, 0.0951585116824926, 0.062253523938647456, 0.027152459411754176,
 ])  # fmt: skip
 _NODES, _WEIGHTS = np.concatenate([-_ABOVE[::-1], _ABOVE]), np.concatenate([_HALF[::-1], _HALF])
-# Doublings of the number of pieces before an integral is given up as unsmooth. Fewer leave digits where a curve
-# turns sharply; each more doubles the time for one that never settles.
+# Largest number of times that the number of pieces is doubled, for curves that turn sharply.
 _DOUBLINGS = 12
-# Samples per smooth piece in the search for a nearest point. Fewer, and a curve that turns away and back between
-# two of them hides its nearest point; more cost time.
+# Samples per smooth piece in the search for a nearest point. A smaller feature of the curve may be missed.
 _SAMPLES = 48
 
 
 @checked
 def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
-    """Arc length, mm, to a relative `accuracy`: the integral of |dP/dt| by Gauss' rule."""
+    """Arc length of a curve.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    accuracy : float
+        Relative accuracy.
+
+    Returns
+    -------
+    float
+        mm.
+
+    Notes
+    -----
+    The integral of |dP/dt| by Gauss' rule.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> round(gk.length(gk.plane.Circle(0j, 10.0)), 6)
+    62.831853
+    """
     if isinstance(curve, PolarArray):
         return curve.count * length(curve.piece, accuracy)
     return float(_integral(curve, lambda t: np.abs(curve.velocity(t)), accuracy).real)
@@ -44,22 +64,62 @@ def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
 
 @checked
 def area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
-    """Area enclosed by a closed curve, mm2, positive whichever way it runs; where it crosses itself, of `signed_area`.
+    """Area enclosed by a closed curve, positive in either direction.
 
-    To `accuracy` relative to the square of the curve's length.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        A closed curve. If it crosses itself, the area is that of `signed_area`.
+    accuracy : float
+        Relative to the square of the curve's length.
+
+    Returns
+    -------
+    float
+        mm2.
+
+    Raises
+    ------
+    DesignError
+        If the curve is open.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> round(gk.area(gk.plane.Circle(0j, 10.0)), 6)
+    314.159265
     """
     return abs(signed_area(curve, accuracy))
 
 
 @checked
 def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
-    """Area of a closed curve, mm2, positive when it runs counterclockwise, each part as often as the curve winds round.
+    """Area of a closed curve, positive if it runs counterclockwise; each part counts as often as the curve winds around
+    it.
 
-    By Green's theorem, half the integral of P x dP, to `accuracy` relative to the square of the curve's length.
-    DesignError for an open one.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        A closed curve.
+    accuracy : float
+        Relative to the square of the curve's length.
+
+    Returns
+    -------
+    float
+        mm2.
+
+    Raises
+    ------
+    DesignError
+        If the curve is open.
+
+    Notes
+    -----
+    By Green's theorem, half the integral of P x dP.
     """
     if not curve.closed:
-        raise DesignError("curve", "found an open one, which encloses no area", "give a closed curve")
+        raise DesignError("curve", "found an open curve, which encloses no area", "give a closed curve")
     if isinstance(curve, PolarArray):
         return curve.count * _sector(curve.piece, 0j, accuracy).real
     if isinstance(curve, Polyline):
@@ -76,9 +136,28 @@ def _sector(curve: AbstractCurve, about: complex, accuracy: float) -> complex:
 
 @checked
 def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
-    """Centroid of the area enclosed by a closed curve, mm; nan where the area is zero.
+    """Centroid of the area enclosed by a closed curve.
 
-    By Green's theorem, a third of the integral of P (P x dP) over the area. DesignError for an open curve.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        A closed curve.
+    accuracy : float
+        Relative accuracy of the integrals.
+
+    Returns
+    -------
+    complex
+        mm; nan if the area is zero.
+
+    Raises
+    ------
+    DesignError
+        If the curve is open.
+
+    Notes
+    -----
+    By Green's theorem, a third of the integral of P (P x dP) over the area.
     """
     if isinstance(curve, PolarArray):
         return 0j if curve.count > 1 else centroid(curve.piece, accuracy)
@@ -94,76 +173,126 @@ def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
 
 @checked
 def curvature(curve: AbstractCurve, t: Reals) -> Real:
-    """Signed curvature, 1/mm, positive where the curve turns left along rising t; infinite at a cusp.
+    """Signed curvature of a curve, positive if it turns left along rising t.
 
-    At parameters of any shape; at a break, that of the piece that starts there.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    t : float or array_like
+        Parameters of any shape; at a break the curvature is that of the piece that starts there.
+
+    Returns
+    -------
+    array
+        1/mm, in the shape of t; infinite at a cusp.
     """
     return curve.curvature(t)
 
 
 @checked
 def convexity(curve: AbstractCurve, t: Reals) -> Real:
-    """Curvature of a closed curve, 1/mm, positive where it is convex as seen from outside the area it encloses.
+    """Curvature of a closed curve, positive where it is convex from outside the enclosed area.
 
-    Whichever way it runs: a cam that turns counterclockwise has a profile that runs clockwise. Else as `curvature`,
-    which is positive to the left, so that it is the same for an outline that runs counterclockwise.
+    It does not depend on the direction of the curve: the profile of a cam that turns counterclockwise runs clockwise.
+
+    Parameters
+    ----------
+    curve : AbstractCurve
+        A closed curve.
+    t : float or array_like
+        Parameters of any shape, as for `curvature`.
+
+    Returns
+    -------
+    array
+        1/mm, in the shape of t.
+
+    Raises
+    ------
+    DesignError
+        If the curve is open.
     """
     return curve.curvature(t) * float(np.sign(signed_area(curve, 1e-3)))
 
 
 @checked
 def nearest(curve: AbstractCurve, points: Points) -> tuple[Real, Real]:
-    """Parameter and distance, mm, of the curve's point nearest to each of `points` (any shape).
+    """The point of a curve nearest to each of some points.
 
-    The distance is within 1e-12 of the curve's size of the least one, unless the curve has a feature
-    smaller than a 48th of its smooth piece. Of places equally near, one. Derived here.
+    Parameters
+    ----------
+    curve : AbstractCurve
+        The curve.
+    points : complex or array_like
+        mm, of any shape.
+
+    Returns
+    -------
+    t, distance : array
+        Parameter of the nearest point, and its distance, mm, in the shape of `points`. The distance is accurate to
+        1e-12 of the curve's size, unless the curve has a feature smaller than a 48th of its smooth piece. Of several
+        equally near points, one is returned.
+
+    Notes
+    -----
+    Derived here.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> t, distance = gk.nearest(gk.plane.Segment(0j, 10 + 0j), 5 + 2j)
+    >>> float(t), float(distance)
+    (0.5, 2.0)
     """
     z = np.asarray(points, dtype=complex)
     flat, b = z.ravel(), curve.breaks
     grid = np.concatenate([b0 + (b1 - b0) * np.arange(_SAMPLES) / _SAMPLES for b0, b1 in pairwise(b)])
     grid = np.append(grid, b[-1])
     samples = curve.point(grid)
-    away = np.abs(samples - flat[:, None])
-    padded = np.pad(away, ((0, 0), (1, 1)), constant_values=np.inf)
-    valley = (away <= padded[:, :-2]) & (away <= padded[:, 2:])
-    # A valley can be deeper than its sample by the way to the next one, at most: the rest are out.
+    distances = np.abs(samples - flat[:, None])
+    padded = np.pad(distances, ((0, 0), (1, 1)), constant_values=np.inf)
+    minimum = (distances <= padded[:, :-2]) & (distances <= padded[:, 2:])
+    # A minimum is lower than its sample by at most the distance to the next one; other minima are ruled out.
     steps = np.pad(np.abs(np.diff(samples)), 1)
-    hopeful = valley & (away - np.maximum(steps[:-1], steps[1:]) <= away.min(axis=1, keepdims=True))
-    row, column = np.nonzero(hopeful)
+    possible = minimum & (distances - np.maximum(steps[:-1], steps[1:]) <= distances.min(axis=1, keepdims=True))
+    row, column = np.nonzero(possible)
     low, high = grid[np.maximum(column - 1, 0)], grid[np.minimum(column + 1, len(grid) - 1)]
-    found = _golden(curve, flat[row], low, high, grid[column])
-    distance = np.abs(curve.point(found) - flat[row])
+    parameters = _golden(curve, flat[row], low, high, grid[column])
+    distance = np.abs(curve.point(parameters) - flat[row])
     best = np.lexsort((distance, row))[np.searchsorted(row, np.arange(len(flat)))]
-    return found[best].reshape(z.shape), distance[best].reshape(z.shape)
+    return parameters[best].reshape(z.shape), distance[best].reshape(z.shape)
 
 
 def _golden(curve: AbstractCurve, z: Complex, low: Real, high: Real, start: Real) -> Real:
-    """Minimise the distance inside brackets by golden section, then sharpen where the foot is square.
+    """Minimise the distance inside brackets by golden section, then by bisection.
 
-    Golden section alone stops at half the digits, since a distance is flat at its least; the bisection
-    of the sign of (P - z) . P' has them all, where the curve is smooth there.
+    Golden section alone gives half the digits, since a distance is flat at its minimum; the bisection of the sign of
+    (P - z) . P' gives all of them if the curve is smooth there.
     """
     ratio = (np.sqrt(5) - 1) / 2
     for _ in range(40):
         a, b = high - ratio * (high - low), low + ratio * (high - low)
         left = np.abs(curve.point(a) - z) <= np.abs(curve.point(b) - z)
         low, high = np.where(left, low, a), np.where(left, b, high)
-    found = 0.5 * (low + high)
+    middle_t = 0.5 * (low + high)
     width = 64 * (high - low)
     first, last = curve.breaks[0], curve.breaks[-1]
-    low, high = np.clip(found - width, first, last), np.clip(found + width, first, last)
+    low, high = np.clip(middle_t - width, first, last), np.clip(middle_t + width, first, last)
     for _ in range(50):
         middle = 0.5 * (low + high)
         before = dot(curve.point(middle) - z, curve.velocity(middle)) < 0
         low, high = np.where(before, middle, low), np.where(before, high, middle)
-    options = np.stack([start, found, 0.5 * (low + high), np.full_like(found, first), np.full_like(found, last)])
+    options = np.stack(
+        [start, middle_t, 0.5 * (low + high), np.full_like(middle_t, first), np.full_like(middle_t, last)]
+    )
     best = np.abs(curve.point(options) - z).argmin(axis=0)
     nearest: Real = options[best, np.arange(len(best))]
     return nearest
 
 
 def _integral(curve: AbstractCurve, f: Callable[[Real], Real | Complex], accuracy: float) -> complex:
-    """Integral of f over the curve's domain by Gauss' rule on ever more pieces, to a relative accuracy."""
+    """Integral of f over the curve's domain by Gauss' rule on more and more pieces, to a relative accuracy."""
     edges = curve.breaks
     before = None
     for _ in range(_DOUBLINGS):
@@ -179,10 +308,10 @@ def _integral(curve: AbstractCurve, f: Callable[[Real], Real | Complex], accurac
 
 
 def separation(a: Complex, b: Complex) -> Real:
-    """Distance, mm, (...,), between the convex hulls of points a (..., n) and b (..., m); 0 or less where they meet.
+    """Distance, mm, (...,), between the convex hulls of points a (..., n) and b (..., m); 0 or less if they meet.
 
-    Two convex shapes are as far apart as the widest strip between them. Its sides stand square to the line
-    between two corners, or lie along an edge, so that trying all pairs of points is exact.
+    The distance of two convex shapes is the width of the widest strip between them. Its sides are perpendicular to the
+    line between two corners, or parallel to an edge, so that trying all pairs of points is exact.
     """
     across = (b[..., None, :] - a[..., :, None]).reshape(*a.shape[:-1], -1)
     normals = [1j * _pairs(a), 1j * _pairs(b)]
@@ -193,7 +322,7 @@ def separation(a: Complex, b: Complex) -> Real:
     for k in range(a.shape[-1]):
         lower = np.maximum(lower, dot(directions, a[..., k, None]))
     strip = upper - lower
-    # Points that fall together have no direction between them.
+    # Coincident points have no direction between them.
     widest: Real = np.where(np.isfinite(strip), strip, -np.inf).max(axis=-1)
     return widest
 

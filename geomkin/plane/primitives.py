@@ -1,4 +1,4 @@
-"""The plain shapes: segment, arc, circle, polyline with bulges, slot, rounded hull."""
+"""Basic shapes: segment, arc, circle, polyline with bulges, slot, rounded hull."""
 
 from __future__ import annotations
 
@@ -17,7 +17,13 @@ from .vec import Complex, Pose, Real, Whole, cross
 
 @record(checked=True, eq=False)
 class Segment(AbstractCurve):
-    """The straight line from `start` to `end`, mm, over 0 <= t <= 1."""
+    """Straight line; 0 <= t <= 1.
+
+    Parameters
+    ----------
+    start, end : complex
+        mm.
+    """
 
     start: complex
     end: complex
@@ -43,9 +49,14 @@ class Segment(AbstractCurve):
 
 @record(checked=True, eq=False)
 class Arc(AbstractCurve):
-    """The circular arc about `centre` from the point `start` over `sweep` rad, counterclockwise positive.
+    """Circular arc; 0 <= t <= 1.
 
-    0 <= t <= 1.
+    Parameters
+    ----------
+    centre, start : complex
+        Centre and first point, mm.
+    sweep : float
+        rad, positive counterclockwise.
     """
 
     centre: complex
@@ -73,7 +84,20 @@ class Arc(AbstractCurve):
 
 @record(checked=True, eq=False)
 class Circle(AbstractCurve):
-    """A whole circle, counterclockwise from its rightmost point; t is the angle in rad."""
+    """Whole circle, counterclockwise from its rightmost point; t is the angle in rad.
+
+    Parameters
+    ----------
+    centre : complex
+        mm.
+    radius : float
+        mm; above 0.
+
+    Raises
+    ------
+    DesignError
+        If the radius is not above 0.
+    """
 
     centre: complex
     radius: float
@@ -102,18 +126,29 @@ class Circle(AbstractCurve):
         return True
 
 
-# Sweep, rad, below which the area under an arc is told by a series, whose next term is a 2e-15th of it there. Larger,
-# and the series lacks that term; smaller, and the closed form loses digits.
+# Sweep, rad, below which the area under an arc is computed by a series, whose next term is 2e-15 of it there, since the
+# closed form loses digits.
 FLAT = 0.02
 
 
 @record(checked=True, eq=False)
 class Polyline(AbstractCurve):
-    """Straight edges and arcs through `vertices`; edge k runs over k <= t <= k + 1.
+    """Straight edges and arcs through given vertices; edge k runs over k <= t <= k + 1.
 
-    vertices: (n,) complex, mm, the start not repeated. bulges: (n,) for a closed, (n - 1,) for an open
-    one, tan(sweep / 4) of each edge's arc, 0 for a straight edge, positive when it turns left, as in
-    an LWPOLYLINE of DXF.
+    Parameters
+    ----------
+    vertices : array of complex, shape (n,)
+        mm; a closed polyline does not repeat its start.
+    bulges : array, shape (n,) if closed, (n - 1,) if open; optional
+        tan(sweep / 4) of the arc of each edge, 0 for a straight edge, positive if it turns left, as in an LWPOLYLINE of
+        DXF.
+    is_closed : bool
+        Whether the last vertex is joined to the first.
+
+    Raises
+    ------
+    DesignError
+        If there are fewer than two vertices, or the number of bulges is not that of the edges.
     """
 
     vertices: Row
@@ -138,14 +173,14 @@ class Polyline(AbstractCurve):
 
     @property
     def swept(self) -> float:
-        """Area, mm2, between the edges and its first vertex, positive where they turn left about it.
+        """Area between the edges and the first vertex, mm2, positive where they turn left about it.
 
-        Of a closed one this is what it encloses: triangles to the chords, and under each arc of sweep s over a chord c
-        a segment of c^2 (s - sin s) / (8 sin^2 (s / 2)).
+        For a closed polyline it is the enclosed area: triangles to the chords, and under each arc of sweep s over a
+        chord c a segment of c^2 (s - sin s) / (8 sin^2 (s / 2)).
         """
         chords, s = self._edges
         start = np.asarray(self.vertices)[: len(chords)] - self.vertices[0]
-        # Of flat arcs the difference loses its digits, and its series has them: further on it would lack terms.
+        # For flat arcs the difference loses its digits, so a series is used.
         flat = np.abs(s) < FLAT
         steep = np.where(flat, 1.0, s)
         share = (steep - np.sin(steep)) / (8 * np.sin(steep / 2) ** 2)
@@ -176,14 +211,14 @@ class Polyline(AbstractCurve):
 
     @cached_property
     def pieces(self) -> tuple[Arc | Segment, ...]:
-        """Its edges as curves of their own."""
+        """The edges as arcs and segments."""
         starts, (chords, sweeps) = np.asarray(self.vertices, dtype=complex), self._edges
-        found: list[Arc | Segment] = []
+        pieces: list[Arc | Segment] = []
         for start, chord, sweep in zip(starts.tolist(), chords.tolist(), sweeps.tolist()):
-            # The centre lies to the left of the middle of the chord, for a left turn of less than half a circle.
+            # The centre is to the left of the middle of the chord, for a left turn of less than half a circle.
             centre = start + 0.5 * chord * (1 + 1j / np.tan(sweep / 2)) if sweep else 0j
-            found.append(Arc(centre, start, sweep) if sweep else Segment(start, start + chord))
-        return tuple(found)
+            pieces.append(Arc(centre, start, sweep) if sweep else Segment(start, start + chord))
+        return tuple(pieces)
 
     @property
     def breaks(self) -> Real:
@@ -195,7 +230,7 @@ class Polyline(AbstractCurve):
 
 
 def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
-    """A curve placed by a pose; a circle stays a circle, so that it can be written as one."""
+    """A curve placed by a pose; a circle remains a Circle, so that it can be written as one."""
     if isinstance(curve, Circle):
         return Circle(complex(pose.place(curve.centre)), curve.radius)
     return Moved(curve, pose)
@@ -203,14 +238,28 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
 
 @checked
 def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
-    """The band stretched round equal discs: what a plate with a boss at each of `centres` looks like.
+    """The outline of a plate with a round boss at each of some points: the convex hull of equal discs.
 
-    centres: (n,) complex, mm, any order; those inside the hull add nothing. radius, mm. Counterclockwise; one
-    centre gives a circle, two a slot.
+    Parameters
+    ----------
+    centres : array_like of complex, shape (n,)
+        mm, in any order; points inside the hull have no effect.
+    radius : float
+        Of the discs, mm; above 0.
+
+    Returns
+    -------
+    AbstractCurve
+        Closed, counterclockwise. One centre gives a circle, two give a slot.
+
+    Raises
+    ------
+    DesignError
+        If there is no centre, or an argument is out of range.
     """
     z = np.atleast_1d(np.asarray(centres, dtype=complex))
     if z.ndim > 1 or not z.size:
-        raise DesignError("centres", f"found shape {z.shape}", "give a row (n,) of at least one")
+        raise DesignError("centres", f"found shape {z.shape}", "give a 1-D array of at least one point")
     corners = convex_hull(z)
     if len(corners) == 1:
         return Circle(corners[0], radius)
@@ -218,16 +267,34 @@ def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
     for before, corner, after in zip(np.roll(corners, 1), corners, np.roll(corners, -1)):
         incoming, outgoing = corner - before, after - corner
         incoming, outgoing = incoming / abs(incoming), outgoing / abs(outgoing)
-        # A slot's end turns by exactly half a turn, whose sign rounding would leave to chance.
-        turn = np.pi if len(corners) == 2 else float(np.angle(outgoing * incoming.conjugate()))
-        pieces.append(Arc(corner, corner - 1j * radius * incoming, turn))
+        # The end of a slot turns by exactly half a turn, the sign of which would depend on rounding.
+        sweep = np.pi if len(corners) == 2 else float(np.angle(outgoing * incoming.conjugate()))
+        pieces.append(Arc(corner, corner - 1j * radius * incoming, sweep))
         pieces.append(Segment(corner - 1j * radius * outgoing, after - 1j * radius * outgoing))
     return Path(tuple(pieces))
 
 
 @checked
 def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
-    """The outline swept by a disc of `radius` from `start` to `end`, mm, counterclockwise."""
+    """The outline swept by a disc along a line.
+
+    Parameters
+    ----------
+    start, end : complex
+        Centres of the end arcs, mm.
+    radius : float
+        mm; above 0.
+
+    Returns
+    -------
+    AbstractCurve
+        Closed, counterclockwise.
+
+    Raises
+    ------
+    DesignError
+        If an argument is out of range.
+    """
     return rounded_hull([start, end], radius)
 
 
@@ -240,7 +307,7 @@ def convex_hull(z: Complex) -> list[complex]:
     rounding = 1e-12 * (size + float(np.abs(z).max()))
     points: list[complex] = []
     for p in sorted(z.tolist(), key=lambda p: (p.real, p.imag)):
-        # Centres that differ by rounding would give edges shorter than any file can tell apart.
+        # Centres that differ by rounding would give edges too short for any file.
         if all(abs(p - q) > rounding for q in points):
             points.append(p)
     if len(points) < 3:

@@ -1,7 +1,7 @@
-"""Areas bounded by polygons: union, difference, offset, overlap, triangles. The only place that loads shapely.
+"""Areas bounded by polygons: union, difference, offset, overlap, triangles. Only this module imports shapely.
 
-A region is given and returned as loops: complex arrays, starts not repeated, outlines
-counterclockwise and holes clockwise.
+A region is given and returned as loops: complex arrays, starts not repeated, outlines counterclockwise and holes
+clockwise.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Loops = list[Complex]
 
 
 def is_simple(loop: Complex) -> bool:
-    """Whether a closed polygon neither crosses nor touches itself and encloses something."""
+    """Whether a closed polygon encloses an area and neither crosses nor touches itself."""
     if len(loop) < 3:
         return False
     return bool(shapely.LinearRing(xy(loop)).is_simple and shapely.Polygon(xy(loop)).area > 0)
@@ -30,14 +30,14 @@ def union(loops: Sequence[Complex]) -> list[Loops]:
 
 
 def without(loops: Loops, others: Sequence[Complex]) -> list[Loops]:
-    """What is left of a region where the simple polygons among `others` have been cut away, each outline first."""
+    """A region less some simple polygons, as separate regions, each outline first."""
     return _regions(_polygon(loops).difference(shapely.union_all([shapely.Polygon(xy(loop)) for loop in others])))
 
 
 def where(outline: Complex, lines: Sequence[Complex], holds: Callable[[Complex], Mask]) -> list[Loops]:
-    """Of a simple polygon that lines cut into pieces those for whose places `holds` is true, joined where they meet.
+    """The pieces of a simple polygon, cut by lines, for which `holds` is true, merged if they touch.
 
-    lines: of points each, open or ending where they start. holds: of places (n,), one well inside each piece.
+    lines: points of each, open or ending where they start. holds: takes points (n,), one well inside each piece.
     """
     area = shapely.Polygon(xy(outline))
     edges = [shapely.LinearRing(xy(outline)), *(shapely.LineString(xy(line)) for line in lines)]
@@ -49,16 +49,16 @@ def where(outline: Complex, lines: Sequence[Complex], holds: Callable[[Complex],
 
 
 def offset(loops: Loops, distance: float, tolerance: float) -> list[Loops]:
-    """A region grown (or, negative, shrunk) by `distance`, mm, with round corners within `tolerance`.
+    """A region grown, or shrunk if negative, by `distance`, mm, with round corners within `tolerance`.
 
-    The result may be several regions, or none when it shrinks away. The tolerance is kept down to a
-    ten-thousandth of the distance, below which the library that trims drops detail.
+    The result may be several regions, or none if it shrinks away. The tolerance is at least a ten-thousandth of the
+    distance, below which shapely drops detail.
     """
     radius = abs(distance)
     if radius == 0:
         return [loops]
-    # Chords over an arc of this radius that stay within the tolerance; the library's own default of 8
-    # per quarter is 0.0048 of the radius off, whatever the radius.
+    # Number of chords of an arc of this radius that stay within the tolerance; with shapely's default of 8 per quarter
+    # the error is 0.0048 of the radius.
     half = 2 * np.arcsin(np.sqrt(min(tolerance / (2 * radius), 0.5)))
     per_quarter = max(2, int(np.ceil(np.pi / 4 / half)))
     return _regions(_polygon(loops).buffer(distance, quad_segs=per_quarter))
@@ -70,21 +70,21 @@ def overlap(a: Loops, b: Loops) -> float:
 
 
 def apart_inside(outer: Complex, inner: Sequence[Complex], distance: float) -> Mask:
-    """Of each inner polygon, whether it lies wholly inside the outer one, at least so far, mm, from its boundary."""
+    """For each inner polygon, whether it is inside the outer one, at least `distance`, mm, from its boundary."""
     if not inner:
         return np.empty(0, bool)
     area, boundary = shapely.Polygon(xy(outer)), shapely.LinearRing(xy(outer))
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in inner])
     shapely.prepare([area, boundary])
     inside = shapely.contains_properly(area, shapes)
-    # The index of the boundary finds which are near, a little too many; the distance itself, without one, tells.
+    # The index finds slightly too many near ones; the exact distance decides.
     near = inside & shapely.dwithin(boundary, shapes, distance * (1 + 1e-9))
     inside[near] = shapely.distance(boundary, shapely.get_exterior_ring(shapes[near])) >= distance
     return inside
 
 
 def overlapping(loops: Sequence[Complex]) -> Whole:
-    """All pairs (n, 2) of simple polygons that have an area or a piece of line in common, the smaller index first."""
+    """All pairs (n, 2) of simple polygons that have an area or a part of a line in common, the smaller index first."""
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
     one, two = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     one, two = one[one < two], two[one < two]
@@ -93,39 +93,39 @@ def overlapping(loops: Sequence[Complex]) -> Whole:
 
 
 def holds(loops: Loops, boxes: Complex, taken: Sequence[Complex] = ()) -> Mask:
-    """Whether a region, its outline first, holds each of the polygons (n, corners), none meeting the lines `taken`."""
+    """Whether a region, its outline first, contains each polygon (n, corners), none meeting the lines `taken`."""
     area, shapes = _polygon(loops), shapely.polygons(xy(boxes))
     shapely.prepare(area)
-    held: Mask = np.asarray(shapely.contains(area, shapes))
+    contained: Mask = np.asarray(shapely.contains(area, shapes))
     for line in taken:
-        held &= ~shapely.intersects(shapely.LineString(xy(line)), shapes)
-    return held
+        contained &= ~shapely.intersects(shapely.LineString(xy(line)), shapes)
+    return contained
 
 
 def gap(a: Complex, b: Complex) -> float:
-    """Least distance between two polygons' boundaries, mm."""
+    """Smallest distance between the boundaries of two polygons, mm."""
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
 def nearest(loop: Complex) -> Complex:
-    """Of each side of a polygon the place that is nearest to the origin."""
+    """The point of each side of a polygon nearest to the origin."""
     edge = np.roll(loop, -1) - loop
-    found: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)
-    return found
+    points: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)
+    return points
 
 
 def thinned(loop: Complex, tolerance: float) -> Complex:
-    """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from what they leave out."""
+    """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from the omitted ones."""
     return shapely.get_coordinates(shapely.LinearRing(xy(loop)).simplify(tolerance, preserve_topology=False)).view(
         complex
     )[:-1, 0]
 
 
 def spacing(loops: Sequence[Complex], radii: Sequence[float]) -> float:
-    """Least distance, mm, between the boundaries of a plate and its openings; inf where there is but one.
+    """Smallest distance, mm, between the boundaries of a plate and its openings; inf if there is only one.
 
-    loops: the outline and what lies in it, apart from each other. One place stands for a circle of its radius about
-    it, which is exact; the radii of the others are 0.
+    loops: the outline and its openings, not touching each other. A single point represents a circle of its radius,
+    exactly; the radii of the others are 0.
     """
     (outline, *holes), (outer, *inner) = loops, radii
     if not holes:
@@ -135,25 +135,25 @@ def spacing(loops: Sequence[Complex], radii: Sequence[float]) -> float:
     )
     radius = np.array(inner)
     if outer:
-        reach = np.array([np.abs(z - outline[0]).max() for z in holes])
-        least = float((outer - reach - radius).min())
+        extents = np.array([np.abs(z - outline[0]).max() for z in holes])
+        least = float((outer - extents - radius).min())
     else:
         least = float((shapely.distance(shapely.LinearRing(xy(outline)), shapes) - radius).min())
-    near = least + 2 * float(radius.max())
-    one, two = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=near)
+    distance = least + 2 * float(radius.max())
+    one, two = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=distance)
     one, two = one[one < two], two[one < two]
     between = shapely.distance(shapes[one], shapes[two]) - radius[one] - radius[two]
     return min(least, float(between.min(initial=np.inf)))
 
 
 def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float:
-    """Least width, mm, of material between two places of one boundary; inf where none is less than `within`.
+    """Smallest width, mm, of material between two points of one boundary; inf if none is less than `within`.
 
-    A neck is where the boundary faces itself squarely: a step along it from either end makes the way across no
-    shorter. So has a bar with parallel sides, and a tapered one has none. loops: material on their left. tried: of
-    how many vertices of each, from the first on, necks are sought that begin there.
+    A neck is a pair of boundary points whose connecting line is perpendicular to the boundary at both ends, or is not
+    made shorter by a step along it. A bar with parallel sides has one, a tapered bar has none. loops: material on their
+    left. tried: number of vertices of each loop, from the first on, at which a neck may begin.
     """
-    # Rounding of directions; larger takes sides for parallel that are not.
+    # Rounding of directions; with a larger value sides that are not parallel would count as parallel.
     even = 1e-6
     z = np.concatenate(loops)
     loop = np.repeat(np.arange(len(loops)), [len(one) for one in loops])
@@ -161,35 +161,35 @@ def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float
     count = np.array([len(one) for one in loops])[loop]
     index = np.arange(len(z))
     after, before = start + (index - start + 1) % count, start + (index - start - 1) % count
-    ahead = unit(z[after] - z)
-    behind = ahead[before]
+    forward = unit(z[after] - z)
+    backward = forward[before]
     tree = shapely.STRtree(np.asarray(shapely.linestrings(np.stack([xy(z), xy(z[after])], axis=1))))
-    # From a corner that sticks out of the material no way across is square, beyond what rounding takes for one.
-    sought = index[(index - start < np.asarray(tried)[loop]) & (cross(behind, ahead) <= 3 * even)]
+    # From a convex corner no line across the material is perpendicular to the boundary.
+    starts = index[(index - start < np.asarray(tried)[loop]) & (cross(backward, forward) <= 3 * even)]
     least = within
-    # So many at a time that a place's neighbours fit into memory, however far the neck reaches.
-    for some in np.array_split(sought, len(sought) // 64 + 1):
-        # What is near by its box is enough: how wide each is comes below, and faster than the library tells.
+    # In batches, so that the neighbours of all points fit into memory.
+    for some in np.array_split(starts, len(starts) // 64 + 1):
+        # A query by boxes suffices: the widths are computed below, faster than by shapely.
         x, y = z[some].real, z[some].imag
         v, e = tree.query(shapely.box(x - least, y - least, x + least, y + least))
         v = some[v]
-        own = (loop[v] == loop[e]) & (v != e) & (v != after[e])
-        v, e = v[own], e[own]
+        same_loop = (loop[v] == loop[e]) & (v != e) & (v != after[e])
+        v, e = v[same_loop], e[same_loop]
         edge = z[after[e]] - z[e]
         share = np.clip(dot(edge, z[v] - z[e]) / np.abs(edge) ** 2, 0, 1)
         foot = z[e] + share * edge
         width = np.abs(foot - z[v])
         across = unit(foot - z[v])
-        # Where the foot is an end of its edge, the directions there.
-        foot_ahead = np.where(share < 1, ahead[e], ahead[after[e]])
-        foot_behind = np.where(share > 0, ahead[e], behind[e])
-        square = (dot(across, ahead[v]) <= even) & (dot(across, behind[v]) >= -even)
+        # Directions at the foot; if it is an end of its edge, those of both edges.
+        foot_ahead = np.where(share < 1, forward[e], forward[after[e]])
+        foot_behind = np.where(share > 0, forward[e], backward[e])
+        square = (dot(across, forward[v]) <= even) & (dot(across, backward[v]) >= -even)
         square &= (dot(across, foot_ahead) >= -even) & (dot(across, foot_behind) <= even)
-        inward = (cross(ahead[v] + behind[v], across) > 0) & (cross(foot_ahead + foot_behind, across) < 0)
-        found = np.flatnonzero(square & inward & (width < least))
-        for k in found[np.argsort(width[found])]:
+        inward = (cross(forward[v] + backward[v], across) > 0) & (cross(foot_ahead + foot_behind, across) < 0)
+        candidates = np.flatnonzero(square & inward & (width < least))
+        for k in candidates[np.argsort(width[candidates])]:
             ends = np.array([0.999 * z[v[k]] + 0.001 * foot[k], 0.001 * z[v[k]] + 0.999 * foot[k]])
-            # What leaves the material on its way is no neck.
+            # A line that leaves the material is not a neck.
             if not len(tree.query(shapely.LineString(xy(ends)), predicate="intersects")):
                 least = float(width[k])
                 break
@@ -197,7 +197,7 @@ def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float
 
 
 def triangulate(loops: Loops) -> tuple[Complex, Whole]:
-    """Corner points (n,) complex and triangles (m, 3) of a region, counterclockwise, no point added."""
+    """Corner points (n,) complex and triangles (m, 3) of a region, counterclockwise, without additional points."""
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygon(loops)))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     flat = np.ascontiguousarray(corners).view(complex)[..., 0]

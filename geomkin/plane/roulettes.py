@@ -1,4 +1,4 @@
-"""Curves traced by rolling: the involute and its function, a rounded corner's trochoid, epi- and hypocycloids."""
+"""Curves traced by rolling: involute, trochoid of a rounded corner, epi- and hypocycloid; the involute function."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..core.records import record
 from .curve import AbstractCurve
 from .vec import Complex, Real
 
-# Roll angle below which the involute function is told by its series: its two terms are nearly equal there. Larger, and
-# the series' terms run out before the digits do; smaller, and their difference has lost two of them.
+# Roll angle below which the involute function is computed by its series, since its two terms are nearly equal there,
+# and the number of terms.
 NEAR_BASE, TERMS = 0.25, 14
 
 
 class Traced(AbstractCurve):
-    """What rolling traces from one roll angle to another: open, and smooth all along."""
+    """A curve traced by rolling from one roll angle to another: open and smooth."""
 
     start: float
     end: float
@@ -33,10 +33,17 @@ class Traced(AbstractCurve):
 
 @record(checked=True, eq=False)
 class Involute(Traced):
-    """The path of the end of a taut string unwound counterclockwise from a circle about the origin.
+    """Involute of a circle about the origin: the path of the end of a taut string unwound counterclockwise.
 
-    base_radius, mm; t is the roll angle in rad from `start` to `end` (0 <= start), 0 at the cusp on
-    +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of the pressure angle there (ISO 21771).
+    t is the roll angle, rad, 0 at the cusp on +x. The radius at t is base_radius sqrt(1 + t^2), and t is the tangent of
+    the pressure angle there (ISO 21771).
+
+    Parameters
+    ----------
+    base_radius : float
+        mm; above 0.
+    start, end : float
+        First and last roll angle, rad; start at least 0.
     """
 
     base_radius: Positive
@@ -58,7 +65,7 @@ class Involute(Traced):
 
 
 def involute_function(roll: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle at a roll (ISO 21771)."""
+    """inv(alpha) = tan(alpha) - alpha with roll = tan(alpha): the involute's polar angle (ISO 21771)."""
     if abs(roll) > NEAR_BASE:
         return float(roll - np.arctan(roll))
     return float(sum((-1) ** k * roll ** (2 * k + 3) / (2 * k + 3) for k in reversed(range(TERMS))))
@@ -66,7 +73,7 @@ def involute_function(roll: float) -> float:
 
 def inverse_involute(angle: float) -> float:
     """Roll angle, the tangent of the pressure angle, whose involute function is `angle` >= 0; rad."""
-    # The function is convex: from a start above the root, Newton's steps only fall towards it.
+    # The function is convex: from a start above the root, Newton's steps decrease towards it.
     t = float(np.cbrt(3 * angle)) + angle
     for _ in range(60):
         step = (involute_function(t) - angle) * (1 + t**2) / t**2 if t > 0 else 0.0
@@ -77,25 +84,37 @@ def inverse_involute(angle: float) -> float:
 
 
 def roll_at(radius: float, base_radius: float) -> float:
-    """Roll angle of the involute where it reaches a radius; 0 inside the base circle."""
+    """Roll angle at which the involute reaches a radius; 0 inside the base circle."""
     ratio = radius / base_radius
     return float(np.sqrt(max((ratio - 1) * (ratio + 1), 0.0)))
 
 
 @record(checked=True, eq=False)
 class Trochoid(Traced):
-    """What the rounded corner of a rolling rack leaves: the envelope of a small circle on a rolling line.
+    """The fillet cut by a rounded corner of a rolling rack: the envelope of a small circle on a rolling line.
 
-    A line rolls outside a circle of `radius` r about the origin, mm. The small circle, of radius
-    `rounding` rho, has its centre `depth` D below the line, that is, towards the origin; where
-    the centre passes closest to the origin the line has rolled nowhere and touches at +x. With rho = 0
-    this is the trochoid of a point: D = 0 the involute's cusp, D < 0 a point outside the line. rho > 0 is a rounded
-    tip of the rack, whose circle is touched on its side towards the origin, rho < 0 a fillet, touched on the far one.
+    A line rolls outside a circle of `radius` r about the origin. The small circle, of radius `rounding` rho, has its
+    centre at `depth` D below the line, that is, towards the origin; when the centre is closest to the origin the line
+    touches at +x. With rho = 0 this is the trochoid of a point: D = 0 gives the involute's cusp, D < 0 a point outside
+    the line. rho > 0 is a rounded tip of the rack, touched on the side towards the origin, rho < 0 a fillet, touched on
+    the far side.
 
-    t = psi is the lean of the contact normal from the radius to the touching point, rad, counterclockwise,
-    from `start` to `end`, inside (-pi/2, pi/2). By the law of gearing the normal passes the rolling
-    point, a distance D tan(psi) along the line. This parameter keeps its digits where D vanishes and
-    the whole corner is cut at one instant, which the roll angle does not. Derived here.
+    Parameters
+    ----------
+    radius : float
+        r, mm; above 0.
+    depth : float
+        D, mm.
+    rounding : float
+        rho, mm.
+    start, end : float
+        First and last parameter, rad, inside (-pi/2, pi/2).
+
+    Notes
+    -----
+    t = psi is the angle from the radius at the touching point to the contact normal, rad, counterclockwise.
+    By the law of gearing the normal passes through the rolling point, a distance D tan(psi) along the line. Unlike the
+    roll angle, this parameter keeps its digits if D vanishes and the whole corner is cut at one instant. Derived here.
     """
 
     radius: Positive
@@ -117,11 +136,11 @@ class Trochoid(Traced):
         return -1j * self._speed(t) * tangent
 
     def _turning(self, t: Real) -> Real:
-        """Turn of the rolling line per lean of the normal."""
+        """Rotation of the rolling line per rotation of the normal."""
         return self.depth / (self.radius * np.cos(t) ** 2)
 
     def speed(self, t: float) -> float:
-        """Signed speed along the tangent: the centre turns about the rolling point, the contact about it."""
+        """Signed speed along the tangent."""
         return float(self._speed(np.asarray(t)))
 
     def _speed(self, t: Real) -> Real:
@@ -136,11 +155,28 @@ class Trochoid(Traced):
 
 @record(checked=True, eq=False)
 class Cycloid(Traced):
-    """The path of a rim point of a circle that rolls counterclockwise round a circle about the origin.
+    """Path of a rim point of a circle that rolls counterclockwise around a circle about the origin.
 
-    radius r of the fixed circle, mm; `rolling` radius g, mm, above 0 outside it (epicycloid), below 0 inside
-    it (hypocycloid; -r / 2 gives a diameter). t is the angle of the rolling contact, rad, from `start` to
-    `end`; 0 at the cusp on +x, the next one at 2 pi |g| / r. Derived here.
+    t is the angle of the rolling contact, rad; 0 at the cusp on +x, the next cusp at 2 pi |g| / r.
+
+    Parameters
+    ----------
+    radius : float
+        r of the fixed circle, mm; above 0.
+    rolling : float
+        g of the rolling circle, mm; above 0 outside (epicycloid), below 0 inside (hypocycloid; -r / 2 gives a
+        diameter).
+    start, end : float
+        First and last angle of the contact, rad.
+
+    Raises
+    ------
+    DesignError
+        If `rolling` is 0.
+
+    Notes
+    -----
+    Derived here.
     """
 
     radius: Positive

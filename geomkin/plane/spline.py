@@ -16,12 +16,25 @@ from .vec import Complex, Real
 
 @record(checked=True, eq=False)
 class Spline(AbstractCurve):
-    """The cubic spline through `points` (n,) complex, mm, two or more: open, with continuous curvature.
+    """Cubic spline through given points: open, with continuous curvature.
 
-    t is the length along the chords from the first point, mm, so that points may lie unevenly. At both ends
-    the first two pieces are one cubic ("not a knot": de Boor, A Practical Guide to Splines, chapter IV), which
-    assumes nothing of the ends: three points give a parabola, two a straight line. Between points of a smooth curve
-    it errs by the fourth power of their distance. DesignError where neighbours are at one place.
+    t is the length along the chords from the first point, mm, so that points may be unevenly spaced. Between points of
+    a smooth curve its error is of the fourth power of their distance.
+
+    Parameters
+    ----------
+    points : array of complex, shape (n,)
+        mm; at least two.
+
+    Raises
+    ------
+    DesignError
+        If there are fewer than two points, or two neighbours coincide.
+
+    Notes
+    -----
+    At both ends the first two pieces are one cubic ("not a knot": de Boor, A Practical Guide to Splines,
+    chapter IV), which assumes nothing about the ends: three points give a parabola, two a straight line.
     """
 
     points: Row
@@ -33,7 +46,7 @@ class Spline(AbstractCurve):
         steps = np.abs(np.diff(z))
         if steps.min() <= 1e-12 * np.abs(z).max():
             k = int(steps.argmin())
-            raise DesignError("points", f"points {k + 1} and {k + 2} are at one place", "leave one of them out")
+            raise DesignError("points", f"points {k + 1} and {k + 2} coincide", "omit one of them")
 
     @cached_property
     def breaks(self) -> Real:
@@ -52,7 +65,7 @@ class Spline(AbstractCurve):
         return b + u * (2 * c + u * 3 * d)
 
     def acceleration(self, t: ArrayLike) -> Complex:
-        """d2P/dt2 (...,) complex, 1/mm; continuous."""
+        """Second derivative d2P/dt2, 1/mm; continuous."""
         u, _, _, c, d = self._local(t)
         return 2 * c + 6 * u * d
 
@@ -60,7 +73,7 @@ class Spline(AbstractCurve):
         return curvature_from_derivatives(self.velocity(t), self.acceleration(t))
 
     def _local(self, t: ArrayLike) -> tuple[Real, Complex, Complex, Complex, Complex]:
-        """Way past the knot, mm, and the coefficients of its powers there."""
+        """Distance past the knot, mm, and the coefficients of its powers there."""
         t = np.asarray(t, dtype=float)
         k = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
         a, b, c, d = self._coefficients
@@ -80,31 +93,37 @@ class Spline(AbstractCurve):
 def _slopes(h: Real, slope: Complex) -> Complex:
     """Velocities (n,) at the knots from the widths and mean velocities (n - 1,) between them.
 
-    Each inner row says that the acceleration is continuous, the two end rows that the third derivative is so
-    at the knots next to the ends; solved by elimination along the three diagonals.
+    Each inner row makes the acceleration continuous, the two end rows the third derivative at the knots next to the
+    ends; solved by elimination along the three diagonals.
     """
     n = len(h) + 1
     if n == 2:
         return np.array([slope[0], slope[0]])
     if n == 3:
-        bend = (slope[1] - slope[0]) / (h[0] + h[1])
-        return np.array([slope[0] - h[0] * bend, slope[0] + h[0] * bend, slope[1] + h[1] * bend])
-    below, here, above = np.zeros(n), np.zeros(n), np.zeros(n)
+        half = (slope[1] - slope[0]) / (h[0] + h[1])
+        return np.array(
+            [
+                slope[0] - h[0] * half,
+                slope[0] + h[0] * half,
+                slope[1] + h[1] * half,
+            ]
+        )
+    below, diagonal, above = np.zeros(n), np.zeros(n), np.zeros(n)
     right: Complex = np.zeros(n, dtype=complex)
-    below[1:-1], here[1:-1], above[1:-1] = h[1:], 2 * (h[:-1] + h[1:]), h[:-1]
+    below[1:-1], diagonal[1:-1], above[1:-1] = h[1:], 2 * (h[:-1] + h[1:]), h[:-1]
     right[1:-1] = 3 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
-    here[0], above[0], right[0] = _end_row(h[0], h[1], slope[0], slope[1])
-    here[-1], below[-1], right[-1] = _end_row(h[-1], h[-2], slope[-1], slope[-2])
+    diagonal[0], above[0], right[0] = _end_row(h[0], h[1], slope[0], slope[1])
+    diagonal[-1], below[-1], right[-1] = _end_row(h[-1], h[-2], slope[-1], slope[-2])
     for k in range(1, n):
-        factor = below[k] / here[k - 1]
-        here[k] -= factor * above[k - 1]
+        factor = below[k] / diagonal[k - 1]
+        diagonal[k] -= factor * above[k - 1]
         right[k] -= factor * right[k - 1]
-    v = right / here
+    v = right / diagonal
     for k in range(n - 2, -1, -1):
-        v[k] = (right[k] - above[k] * v[k + 1]) / here[k]
+        v[k] = (right[k] - above[k] * v[k + 1]) / diagonal[k]
     return v
 
 
 def _end_row(h0: float, h1: float, s0: complex, s1: complex) -> tuple[float, float, complex]:
-    """The end knot's row with the one beyond the next knot eliminated."""
+    """The end knot's row with the knot beyond the next one eliminated."""
     return h1, h0 + h1, ((h0 + 2 * (h0 + h1)) * h1 * s0 + h0**2 * s1) / (h0 + h1)

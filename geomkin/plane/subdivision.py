@@ -1,6 +1,6 @@
 """Places parameters along a curve so that every interval between them has the same error.
 
-Both ways of simplifying a curve, chords and arcs, are this one task with another error.
+Approximation by chords and by arcs are both this task, with different errors.
 """
 
 from __future__ import annotations
@@ -15,40 +15,37 @@ import numpy as np
 from .curve import AbstractCurve
 from .vec import Complex, Mask, Real, Whole, unit
 
-# A tangent that jumps by more than this, rad, is a corner and gets a point of its own. Smaller takes
-# rounding for corners and spends points on them; larger lets a chord cut a visible corner.
+# A tangent that jumps by more than this, rad, is a corner and gets a point. With a smaller value rounding would give
+# corners; with a larger one a chord would cut a visible corner.
 CORNER = 1e-6
-# Share of the tolerance that is aimed at. Larger, and what lies between two probes may exceed the
-# tolerance; smaller costs intervals (half this margin in chords).
+# Share of the tolerance that intervals must keep, as the error between two probes may be larger.
 AIM = 0.998
-# Cells per smooth piece in the first look. Fewer miss wiggles inside a piece; more cost time.
+# Cells per smooth piece in the first round. With fewer, details inside a piece are missed.
 CELLS = 32
 _FIRST = np.arange(CELLS) / CELLS
-# Most that one interval may turn, rad. A chord or a pair of arcs that turns by more is no longer
-# described by the laws of small intervals, and a closed curve might come back as a single one.
+# Largest rotation of the tangent in one interval, rad. Beyond, the laws of small intervals do not hold, and a closed
+# curve might become a single interval.
 MOST_TURN = 2.2
-# Looks at most; smooth pieces need three or four. Fewer leave intervals unequal, and more of them.
+# Largest number of rounds; smooth pieces need three or four.
 ROUNDS = 12
-# An interval that is over the tolerance after two looks counts for this times its share, so that it shrinks by more
-# than the law of small intervals asks. Smaller, and it stays just over; larger, and its neighbours grow too long.
+# Factor on the share of an interval that is over the tolerance after two rounds, so that it becomes short enough.
 PUSH = 1.05
-# Steps of an interval's share. The last bits of an error differ from processor to processor; where intervals do not
-# settle, round after round would multiply them until they show in files. Finer lets more of them through, coarser
-# makes intervals unequal.
+# Steps of an interval's share. The last bits of an error differ between processors; without steps, rounds that do not
+# converge would amplify them until they show in files.
 GRAIN = 2.0**-20
-# How near the count must come to what the errors ask for, or within one, to spare the second half of the looks.
+# Ratio of the count to what the errors require, up to which (or within one) the second half of the rounds is omitted.
 ENOUGH = 1.005
 # Share of the distance from the origin below which a distance from a chord or an arc is rounding.
 ROUNDING = 1e-13
-# Share of all use that straight stretches are given, which use nothing. Smaller, and the last bit of the errors moves
-# points along them as far as files tell; larger makes intervals unequal.
+# Share of the total given to straight parts, which have no error: otherwise the last bit of the errors would move
+# points along them visibly.
 TRACE = 1e-4
 
 T = TypeVar("T")
 
 
 class Intervals(NamedTuple):
-    """Intervals of one run or several, one run after the other: ends (n,), and the first of each run."""
+    """Intervals of one or several consecutive runs: ends (n,), and the first interval of each run."""
 
     low: Real
     high: Real
@@ -56,58 +53,58 @@ class Intervals(NamedTuple):
 
 
 Judge = Callable[[Intervals], tuple[Real, Real]]
-# Work on one run, which yields edges, is sent the errors and turns of the intervals between them, and ends in a T.
+# Work on one run: yields edges, is sent the errors and turns of the intervals between them, and returns a T.
 Work = Generator[Real, tuple[Real, Real], T]
 
 
 def adaptive_subdivision(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> list[Real]:
-    """Of each run of breaks the fewest parameters, first and last included, whose intervals all keep the tolerance.
+    """For each run of breaks the fewest parameters, both ends included, whose intervals all keep the tolerance.
 
-    judge(intervals) gives each interval's error, mm, and its turn, rad; for small intervals the error
-    falls with the `order`-th power of their length. The error is measured, never predicted, so the
-    result keeps the tolerance wherever the judge looks.
+    judge(intervals) gives each interval's error, mm, and its turn, rad; for small intervals the error falls with the
+    power `order` of their length. The error is measured, never predicted, so the result keeps the tolerance at all
+    probes.
     """
     settled = _together(judge, [_settle(run, tolerance, order) for run in runs])
-    # Jumps of curvature keep the chords across them from settling: each smooth piece by itself does.
-    loose = [k for k, (_, sure) in enumerate(settled) if not sure and len(runs[k]) > 2]
-    pieces = [_settle(runs[k][j : j + 2], tolerance, order) for k in loose for j in range(len(runs[k]) - 1)]
-    found, apart = [edges for edges, _ in settled], iter(_together(judge, pieces))
-    for k in loose:
-        piecewise = np.concatenate([next(apart)[0][:-1] for _ in runs[k][1:]] + [runs[k][-1:]])
-        found[k] = piecewise if len(piecewise) < len(found[k]) else found[k]
-    return found
+    # Chords across jumps of curvature may not converge: then each smooth piece is divided by itself.
+    unsettled = [k for k, (_, converged) in enumerate(settled) if not converged and len(runs[k]) > 2]
+    pieces = [_settle(runs[k][j : j + 2], tolerance, order) for k in unsettled for j in range(len(runs[k]) - 1)]
+    results, by_piece = [edges for edges, _ in settled], iter(_together(judge, pieces))
+    for k in unsettled:
+        piecewise = np.concatenate([next(by_piece)[0][:-1] for _ in runs[k][1:]] + [runs[k][-1:]])
+        results[k] = piecewise if len(piecewise) < len(results[k]) else results[k]
+    return results
 
 
 def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
-    """What each of several works comes to. All that they ask in a round is judged in one go: calls cost, not places."""
-    found: dict[int, T] = {}
-    asked = {k: next(work) for k, work in enumerate(works)}
-    while asked:
-        edges = list(asked.values())
+    """The results of several works. All requests of a round are judged at once, since calls are expensive."""
+    results: dict[int, T] = {}
+    requests = {k: next(work) for k, work in enumerate(works)}
+    while requests:
+        edges = list(requests.values())
         bounds = [0, *accumulate(len(e) - 1 for e in edges)]
         if len(edges) == 1:
             low, high = edges[0][:-1], edges[0][1:]
         else:
             low, high = np.concatenate([e[:-1] for e in edges]), np.concatenate([e[1:] for e in edges])
         error, turn = judge(Intervals(low, high, np.array(bounds[:-1])))
-        for k, (start, end) in zip(list(asked), pairwise(bounds)):
+        for k, (start, end) in zip(list(requests), pairwise(bounds)):
             try:
-                asked[k] = works[k].send((error[start:end], turn[start:end]))
+                requests[k] = works[k].send((error[start:end], turn[start:end]))
             except StopIteration as over:
-                found[k] = over.value
-                del asked[k]
-    return [found[k] for k in range(len(works))]
+                results[k] = over.value
+                del requests[k]
+    return [results[k] for k in range(len(works))]
 
 
 def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool]]:
-    """The fewest edges met while making all shares equal, and whether they are as few as the errors ask for."""
+    """The fewest edges found while making all shares equal, and whether they are as few as the errors require."""
     edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
     fewest, settled = math.inf, False
     for k in range(ROUNDS):
         error, turn = yield edges
         share = _share(error, turn, tolerance, order)
         over = share > 1
-        # An interval across a jump of curvature may never settle: split in two, it costs one more.
+        # An interval across a jump of curvature may not converge: split in two, it costs one more.
         split = len(share) + int(np.count_nonzero(over)) if share.max() < 1.9 else math.inf
         if k == 0 or split < fewest:
             best, fewest, seen = edges, split, (error, turn)
@@ -118,28 +115,28 @@ def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool
         if fewest <= count or (k >= ROUNDS // 2 and settled):
             break
         wanted = _divide(edges, used, count)
-        # Where errors do not follow the law, as across jumps of curvature, full steps go to and fro for ever.
+        # If errors do not follow the law, as across jumps of curvature, full steps would oscillate.
         edges = edges + min(1.0, 2 / (k + 1)) * (wanted - edges) if len(wanted) == len(edges) else wanted
-    return (yield from _halve(best, _spoilt(*seen, tolerance), breaks, tolerance)), settled
+    return (yield from _halve(best, _over_tolerance(*seen, tolerance), breaks, tolerance)), settled
 
 
-def _spoilt(error: Real, turn: Real, tolerance: float) -> Mask:
+def _over_tolerance(error: Real, turn: Real, tolerance: float) -> Mask:
     """Which intervals are over the tolerance."""
     return (error > tolerance) | (turn > 1.5 * MOST_TURN)
 
 
 def _share(error: Real, turn: Real, tolerance: float, order: int) -> Real:
-    """How many intervals each interval ought to be, in whole GRAINs: 1 when it just keeps the tolerance."""
+    """The number of intervals that should replace each one, in multiples of GRAIN: 1 if it just keeps the tolerance."""
     grains: Real = np.rint(np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN) / GRAIN)
     return grains * GRAIN
 
 
 def _divide(edges: Real, used: Real, count: int) -> Real:
-    """Edges of `count` intervals of equal share, from what the present ones use up to each edge.
+    """Edges of `count` intervals of equal share, from the cumulative shares `used` at the present edges.
 
     Between present edges t follows `used` by the monotone cubic of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5,
-    1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, and a straight line
-    between edges would leave steps of some percent that never settle.
+    1984, 300-304; slopes by the harmonic mean): shares change smoothly along a smooth curve, while linear interpolation
+    would leave steps of some percent that never converge.
     """
     used = used + (TRACE * float(used[-1]) + 1e-300) * np.arange(len(used)) / (len(used) - 1)
     width = used[1:] - used[:-1]
@@ -158,7 +155,7 @@ def _divide(edges: Real, used: Real, count: int) -> Real:
 
 
 def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real]:
-    """Split what is over the tolerance, at a break inside it or in half, until nothing is or digits end."""
+    """Split intervals that are over the tolerance, at a break inside or in half, until none is or digits end."""
     for _ in range(60):
         if not over.any():
             break
@@ -171,7 +168,7 @@ def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real
             break
         edges = np.sort(np.append(edges, new))
         error, turn = yield edges
-        over = _spoilt(error, turn, tolerance)
+        over = _over_tolerance(error, turn, tolerance)
     return edges
 
 
@@ -194,28 +191,30 @@ def probes(low: Real, high: Real, shares: Real) -> Real:
     return low[:, None] + (high - low)[:, None] * shares
 
 
-def tops(off: Real, places: Complex, first: Whole) -> Real:
+def tops(distance: Real, places: Complex, first: Whole) -> Real:
     """Largest distance along each row of probes at `places`, by the parabola through it and its neighbours.
 
-    What rounding alone explains is 0: its root would move points along straight lines, one way on one processor
-    and another way on the next. first: of the rows of each run, which has a rounding of its own.
+    Rounding counts as 0: otherwise its root would move points along straight lines, differently on each processor.
+    first: the first row of each run, which has its own rounding.
     """
-    far = np.abs(places)
+    radius = np.abs(places)
     if len(first) == 1:
-        off = np.where(off > ROUNDING * far.max(), off, 0)
+        distance = np.where(distance > ROUNDING * radius.max(), distance, 0)
     else:
-        largest = np.maximum.reduceat(far.max(axis=1), first)
-        off = np.where(off > ROUNDING * np.repeat(largest, np.diff(first, append=len(off)))[:, None], off, 0)
-    count, peak, each = off.shape[1], off.argmax(axis=1), off.ravel()
+        largest = np.maximum.reduceat(radius.max(axis=1), first)
+        distance = np.where(
+            distance > ROUNDING * np.repeat(largest, np.diff(first, append=len(distance)))[:, None], distance, 0
+        )
+    count, peak, each = distance.shape[1], distance.argmax(axis=1), distance.ravel()
     i = np.minimum(np.maximum(peak, 1), count - 2)
-    at = i + np.arange(0, len(each), count)
-    left, mid, right = each[at - 1], each[at], each[at + 1]
-    bend, curved = 2 * mid - left - right, peak == i
-    curved &= bend > 0
-    # A peak at either end has no neighbour beyond, and where all are alike there is no parabola.
-    top: Real = each[at + (peak - i)]
-    top[curved] = mid[curved] + (right[curved] - left[curved]) ** 2 / (8 * bend[curved])
-    return top
+    centre = i + np.arange(0, len(each), count)
+    left, mid, right = each[centre - 1], each[centre], each[centre + 1]
+    second_difference, curved = 2 * mid - left - right, peak == i
+    curved &= second_difference > 0
+    # A peak at either end has no neighbour beyond, and for equal values there is no parabola.
+    maximum: Real = each[centre + (peak - i)]
+    maximum[curved] = mid[curved] + (right[curved] - left[curved]) ** 2 / (8 * second_difference[curved])
+    return maximum
 
 
 def direction(curve: AbstractCurve, t: Real, after: bool | Mask) -> Complex:
@@ -226,14 +225,14 @@ def direction(curve: AbstractCurve, t: Real, after: bool | Mask) -> Complex:
 
 
 def towards(curve: AbstractCurve, t: Real, near: Real) -> Complex:
-    """Unit tangent at each parameter as seen from its side of `near`, the next break there."""
-    # Far enough into the piece to be on the right side of rounding, and not so far as to turn.
+    """Unit tangent at each parameter on the side of `near`, the next break in that direction."""
+    # Far enough into the piece to be beyond rounding, and so little that the tangent does not change.
     inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 64 * np.spacing(np.abs(t)))
     return unit(curve.velocity(t + inward))
 
 
 def turns(v: Complex) -> Real:
-    """Total absolute turn along each row of velocities, rad; standing still turns nothing."""
+    """Total absolute rotation along each row of velocities, rad; a velocity of zero counts as none."""
     ratio = v[:, 1:] * np.conj(v[:, :-1])
     total: Real = np.abs(np.angle(np.where(ratio == 0, 1, ratio))).sum(axis=1)
     return total

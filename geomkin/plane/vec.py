@@ -1,7 +1,4 @@
-"""Points, directions and poses as complex numbers: x + iy in mm; a direction is a unit complex number.
-
-A pose is where a body is: the place of its origin and the direction of its x axis.
-"""
+"""Points, directions and poses as complex numbers: x + iy in mm; a direction is a unit complex number."""
 
 from __future__ import annotations
 
@@ -19,39 +16,57 @@ Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
 Whole = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
-# Of whichever, where a function takes them alike.
+# An array of any of these.
 Array = NDArray[Any]
-# Share of the largest number by which the border between two roundings lies below half way. Processors differ by far
-# less, and recipes give numbers of few decimals, which lie half way but not there. Smaller, and the last bit of a
-# processor's sine decides about half; larger, and it shows in the last of ten digits.
+# Share of the largest number by which the border between two roundings is below the middle. Processors differ by far
+# less. Numbers of few decimals, as recipes have them, may be exactly in the middle; the last bit of a processor's sine
+# must not decide about these.
 BESIDE_HALF = 2.0**-44
 
 
 @checked
 def xy(z: Numbers) -> Real:
-    """Points (...,) complex as coordinates (..., 2): a view where `z` is contiguous complex128."""
+    """Points as coordinates.
+
+    Parameters
+    ----------
+    z : complex or array_like, shape (...,)
+        Points.
+
+    Returns
+    -------
+    array, shape (..., 2)
+        x and y; a view if `z` is contiguous complex128.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> gk.plane.xy([1 + 2j, 3j])
+    array([[1., 2.],
+           [0., 3.]])
+    """
     z = np.ascontiguousarray(z, dtype=complex)
     return z.view(float).reshape(*z.shape, 2)
 
 
 def unit(z: ArrayLike) -> Complex:
-    """Direction of each vector; nan where the vector is zero."""
+    """Direction of each vector; nan if the vector is zero."""
     z = np.asarray(z, dtype=complex)
     with np.errstate(invalid="ignore", divide="ignore"):
-        ways: Complex = z / abs(z)
-        return ways
+        directions: Complex = z / abs(z)
+        return directions
 
 
 def as_unit(direction: ArrayLike) -> Complex:
-    """Directions of any length as unit ones; those of length 1, to rounding, keep their digits."""
+    """Directions of any length with length 1; those of length 1, to rounding, keep their digits."""
     direction = np.asarray(direction, dtype=complex)
     with np.errstate(invalid="ignore"):
         return np.where(abs(abs(direction) - 1) < 1e-12, direction, unit(direction))[()]
 
 
-def known(where: Mask, values: Array) -> Array:
-    """Values where a mask is true; elsewhere nan, of complex values in both parts."""
-    return np.where(where, values, complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan)
+def known(mask: Mask, values: Array) -> Array:
+    """Values where a mask is true; elsewhere nan, in both parts of complex values."""
+    return np.where(mask, values, complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan)
 
 
 def dot(a: ArrayLike, b: ArrayLike) -> Real:
@@ -61,7 +76,7 @@ def dot(a: ArrayLike, b: ArrayLike) -> Real:
 
 
 def cross(a: ArrayLike, b: ArrayLike) -> Real:
-    """z of the vector product: positive where `b` lies to the left of `a`."""
+    """z of the vector product: positive if `b` is to the left of `a`."""
     product: Complex = np.conj(a) * b
     return product.imag
 
@@ -82,7 +97,7 @@ def rounded(z: Complex | complex, decimals: int) -> Complex: ...
 def rounded(z: ArrayLike, decimals: int) -> Array:
     """Rounded to decimals, real or complex, to the same number on every processor, and never to -0.0.
 
-    What lies half way between two roundings, to within the last bits that processors differ by, goes away from 0.
+    A value half way between two roundings, within the last bits in which processors differ, is rounded away from 0.
     """
     z = np.asarray(z)
     if z.dtype.kind == "c":
@@ -97,7 +112,22 @@ def rounded(z: ArrayLike, decimals: int) -> Array:
 
 @record(checked=True, eq=False)
 class Pose:
-    """A rigid placement: origin, mm, and direction, of any length, kept as a unit one; arrays of one shape."""
+    """A rigid placement: position of a body's origin and direction of its x axis.
+
+    Parameters
+    ----------
+    origin : complex or array
+        mm.
+    direction : complex or array
+        Of any length, stored with length 1. Arrays have the same shape.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> pose = gk.plane.Pose(10 + 0j, 1j)
+    >>> complex(pose.place(2.0))
+    (10+2j)
+    """
 
     origin: Complex | complex = 0j
     direction: Complex | complex = 1 + 0j
@@ -106,9 +136,31 @@ class Pose:
         object.__setattr__(self, "direction", as_unit(self.direction))
 
     def place(self, z: ArrayLike) -> Complex:
-        """A body's own points as seen from outside."""
+        """Points of the body in the outer frame.
+
+        Parameters
+        ----------
+        z : complex or array_like
+            mm in the body's frame.
+
+        Returns
+        -------
+        array of complex
+            mm.
+        """
         return np.asarray(self.origin + self.direction * np.asarray(z))
 
     def locate(self, z: ArrayLike) -> Complex:
-        """Outside points in the body's own coordinates: the inverse of `place`."""
+        """Outer points in the body's frame: the inverse of `place`.
+
+        Parameters
+        ----------
+        z : complex or array_like
+            mm.
+
+        Returns
+        -------
+        array of complex
+            mm in the body's frame.
+        """
         return (np.asarray(z) - self.origin) * np.conj(self.direction)

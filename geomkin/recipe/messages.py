@@ -12,7 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
-from ..core.errors import TOLD, DesignError, Problem, ProblemId, printable, shown
+from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.fields import allowed
 
 # Problems looked into: many more come of one slip or of a file that is no recipe, and each takes a while.
@@ -48,7 +48,7 @@ def hints_of(table: type) -> dict[str, Any]:
 def explain(error: ValidationError, recipe: type) -> list[Problem]:
     """One problem for each finding, in the file's order of keys."""
     found = error.errors(include_url=False)
-    return [_problem(e, recipe, k < TOLD) for k, e in enumerate(found[:EXPLAINED])] + [
+    return [_problem(e, recipe, k < MOST_SHOWN) for k, e in enumerate(found[:EXPLAINED])] + [
         Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "mend it", "wrong-type")
         for e in found[EXPLAINED:]
     ]

@@ -18,7 +18,7 @@ from ..build import Readable, name_of
 from ..core.arguments import ArgumentType, checked
 from ..core.errors import DesignError, GeomkinError, RecipeError, printable
 from ..core.processes import each
-from ..core.progress import tell as tell_progress
+from ..core.progress import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
 from ..export.csv import csv
@@ -219,7 +219,7 @@ def swept(
         if ledger is not None:
             ledger.add(found)
         done += len(found)
-        tell_progress(done / len(every), f"{done} of {len(every)} combinations")
+        report_progress(done / len(every), f"{done} of {len(every)} combinations")
     told = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
     result = Sweep(
         name, str(task.recipe.get("kind", "")), tuple(keyed), told, kept, ledger is not None and ledger.anew, {}

@@ -221,7 +221,7 @@ def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
 
 def _part(watch: Watch, done: int, whole: int) -> Callable[[float], None]:
     """What is told the share of one family, when so many are done of the whole."""
-    return lambda share: watch.tell((done + share) / whole)
+    return lambda share: watch.report((done + share) / whole)
 
 
 def processor() -> str:

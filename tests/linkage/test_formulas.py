@@ -42,7 +42,7 @@ def formulas(request, monkeypatch):
         monkeypatch.setattr(worked, name, 0 if "compiled" in request.param else NEVER)
     monkeypatch.setattr(program, "BLOCK", 7 if "blocks" in request.param else 4096)
     monkeypatch.setattr(program, "SMALL", 4096 if request.param == "benches" else 0)
-    monkeypatch.setattr(worked, "DEFAULT_FORMATS", 16_384 if request.param == "benches" else 0)
+    monkeypatch.setattr(worked, "PREFETCH_FRAMES", 16_384 if request.param == "benches" else 0)
     return lambda on: monkeypatch.setattr(solution, "WORTH", 0 if on else NEVER)
 
 
@@ -60,9 +60,9 @@ def test_formulas_tell_what_placements_do(name, formulas):
         plain, one = told(fresh(linkage), drive, **turn)
         formulas(True)
         motion, other = told(fresh(linkage), drive, **turn)
-        assert plain.solution.worked is None
+        assert plain.solution.evaluation is None
         iterates = name in ("loops", "actuator between moving bars")
-        assert (motion.solution.worked is None) == iterates
+        assert (motion.solution.evaluation is None) == iterates
         same(other, one)
 
 
@@ -97,7 +97,7 @@ def test_formulas_keep_all_digits_at_a_toggle(power, formulas):
     sizes = (3.0, 1.0, 4.0 - 10.0**-power, 2.0)
     drive = np.array([min(1.0, away * 10 ** (-power / 2)) for away in (0.1, 0.3, 1.0, 3.0, 10.0)])
     motion = gk.move(gk.FourBar(*sizes), drive)
-    assert motion.solution.worked is not None
+    assert motion.solution.evaluation is not None
     for k, angle in enumerate(drive):
         for what, exact in zip(("direction", "first", "second"), four_bar(*sizes, float(angle), 1)):
             got = np.array([getattr(motion.bodies[body], what)[k] for body in ("coupler", "rocker")])
@@ -108,7 +108,7 @@ def test_a_change_point_is_passed_by_formulas(formulas):
     parallelogram = gk.FourBar(100, 40, 100, 40)
     formulas(True)
     motion = gk.move(parallelogram, np.linspace(0.1, 6.2, 200), "follow")
-    assert motion.solution.worked is not None
+    assert motion.solution.evaluation is not None
     assert np.abs(motion.coupler.direction - 1).max() < 1e-12
 
 
@@ -137,7 +137,7 @@ def test_nothing_is_worked_out_that_was_not_asked_for(formulas):
     formulas(True)
     motion = gk.move(fresh(FOUR_BAR), np.linspace(0, 6, 50))
     _ = motion.point("coupler_point").position
-    programs = motion.solution.worked._formulas.programs
+    programs = motion.solution.evaluation._formulas.programs
     assert {group for done in programs for batch in done for group in batch} == {
         "direction",
         ("position", "coupler", "coupler_point"),
@@ -150,7 +150,7 @@ def test_what_was_asked_for_comes_together_the_next_time_and_is_forgotten_after_
         motion = gk.move(linkage, np.linspace(0, 6, 50))
         for what in asked:
             _ = getattr(motion.rocker, what)
-        runs.append(motion.solution.worked and [sorted(batch) for batch in motion.solution.worked._done])
+        runs.append(motion.solution.evaluation and [sorted(batch) for batch in motion.solution.evaluation._done])
     assert runs[0] is None
     assert runs[-4:] == [[["direction", "omega"]]] * 3 + [[["direction"]]]
 
@@ -161,7 +161,7 @@ def test_the_compiled_loop_has_every_operation_of_the_examples(monkeypatch):
     for linkage, drive, branch in ALL.values():
         for how in (branch, "follow"):
             motion, _ = told(fresh(linkage), drive[:3], branch=how, acceleration=1.0)
-            formulas = motion.solution.worked and motion.solution.worked._formulas.programs.values()
+            formulas = motion.solution.evaluation and motion.solution.evaluation._formulas.programs.values()
             assert all(compiled.runs(one) for one in formulas or ())
 
 
@@ -217,7 +217,7 @@ def test_what_is_asked_together_or_anew_is_what_each_is_alone():
 def test_what_is_kept_for_the_next_motion_has_bounds(monkeypatch):
     monkeypatch.setattr(solution, "WORTH", 0)
     monkeypatch.setattr(program, "_own", program._Own())
-    held, drive = program._own.benches, np.linspace(0, 6, 4096)
+    held, drive = program._own.workspaces, np.linspace(0, 6, 4096)
     linkages = [gk.FourBar(100, 30, 90, 70 + k) for k in range(40)]
     for frames in (1, 4096, 700):
         for linkage in linkages:

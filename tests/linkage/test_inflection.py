@@ -146,7 +146,7 @@ def test_parallel_cranks_make_it_a_straight_line_along_the_cranks():
     motion = gk.move(PARALLEL_CRANKS, np.pi / 2 + np.array([-step, 0, step]))
     exact = gk.move(PARALLEL_CRANKS, [np.pi / 2])
     for circle in (inflection_circle(exact, "coupler"), inflection_circle_of_cranks(*cranks(exact))):
-        assert circle.turn[0] == 0 and circle.diameter[0] == np.inf
+        assert circle.angular_velocity[0] == 0 and circle.diameter[0] == np.inf
         assert np.isnan(circle.pole[0]) and np.isnan(circle.instant_centre.position[0])
         assert np.isnan(circle.centre_velocity[0])
         assert abs(circle.tangent[0].real) < 1e-12

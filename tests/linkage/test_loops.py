@@ -21,8 +21,8 @@ def posed(linkage, motion, carried=True):
     planner = Planner(same, False)
     planner.drive()
     if carried:
-        planner.carry()
-    planner.rest()
+        planner.place_determined()
+    planner.place_rest()
     same.plans[False] = tuple(planner.placements)
     return same
 

@@ -100,7 +100,7 @@ def test_a_lever_on_a_moving_carrier_is_told_wherever_its_pins_are_apart(formula
     for apart in (1e-6, 1e-8, 1e-10):
         bodies["ground"]["E"] = place - apart
         motion = gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive)
-        assert motion.assembled.all() and (motion.solution.worked is not None) == formulas
+        assert motion.assembled.all() and (motion.solution.evaluation is not None) == formulas
         assert abs(motion.lever.direction[7].imag) < 1e-13 / apart
     bodies["ground"]["E"] = place
     assert not gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive).assembled[7]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.measures import never_closed
+from geomkin.linkage.measures import assembly_error
 from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
@@ -66,7 +66,7 @@ def test_where_nothing_closes_the_drives_that_do_are_told_and_do():
         (TRIPLE_ROCKER, np.linspace(2, 4, 9)),
         (gk.SliderCrank(30, 90, driver="slider"), [200.0, 230.0]),
     ):
-        refusal = never_closed(gk.move(linkage, drive))
+        refusal = assembly_error(gk.move(linkage, drive))
         assert refusal.field == "drive" and refusal.remedy.startswith("drive the ")
         turns = refusal.remedy.split()[-4] != "mm," and "deg" in refusal.remedy
         for low, high in re.findall(r"(-?[\d.]+) and (-?[\d.]+) (?:deg|mm)", refusal.remedy):
@@ -89,7 +89,7 @@ def test_the_branch_that_closes_it_is_told_and_does():
     assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
     assert "it closes there with rocker_pin = 1" in str(found)
     assert gk.move(six_bar, drive, found.branch).assembled.all()
-    refusal = never_closed(motion)
+    refusal = assembly_error(motion)
     assert "output_pin opens first" in refusal.problem and refusal.remedy == "take that branch"
 
 
@@ -143,7 +143,7 @@ NEVER = {
 @pytest.mark.parametrize("name", NEVER)
 def test_a_motion_that_closes_nowhere_is_refused_word_by_word(name):
     moved, opens, remedy = NEVER[name]
-    refusal = never_closed(moved())
+    refusal = assembly_error(moved())
     assert str(refusal) == f"drive: the linkage closes at no frame; the dyad at {opens}; {remedy}"
 
 
@@ -154,7 +154,7 @@ def test_guides_that_stand_parallel_at_the_only_frame_are_told_to_be_turned():
         "crank",
         sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
     )
-    assert str(never_closed(gk.move(yoke, [0.0]))) == (
+    assert str(assembly_error(gk.move(yoke, [0.0]))) == (
         "drive: the linkage closes at no frame; block cannot be placed, at crank 0 deg; turn its guides so that they do "
         "not stand parallel, or give another estimate of its pins"
     )
@@ -237,7 +237,7 @@ def test_drives_that_close_are_told_from_a_frame_where_a_dyad_s_branches_meet():
     bars = gk.FourBar(3, 1, 4, 2, 0.5j)
     assert gk.move(bars, [0.0]).branches["rocker_pin"] == 0
     six_bar = gk.StephensonSixBar(bars, 1.5, 1.0, 2 + 3j)
-    refusal = never_closed(gk.move(six_bar, [0.0]))
+    refusal = assembly_error(gk.move(six_bar, [0.0]))
     low, high = map(float, re.search(r"between ([\d.]+) and ([\d.]+) deg", refusal.remedy).groups())
     inside, beyond = np.linspace(low, high, 50), np.array([low - 0.3, high + 0.3])
     assert (

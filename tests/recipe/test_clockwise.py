@@ -100,7 +100,7 @@ def test_rates_are_those_of_a_driver_that_speeds_up_at_its_place(kind):
     text = template_of(kind, ["stroke"] if slides else [])
     head = text.split("[stroke]" if slides else "[drive]")[0]
     recipe = parse(head + DRIVES[kind])
-    way = recipe.way
+    way = recipe.input_range
     assert way.speed < 0 and way.frames[-1] < way.frames[0] and np.all(np.diff(way.frames) < 0)
     h, motion = 1e-4, recipe.motion
     t = np.array([-2, -1, 0, 1, 2]) * h
@@ -186,7 +186,7 @@ def test_an_end_where_the_speed_does_not_go_is_refused(make, field):
 @pytest.mark.parametrize("name", ["sieve", "lift-table"])
 def test_limits_are_the_same_from_either_end_of_a_span(name):
     recipe = gk.load(RECIPES / f"{name}.toml")
-    low, high = recipe.way.rising
+    low, high = recipe.input_range.rising
     rising = gk.driver_limits(recipe.linkage, recipe.branch, (low, high))
     falling = gk.driver_limits(recipe.linkage, recipe.branch, (high, low))
     assert np.array(falling) == pytest.approx(np.array(rising))

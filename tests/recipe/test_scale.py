@@ -205,7 +205,7 @@ def test_a_branch_by_place_and_a_sliding_driver_go_with_it():
     assert gk.load(data | {"branches": {"rocker_pin": -1}, "scale": 2}).branches == {"rocker_pin": -1}
     slide = gallery("slider-crank-by-slider")
     one, big = gk.load(slide), gk.load(slide | {"scale": 2})
-    assert big.stroke.speed == 2 * one.stroke.speed and len(big.way.frames) == len(one.way.frames)
+    assert big.stroke.speed == 2 * one.stroke.speed and len(big.input_range.frames) == len(one.input_range.frames)
     assert big.table["time"] == pytest.approx(one.table["time"])
 
 

@@ -128,7 +128,7 @@ def test_no_head_of_the_gallery_meets_anything_in_quarter_degrees(path):
     recipe = recipe if hasattr(recipe, "stack") else recipe.design
     if not hasattr(recipe, "stack") or recipe.stack.collisions:
         pytest.skip("no plates that lie on each other, or such as collide and say so")
-    way = recipe.way if hasattr(recipe, "way") else recipe.drive
+    way = recipe.input_range if hasattr(recipe, "input_range") else recipe.drive
     frames = way.frames
     fine = np.linspace(frames[0], frames[-1], 1441)
     motion = gk.move(recipe.linkage, fine, recipe.branch)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
-from ...core.names import csv_cells, text_beside
+from ...core.names import csv_cells, read_text_file
 from ...core.records import record
 from ...plane.vec import Real, Whole
 from .laws import Ends, Law, PiecewisePolynomial
@@ -70,7 +70,7 @@ def checked_rows(rows: object, field: str) -> Real:
 def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
-    text = text_beside(name, folder, "a CSV file")
+    text = read_text_file(name, folder, "a CSV file")
     # Counted first: as lists of numbers a file of this size takes a gigabyte.
     count = text.count("\n")
     if count > MOST_ROWS + 1:

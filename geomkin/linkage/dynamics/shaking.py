@@ -1,4 +1,4 @@
-"""Shaking force of the slider-crank, and the counterbalance that makes it least."""
+"""Shaking force of the slider-crank, and the counterbalance that minimises it."""
 
 from __future__ import annotations
 
@@ -20,27 +20,34 @@ from ..solve.branch import Branch
 
 # kg mm/s2 in N.
 NEWTON = 1e-3
-# Crank angles of the first look for the largest force. Fewer may miss a peak; +-90 deg must be among them, where
-# the force of a rod scarcely longer than the crank has a peak narrower than any spacing.
+# Crank angles of the first scan for the largest force. They must include +-90 deg, at which the force of a rod scarcely
+# longer than the crank has a peak narrower than any spacing.
 LOOKS = np.arange(720) * np.pi / 360
-# Peaks kept at most. Fewer may drop the largest; more take time where the force is nearly even, and rounding makes
-# hundreds.
+# Largest number of peaks examined; if the force is nearly constant rounding makes hundreds.
 PEAKS = 8
-# Narrowings of a peak, each to a quarter. Fewer leave an error in its value; more change no digit, as a peak is flat.
+# Number of times that a peak is narrowed, each to a quarter.
 NARROWINGS = 16
-# Share by which the largest force over the turn may exceed that at the deciding angles when the search ends. Smaller is
-# rounding, and the search goes on to its last round; larger, and digits of the result are lost.
+# Relative excess of the largest force over that at the deciding angles at which the search ends.
 SETTLED = 1e-12
-# Exchanges of the deciding angles at most. Five to twenty are usual; fewer may stop before the best is found.
+# Largest number of exchanges of the deciding angles; five to twenty are usual.
 ROUNDS = 100
 
 
 @record(checked=True)
 class SliderCrankMasses:
-    """Masses of a slider-crank and where they are, each in its body's own frame.
+    """Masses of a slider-crank and their centres, each in its body's frame.
 
-    The force is that of rigid bodies. A rod lumped at its two pins, its centre of mass kept, gives the same
-    force, so there is no such choice; a crank known by its imbalance, kg mm, is one of 1 kg at that many mm.
+    The force is that of rigid bodies. A rod lumped at its two pins with the same centre of mass gives the same force,
+    so that there is no such option; for a crank given by its imbalance in kg mm, use 1 kg at that many mm.
+
+    Parameters
+    ----------
+    crank, coupler, slider : float
+        Masses of crank, connecting rod and slider, kg; at least 0.
+    crank_centre : complex
+        Crank's centre of mass, mm from its pivot, x towards the crank pin.
+    coupler_centre : complex
+        Rod's centre of mass, mm from the crank pin, x towards the slider pin.
     """
 
     crank: float = quantity("mass of the crank", "kg", default=0.0, at_least=0, at_most=FARTHEST, example=0.5)
@@ -60,9 +67,14 @@ class SliderCrankMasses:
 class Counterbalance:
     """A counterbalance and the largest shaking force it leaves, over the whole turn.
 
-    product: mass times radius, kg mm, opposite the crank pin; complex where turned from there, by its angle
-    counterclockwise. largest: N at 1 rad/s, to be multiplied by the speed squared. angles: of the crank from the
-    slide line, rad, where that force is reached.
+    Parameters
+    ----------
+    product : complex
+        Mass times radius, kg mm, opposite the crank pin; its angle is counterclockwise from there.
+    largest : float
+        N at 1 rad/s; multiply by the speed squared.
+    angles : array
+        Angles of the crank from the slide line, rad, at which that force is reached.
     """
 
     product: complex
@@ -72,10 +84,30 @@ class Counterbalance:
 
 @checked
 def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: complex = 0.0) -> Complex:
-    """Force of a slider-crank's moving parts on the frame, (frames,) complex, N: -sum m a of their centres of mass.
+    """Force of a slider-crank's moving parts on the frame: -sum m a of their centres of mass.
 
-    counterbalance: mass times radius, kg mm, as in `Counterbalance`. nan where the linkage is open. DesignError for the
-    motion of anything else. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of a slider-crank.
+    masses : SliderCrankMasses
+        The masses.
+    counterbalance : complex
+        Mass times radius, kg mm, as in `Counterbalance`.
+
+    Returns
+    -------
+    array of complex, shape (frames,)
+        N; nan where the linkage is open.
+
+    Raises
+    ------
+    DesignError
+        If the motion is of another linkage.
+
+    Notes
+    -----
+    Derived here.
     """
     if not {"crank", "coupler", "slider"} <= set(motion.bodies):
         raise DesignError("motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank")
@@ -98,10 +130,33 @@ def judged_counterbalance(
     branch: Branch = 1,
     acceleration: float = 0.0,
 ) -> Counterbalance:
-    """A given counterbalance, kg mm, and the largest force it leaves: of all crank angles, not only sampled ones.
+    """The largest force that a given counterbalance leaves, over all crank angles, not only sampled ones.
 
-    branch as of the slider-crank driven by its crank. acceleration: of the crank at every angle, over its speed
-    squared. DesignError where the crank does not turn fully. Derived here.
+    Parameters
+    ----------
+    linkage : SliderCrank
+        Its crank must turn fully.
+    masses : SliderCrankMasses
+        The masses.
+    product : complex
+        Mass times radius of the counterbalance, kg mm.
+    branch : {+1, -1, "follow"}, mapping or Continuation
+        Branch of the slider-crank driven by its crank.
+    acceleration : float
+        Angular acceleration of the crank over its speed squared, the same at every angle.
+
+    Returns
+    -------
+    Counterbalance
+
+    Raises
+    ------
+    DesignError
+        If the crank does not turn fully.
+
+    Notes
+    -----
+    Derived here.
     """
     angles, forces = _peaks(linkage, masses, product, branch, acceleration)
     sizes = np.abs(forces + product) * abs(1 - 1j * acceleration)
@@ -116,32 +171,50 @@ def best_counterbalance(
     turned: bool = False,
     acceleration: float = 0.0,
 ) -> Counterbalance:
-    """The counterbalance that makes the largest shaking force over the turn least.
+    """The counterbalance that minimises the largest shaking force over the turn.
 
-    Along the crank, its product real and negative on the pin's side; `turned`: at any angle to it, complex.
-    acceleration: of the crank at every angle, over its speed squared. Seen from the crank, and divided by the force of
-    1 kg mm, the force runs along a closed curve and a counterbalance shifts it, so the best one is less the centre of
-    the smallest circle round the curve. Found by exchange: the circle round a few points exactly, then the curve's
-    farthest points join them, until none lies outside. The largest force is right to 1e-11 of the force without any.
-    DesignError where the crank does not turn fully. Derived here.
+    Parameters
+    ----------
+    linkage, masses, branch, acceleration
+        As for `judged_counterbalance`.
+    turned : bool
+        Whether the counterbalance may be at any angle to the crank (complex product); otherwise it is along the crank,
+        its product real, negative on the pin's side.
+
+    Returns
+    -------
+    Counterbalance
+        Its largest force is accurate to 1e-11 of the force without a counterbalance.
+
+    Raises
+    ------
+    DesignError
+        If the crank does not turn fully.
+
+    Notes
+    -----
+    In the crank's frame, divided by the force of 1 kg mm, the force runs along a closed curve and a
+    counterbalance shifts it, so the best one is minus the centre of the smallest circle around the curve. It is found
+    by exchange: the circle around a few points exactly, then the curve's farthest points join them, until none is
+    outside. Derived here.
     """
-    held = _peaks(linkage, masses, 0.0, branch, acceleration)[1]
-    size = float(np.abs(held).max())
+    points = _peaks(linkage, masses, 0.0, branch, acceleration)[1]
+    size = float(np.abs(points).max())
     for _ in range(ROUNDS):
-        product = _centred(held, turned)
+        product = _centred(points, turned)
         forces = _peaks(linkage, masses, product, branch, acceleration)[1]
-        far, radius = np.abs(forces + product), np.abs(held + product).max()
+        far, radius = np.abs(forces + product), np.abs(points + product).max()
         if far.max() <= radius + SETTLED * size:
             break
-        deciding = held[np.abs(held + product) >= (1 - 1e-6) * radius]
-        held = np.concatenate([deciding, forces[far > radius]])
+        deciding = points[np.abs(points + product) >= (1 - 1e-6) * radius]
+        points = np.concatenate([deciding, forces[far > radius]])
     return judged_counterbalance(linkage, masses, product, branch, acceleration)
 
 
 def _from_crank(
     linkage: SliderCrank, masses: SliderCrankMasses, angles: Real, branch: Branch, acceleration: float
 ) -> Complex:
-    """sum m a in the crank's own frame over that of 1 kg mm on the crank: a counterbalance adds its product to it."""
+    """sum m a in the crank's frame over that of 1 kg mm on the crank: a counterbalance adds its product to it."""
     motion = move(linkage, angles.ravel(), branch, 1.0, acceleration)
     force = shaking_force(motion, masses) / -NEWTON / (1 - 1j * acceleration)
     return (force * np.conj(motion.bodies["crank"].direction)).reshape(angles.shape)
@@ -172,9 +245,9 @@ def _peaks(
 
 
 def _centred(p: Complex, turned: bool) -> complex:
-    """The product u that makes the largest |p + u| least, real or complex: the exact optimum over a few points.
+    """The product u that minimises the largest |p + u|, real or complex: the exact optimum over a few points.
 
-    It is decided by one, two or three of the points, at equal distance: all such choices are tried.
+    It is decided by one, two or three of the points, at equal distance: all combinations are tried.
     """
     one, two = (np.array(side) for side in zip(*combinations(p, 2))) if len(p) > 1 else (p[:0], p[:0])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -189,6 +262,6 @@ def _centred(p: Complex, turned: bool) -> complex:
 
 
 def _circumcentre(a: complex, b: complex, c: complex) -> complex:
-    """Less the centre of the circle through three points; not finite where they are in line."""
+    """Minus the centre of the circle through three points; not finite if they are in line."""
     b, c = b - a, c - a
     return -(a + 1j * (c * abs(b) ** 2 - b * abs(c) ** 2) / (-2 * np.float64(cross(b, c))))

@@ -1,4 +1,4 @@
-"""Instant centres: where two bodies of a linkage have the same velocity."""
+"""Instant centres: points at which two bodies of a linkage have the same velocity."""
 
 from __future__ import annotations
 
@@ -15,17 +15,25 @@ from ...plane.vec import Complex, Mask, Real, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
 
-# Distance, in sizes of the linkage, from which a centre counts as at infinity. Rates carry 16 digits, so what lies
-# farther is rounding. Larger, and a parallelogram's coupler gets a centre; smaller, and true far ones are lost.
+# Distance, in sizes of the linkage, beyond which a centre counts as at infinity. Rates have 16 digits, so that larger
+# distances are rounding.
 FAR = 1e12
 
 
 @record(checked=True, eq=False)
 class InstantCentre:
-    """A point that may lie at infinity, without loss of digits near it: `reference` + `arm` / `weight`, mm.
+    """A point that may be at infinity, accurate also near infinity: `reference` + `arm` / `weight`, mm.
 
-    weight: 0 where the point is at infinity. All (frames,), nan where there is no such point. Derived here: a point in
-    homogeneous coordinates about a place near the body.
+    Parameters
+    ----------
+    reference, arm : array of complex
+        mm; a point near the body, and the direction and scaled distance from there.
+    weight : array
+        0 where the point is at infinity. All arrays are (frames,), nan where there is no such point.
+
+    Notes
+    -----
+    Derived here: a point in homogeneous coordinates about a point near the body.
     """
 
     reference: Complex
@@ -34,29 +42,47 @@ class InstantCentre:
 
     @property
     def position(self) -> Complex:
-        """mm; nan where at infinity."""
+        """Position, mm; nan where at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            near = self.reference + np.divide(self.arm, self.weight)
-        return np.where(self.weight != 0, near, complex(np.nan, np.nan))
+            position = self.reference + np.divide(self.arm, self.weight)
+        return np.where(self.weight != 0, position, complex(np.nan, np.nan))
 
     @property
     def direction(self) -> Complex:
-        """Direction in which the point lies where it is at infinity, unit complex; the opposite one is the same point.
+        """Direction of a point at infinity, unit complex; the opposite direction is the same point.
 
-        Elsewhere the line through `reference` in this direction leads to the point; nan where the two coincide.
+        For other points, the direction of the line from `reference` to the point; nan if the two coincide.
         """
         return unit(self.arm)
 
 
 @checked
 def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
-    """The point at which two bodies have the same velocity, (frames,); at infinity where they turn alike.
+    """The point at which two bodies have the same velocity; at infinity where they turn at the same rate.
 
-    Where a pin or a slider joins the two it is their pin, or infinity square to the line. Otherwise, with f the
-    velocity of the first body's origin less that of the second body's point there, and w the difference of their
-    rates of turning, the centre lies at the origin + i f / w. nan where the linkage is open and where the driver
-    stands at its own dead centre, where rates are infinite. DesignError for a body that the linkage has not.
-    Derived here; Kennedy's theorem, that three bodies' centres lie in line, is the test.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of the linkage.
+    body, other : str
+        Names of the two bodies.
+
+    Returns
+    -------
+    InstantCentre
+        Arrays of the motion's shape; nan where the linkage is open and at a dead centre of the driver.
+
+    Raises
+    ------
+    DesignError
+        If the linkage has no such body, or both are the same.
+
+    Notes
+    -----
+    If a pin or a slider joins the two bodies it is their pin, or at infinity perpendicular to the line.
+    Otherwise, with f the velocity of the first body's origin less that of the second body's point there, and w the
+    difference of their angular velocities, the centre is at the origin + i f / w. Derived here; Kennedy's theorem, that
+    the centres of three bodies are in line, is the test.
     """
     for name in (body, other):
         if name not in motion.bodies:
@@ -79,17 +105,28 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
             weight = one.first - two.first
             rest = _at_rest(motion, arm, weight)
             if np.any(rest):
-                # Where both bodies turn back together this is 0 / 0, and the derivatives tell the ratio.
-                turn = 1j * two.second - two.first**2
-                gain = 1j * (one.origin.second - two.origin.second - turn * apart)
-                arm, weight = np.where(rest, gain, arm), np.where(rest, one.second - two.second, weight)
+                # Where both bodies reverse together this is 0 / 0, and the ratio is that of the derivatives.
+                rotation = 1j * two.second - two.first**2
+                arm_rate = 1j * (one.origin.second - two.origin.second - rotation * apart)
+                arm, weight = np.where(rest, arm_rate, arm), np.where(rest, one.second - two.second, weight)
             weight = settled(weight, abs(arm), motion.linkage.size)
     return InstantCentre(*(known(motion.assembled, v) for v in (reference, arm, weight)))
 
 
 @checked
 def instant_centres(motion: Motion) -> Mapping[tuple[str, str], InstantCentre]:
-    """All n (n - 1) / 2 instant centres of n bodies, by pairs of names in the linkage's order."""
+    """All n (n - 1) / 2 instant centres of n bodies.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of the linkage.
+
+    Returns
+    -------
+    mapping of (str, str) to InstantCentre
+        By pairs of names in the linkage's order.
+    """
     return {(body, other): instant_centre(motion, body, other) for body, other in combinations(motion.bodies, 2)}
 
 
@@ -99,18 +136,18 @@ def settled(weight: Real, arm: Real, size: Real) -> Real:
     return np.where(far, 0.0, weight)
 
 
-def _at_rest(motion: Motion, slide: Complex, turn: Real) -> Mask:
-    """Whether a relative motion is no more than the rounding of the linkage's liveliest body, (frames,)."""
+def _at_rest(motion: Motion, slide: Complex, rotation: Real) -> Mask:
+    """Whether a relative motion is only rounding compared with the fastest body, (frames,)."""
     extent = motion.linkage.size
-    liveliest = reduce(np.maximum, [abs(b.origin.first) + abs(b.first) * extent for b in motion.bodies.values()])
-    return np.less_equal((abs(slide) + abs(turn) * extent) * FAR, liveliest)
+    fastest = reduce(np.maximum, [abs(b.origin.first) + abs(b.first) * extent for b in motion.bodies.values()])
+    return np.less_equal((abs(slide) + abs(rotation) * extent) * FAR, fastest)
 
 
 def pin_between(linkage: Linkage, body: str, other: str) -> str | None:
-    """Name of the pin that joins two bodies."""
+    """Name of the pin that joins two bodies, or None."""
     return next((name for name, joined in linkage.pins.items() if {body, other} <= set(joined)), None)
 
 
 def slider_between(linkage: Linkage, body: str, other: str) -> Slider | None:
-    """The slider that joins two bodies."""
+    """The slider that joins two bodies, or None."""
     return next((slider for slider in linkage.sliders if {slider.body, slider.along} == {body, other}), None)

@@ -16,15 +16,14 @@ from ..motion import Motion
 from ..moving import move
 from .centres import pin_between, settled, slider_between
 
-# Share of its terms from which a sum is rounding. Smaller, and a slider's pin gets a centre of curvature and a cusp a
-# radius; larger, and flat paths and sharp bends are lost.
+# Share of its terms below which a sum counts as rounding. With a smaller value a slider's pin gets a centre of
+# curvature and a cusp a radius; with a larger one flat paths and sharp bends are lost.
 ROUNDING = 1e-14
-# Speed of a point, as a share of its terms, below which a bend that is lost in rounding says nothing of the radius, as
-# the point is too near the instant centre. Smaller, and short radii are told as straight; larger, and straight paths
-# as nan.
+# Speed of a point, as a share of its terms, below which the point is so near the instant centre that a curvature lost
+# in rounding is reported as nan instead of straight.
 SLOW = 1e-3
-# Square of a body's speed over its acceleration, in sizes of the linkage, below which it counts as turning back. Six
-# digits of the curvature are left there. Smaller, and rounding is told as curvature; larger, and true values are lost.
+# Square of a body's speed over its acceleration, in sizes of the linkage, below which it counts as reversing. Six
+# digits of the curvature are left there.
 TURNING_BACK = 1e-10
 # 1/a - 1/c - 1/j = 0, the Euler-Savary equation.
 SIGN = {"point": 1, "centre": -1, "inflection": -1}
@@ -32,10 +31,20 @@ SIGN = {"point": 1, "centre": -1, "inflection": -1}
 
 @record(checked=True, eq=False)
 class PathCurvature:
-    """A point on its path to second order; any shape.
+    """A point on its path to second order; arrays of any shape.
 
-    position: mm. tangent: a direction of any length, kept as a unit one; nan at a cusp. curvature: 1/mm, positive where
-    the path turns left along `tangent`; 0 where straight, inf at a cusp. Derived here.
+    Parameters
+    ----------
+    position : complex or array
+        mm.
+    tangent : complex or array
+        Direction of any length, stored with length 1; nan at a cusp.
+    curvature : float or array
+        1/mm, positive if the path turns left along `tangent`; 0 if straight, inf at a cusp.
+
+    Notes
+    -----
+    Derived here.
     """
 
     position: Complex
@@ -47,14 +56,14 @@ class PathCurvature:
 
     @property
     def radius(self) -> Real:
-        """Radius of curvature, mm, signed as the curvature; inf where straight, 0 at a cusp."""
+        """Radius of curvature, mm, signed as the curvature; inf if straight, 0 at a cusp."""
         with np.errstate(divide="ignore"):
             size = np.divide(1, np.abs(self.curvature))
         return size * np.where(np.asarray(self.curvature) < 0, -1, 1)
 
     @property
     def centre(self) -> Complex:
-        """Centre of curvature, mm; nan where straight, the point itself at a cusp."""
+        """Centre of curvature, mm; nan if straight, the point itself at a cusp."""
         with np.errstate(invalid="ignore"):
             centre = self.position + 1j * np.asarray(self.tangent) * self.radius
         straight = np.where(np.asarray(self.curvature) == 0, complex(np.nan, np.nan), centre)
@@ -63,9 +72,22 @@ class PathCurvature:
 
 @checked
 def crank_path(pin: Places, pivot: Places) -> PathCurvature:
-    """The circle of a pin about a pivot, run counterclockwise; both mm, of any shape. Derived here.
+    """The circle of a pin about a pivot, counterclockwise.
 
     The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
+
+    Parameters
+    ----------
+    pin, pivot : complex or array_like
+        mm, of any shape.
+
+    Returns
+    -------
+    PathCurvature
+
+    Notes
+    -----
+    Derived here.
     """
     pin, arm = np.asarray(pin, dtype=complex), np.asarray(pin, dtype=complex) - pivot
     with np.errstate(divide="ignore"):
@@ -74,13 +96,34 @@ def crank_path(pin: Places, pivot: Places) -> PathCurvature:
 
 @checked
 def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
-    """Path of a body's point `local`, mm in the body's frame, on the ground, along rising drive; (frames,).
+    """Path of a body's point on the ground, to second order, along rising drive.
 
-    With V and A its first and second kinematic coefficients the curvature is V x A / |V|^3; a body joined to the
-    ground, and a pin that it shares with others, turns about a pivot or runs along a slide. nan where the linkage is
-    open, where the driver stands at its own dead centre, where all points of the body turn back, and for points so
-    near the instant centre that the digits do not tell a straight path from a bent one. DesignError for a body that
-    the linkage has not, and for several points that are not one for each frame. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of the linkage.
+    body : str
+        Name of the body.
+    local : complex or array
+        The point, mm in the body's frame; one, or one for each frame.
+
+    Returns
+    -------
+    PathCurvature
+        Arrays of the motion's shape. nan where the linkage is open, at a dead centre of the driver, where all
+        points of the body reverse, and for points so near the instant centre that straight and curved paths cannot be
+        distinguished.
+
+    Raises
+    ------
+    DesignError
+        If the linkage has no such body, or the number of points is not that of the frames.
+
+    Notes
+    -----
+    With V and A the first and second kinematic coefficients of the point the curvature is V x A / |V|^3. A
+    body joined to the ground, and a pin that it shares with others, turns about a pivot or runs along a slide. Derived
+    here.
     """
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
@@ -104,7 +147,7 @@ def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
 
 
 def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, complex | Complex]:
-    """The same point as one of a body that is joined to the ground, where a pin makes it one."""
+    """The same point as a point of a body joined to the ground, if a pin makes it one."""
     linkage = motion.linkage
 
     def joined(name: str) -> bool:
@@ -122,35 +165,36 @@ def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, c
 def second_order(motion: Motion, body: str, settle: bool = True) -> tuple[Complex, Complex, Real, Real]:
     """First and second coefficients of a body's origin, then of its angle; nan where second order is lost.
 
-    settle: a turn that is rounding is 0, as where it would make a far point of an infinite one.
+    settle: rotation that is only rounding becomes 0, which keeps a point at infinity there.
     """
     moved, extent = motion.bodies[body], motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
-        velocity, acceleration, turn, turn_rate = moved.origin.first, moved.origin.second, moved.first, moved.second
-        speed = abs(velocity) + abs(turn) * extent
-        gain = abs(acceleration) + abs(turn_rate) * extent
-        lost = (speed**2 <= TURNING_BACK * gain * extent) | ~np.isfinite(gain)
+        velocity, acceleration = moved.origin.first, moved.origin.second
+        theta_prime, theta_second = moved.first, moved.second
+        speed = abs(velocity) + abs(theta_prime) * extent
+        speed_rate = abs(acceleration) + abs(theta_second) * extent
+        lost = (speed**2 <= TURNING_BACK * speed_rate * extent) | ~np.isfinite(speed_rate)
         if settle:
-            turn = settled(turn, abs(velocity), extent)
-            turn_rate = settled(turn_rate, abs(acceleration), extent)
-    kept = [known(~lost, part) for part in (velocity, acceleration, turn, turn_rate)]
-    return kept[0], kept[1], kept[2], kept[3]
+            theta_prime = settled(theta_prime, abs(velocity), extent)
+            theta_second = settled(theta_second, abs(acceleration), extent)
+    parts = [known(~lost, part) for part in (velocity, acceleration, theta_prime, theta_second)]
+    return parts[0], parts[1], parts[2], parts[3]
 
 
 def path_in(
-    position: Complex, arm: Complex, velocity: Complex, acceleration: Complex, turn: Real, turn_rate: Real
+    position: Complex, arm: Complex, velocity: Complex, acceleration: Complex, theta_prime: Real, theta_second: Real
 ) -> PathCurvature:
-    """The path of a body's point, an arm away from a place with this velocity and acceleration."""
-    v, a = (velocity, 1j * turn * arm), (acceleration, (1j * turn_rate - turn**2) * arm)
+    """The path of a body's point, at `arm` from a point with this velocity and acceleration."""
+    v, a = (velocity, 1j * theta_prime * arm), (acceleration, (1j * theta_second - theta_prime**2) * arm)
     first, second = v[0] + v[1], a[0] + a[1]
-    speed, bend = abs(first), cross(first, second)
-    # Speed and bend are sums: where their terms cancel, what is left is rounding of the terms.
-    speed_terms, gain_terms = abs(v[0]) + abs(v[1]), abs(a[0]) + abs(a[1])
-    lost = abs(bend) <= ROUNDING * (speed_terms * abs(second) + speed * gain_terms)
+    speed, numerator = abs(first), cross(first, second)
+    # Speed and numerator are sums: if their terms cancel, only rounding is left.
+    speed_terms, rate_terms = abs(v[0]) + abs(v[1]), abs(a[0]) + abs(a[1])
+    lost = abs(numerator) <= ROUNDING * (speed_terms * abs(second) + speed * rate_terms)
     straight = np.where(speed > SLOW * speed_terms, 0.0, np.nan)
     cusp = speed <= ROUNDING * speed_terms
     with np.errstate(divide="ignore", invalid="ignore"):
-        curvature = np.where(cusp, np.inf, np.where(lost, straight, bend / speed**3))
+        curvature = np.where(cusp, np.inf, np.where(lost, straight, numerator / speed**3))
     return PathCurvature(position, known(~cusp, unit(first)), np.where(speed_terms > 0, curvature, np.nan))
 
 
@@ -162,17 +206,44 @@ def euler_savary(
     centre: Extended | None = None,
     inflection: Extended | None = None,
 ) -> Real:
-    """The fourth of four places on a ray through the instant centre, from the other three.
+    """The Euler-Savary equation: one of four points on a ray through the instant centre, from the other three.
 
-    All are signed distances along the ray from one origin, mm, arrays of any shapes that broadcast: the instant
-    centre I, a point A of the body, the centre of curvature C of its path, and J where the ray cuts the
-    inflection circle. (A - I)^2 = (A - J)(A - C); with a, c, j the distances from I: 1/a - 1/c = 1/j. j is
-    D cos(psi), with D the circle's diameter and psi the ray's angle from the centrode normal; the centrodes'
-    own centres of curvature O_M and O_F are such a pair A and C with j = D.
+    All are signed distances along the ray from one origin, mm, arrays of any shapes that broadcast. Give exactly three.
 
-    Point, centre and inflection may be inf (a slider; one infinity at both ends of the ray). The instant centre has
-    two answers, (2, ...), the greater first; nan where there is none. nan also where the three do not say. DesignError
-    unless exactly three are given. Both forms: Hall, Kinematics and Linkage Design, 1961, on path curvature.
+    Parameters
+    ----------
+    instant_centre : float or array_like, optional
+        Instant centre I.
+    point : float or array_like, optional
+        A point A of the body; may be inf.
+    centre : float or array_like, optional
+        Centre of curvature C of its path; may be inf (a slider).
+    inflection : float or array_like, optional
+        Intersection J of the ray with the inflection circle; may be inf.
+
+    Returns
+    -------
+    array
+        The missing distance, mm; nan if the three do not determine it. The instant centre has two solutions, shape (2,
+        ...), the greater first; nan if there is none.
+
+    Raises
+    ------
+    DesignError
+        Unless exactly three are given.
+
+    Notes
+    -----
+    (A - I)^2 = (A - J)(A - C); with a, c, j the distances from I: 1/a - 1/c = 1/j. j is D cos(psi), with D
+    the circle's diameter and psi the ray's angle from the centrode normal; the centrodes' own centres of curvature O_M
+    and O_F are such a pair A and C with j = D. Both forms: Hall, Kinematics and Linkage Design, 1961, on path
+    curvature. A line has one infinity at both ends of the ray.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> float(gk.linkage.euler_savary(instant_centre=0.0, point=30.0, inflection=20.0))
+    -60.0
     """
     places = {"instant_centre": instant_centre, "point": point, "centre": centre, "inflection": inflection}
     missing = [name for name, place in places.items() if place is None]
@@ -185,7 +256,7 @@ def euler_savary(
         if wanted == "instant_centre":
             return _instant_centres(known["point"], known["centre"], known["inflection"])
         base = known.pop("instant_centre")
-        # Each distance as n / d, with 1 / 0 for infinity, so that nothing is subtracted from infinity.
+        # Each distance is n / d, with 1 / 0 for infinity, so that nothing is subtracted from infinity.
         (n1, d1, sign1), (n2, d2, sign2) = (
             (np.where(np.isinf(place), 1.0, place - base), np.where(np.isinf(place), 0.0, 1.0), SIGN[name])
             for name, place in known.items()
@@ -197,7 +268,7 @@ def euler_savary(
 def _instant_centres(point: Real, centre: Real, inflection: Real) -> Real:
     product = (point - inflection) * (point - centre)
     root = np.where(np.isinf(product), np.inf, np.sqrt(product))
-    # A point at infinity has its centre and its inflection point equally far on both sides of one instant centre.
+    # If the point is at infinity, its centre and its inflection point are equally far from the one instant centre.
     second = np.where(np.isinf(point), 0.5 * (centre + inflection), point - root)
     return np.stack(np.broadcast_arrays(point + root, second))
 
@@ -206,18 +277,37 @@ def _instant_centres(point: Real, centre: Real, inflection: Real) -> Real:
 class DirectContact:
     """A turning body that drives a follower by rolling and sliding contact: a cam, a roller, two curved levers.
 
-    All fields of one shape (positions,), or one position; places mm, seen from the ground.
-    point: where they touch. normal: the common normal, from the driver into the follower, of any length.
-    driver_radius, follower_radius: radius of curvature of each surface there, mm, positive where convex, inf
-    where straight, 0 at an edge. A roller may count as part of the driver: point its centre, follower_radius 0 and
-    driver_radius that of the pitch curve. driver_pivot: about which the driver turns.
-    Give the follower one of follower_pivot, about which it turns, or follower_direction, along which it slides.
+    Arrays have one shape (positions,), or all are numbers; positions in the ground's frame. Give either
+    `follower_pivot` or `follower_direction`. A roller may count as part of the driver: then `point` is its centre,
+    `follower_radius` 0 and `driver_radius` that of the pitch curve.
 
-    Two bodies in contact move, to the second order, as if a bar joined their centres of curvature; where a surface
-    is straight a slider on it takes the place of the bar. Hence the follower's velocity and acceleration need
-    the curvature at the contact and not the curve's equation. They are not finite where the follower cannot give way
-    along the normal, and where the two surfaces have one centre of curvature. DesignError if both are straight.
-    Derived here, after the equivalent linkage of the textbooks.
+    Parameters
+    ----------
+    point : complex or array
+        Point of contact, mm.
+    normal : complex or array
+        Common normal, from the driver into the follower, of any length.
+    driver_radius, follower_radius : float or array
+        Radius of curvature of each surface there, mm, positive if convex, inf if straight, 0 at an edge.
+    driver_pivot : complex or array
+        Pivot of the driver, mm.
+    follower_pivot : complex or array, optional
+        Pivot of a follower that turns, mm.
+    follower_direction : complex or array, optional
+        Direction of a follower that slides.
+
+    Raises
+    ------
+    DesignError
+        If both surfaces are straight, or not exactly one of pivot and direction is given.
+
+    Notes
+    -----
+    To the second order, two bodies in contact move as if a bar joined their centres of curvature; for a
+    straight surface a slider on it replaces the bar. So the follower's velocity and acceleration depend on the
+    curvatures at the contact and not on the equations of the curves. They are not finite if the follower cannot move
+    along the normal, or if both surfaces have the same centre of curvature. Derived here, after the equivalent linkage
+    of the textbooks.
     """
 
     point: Place
@@ -237,12 +327,12 @@ class DirectContact:
 
     @property
     def driver_centre(self) -> Complex:
-        """Centre of curvature of the driver's surface, mm; not finite where it is straight."""
+        """Centre of curvature of the driver's surface, mm; not finite if it is straight."""
         return self._centre(-np.asarray(self.driver_radius))
 
     @property
     def follower_centre(self) -> Complex:
-        """Centre of curvature of the follower's surface, mm; not finite where it is straight."""
+        """Centre of curvature of the follower's surface, mm; not finite if it is straight."""
         return self._centre(np.asarray(self.follower_radius))
 
     def _centre(self, along: Real) -> Complex:
@@ -251,31 +341,32 @@ class DirectContact:
 
     @property
     def first(self) -> Real:
-        """Follower's first kinematic coefficient: rad per rad of the driver, or mm per rad where it slides."""
+        """Follower's first kinematic coefficient: rad per rad of the driver, or mm per rad if it slides."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return dot(self._normal, self._driver_way) / dot(self._normal, self._way)
+            return dot(self._normal, self._driver_velocity) / dot(self._normal, self._follower_velocity)
 
     @property
     def sliding(self) -> Real:
-        """How fast the follower's surface slides on the driver's, mm per rad, positive to the left of the normal."""
+        """Sliding velocity of the follower's surface on the driver's, mm per rad, positive left of the normal."""
         with np.errstate(invalid="ignore"):
-            return dot(1j * self._normal, self.first * self._way - self._driver_way)
+            return dot(1j * self._normal, self.first * self._follower_velocity - self._driver_velocity)
 
     @property
     def second(self) -> Real:
-        """Follower's second kinematic coefficient: rad, or mm where it slides, per rad squared of the driver."""
+        """Follower's second kinematic coefficient: rad, or mm if it slides, per rad squared of the driver."""
         n, f, point = self._normal, self.first, np.asarray(self.point)
         with np.errstate(invalid="ignore", divide="ignore"):
             along = self._curving(0 * f if self.follower_pivot is None else f) - dot(n, point - self.driver_pivot)
             if self.follower_pivot is not None:
                 along = along + f**2 * dot(n, point - self.follower_pivot)
-            return along / dot(n, self._way)
+            return along / dot(n, self._follower_velocity)
 
     def _curving(self, h: Real) -> Real:
-        """What the two curvatures add along the normal: r1 + h^2 r2 - (r1 + r2) k^2, k the turning of the bar.
+        """Contribution of the curvatures along the normal: r1 + h^2 r2 - (r1 + r2) k^2, k the first coefficient of the
+        bar.
 
-        r1, r2 the radii, s the sliding, h the follower's turning: (r1 + r2) k = s + r1 + h r2. As a radius goes to
-        infinity, r1 (1 - h)^2 - 2 h s for a straight follower, r2 (1 - h)^2 - 2 s for a straight driver.
+        r1, r2 the radii, s the sliding, h the follower's first coefficient: (r1 + r2) k = s + r1 + h r2. As a radius
+        goes to infinity: r1 (1 - h)^2 - 2 h s for a straight follower, r2 (1 - h)^2 - 2 s for a straight driver.
         """
         r1, r2, s = np.asarray(self.driver_radius), np.asarray(self.follower_radius), self.sliding
         both = r1 + h**2 * r2 - (s + r1 + h * r2) ** 2 / (r1 + r2)
@@ -285,10 +376,10 @@ class DirectContact:
 
     @property
     def linkage(self) -> Linkage:
-        """The equivalent linkage of one position, which stands there at drive 0, on branch `branch`.
+        """The equivalent linkage of one position, which is there at drive 0, on the branch `branch`.
 
-        Bodies ground, driver, coupler (a bar, or a slider on the straight surface) and follower; the frames of
-        driver and follower are turned as the ground's is.
+        Bodies ground, driver, coupler (a bar, or a slider on the straight surface) and follower; the frames of driver
+        and follower are parallel to the ground's.
         """
         for field, given in vars(self).items():
             if np.ndim(given) and field in self.__dataclass_fields__:
@@ -311,26 +402,28 @@ class DirectContact:
         else:
             sliders.append(Slider("contact", "coupler", "follower", through=c1 - home, direction_deg=along))
         if self.follower_direction is not None:
-            way = float(np.degrees(np.angle(self.follower_direction)))
-            sliders.append(Slider("guide", "follower", "ground", through=home, direction_deg=way, angle_deg=-way))
+            direction = float(np.degrees(np.angle(self.follower_direction)))
+            sliders.append(
+                Slider("guide", "follower", "ground", through=home, direction_deg=direction, angle_deg=-direction)
+            )
         bodies = {"ground": ground, "driver": driver, "coupler": coupler, "follower": follower}
         return Linkage(bodies, "driver", tuple(sliders))
 
     @property
     def branch(self) -> Literal[1, -1]:
-        """The branch of `linkage` that is the position given; +1 where both are."""
+        """The branch of `linkage` that is the given position; +1 if both are."""
 
-        def off(branch: Literal[1, -1]) -> float:
+        def distance(branch: Literal[1, -1]) -> float:
             follower = move(self.linkage, [0.0], branch).bodies["follower"]
             moved = follower.point(complex(self.point) - self._home).position[0] - complex(self.point)
             away = abs(moved) + abs(follower.origin.position[0] - self._home)
             return float(away) if np.isfinite(away) else np.inf
 
-        return 1 if off(1) <= off(-1) else -1
+        return 1 if distance(1) <= distance(-1) else -1
 
     @property
     def _home(self) -> complex:
-        """Where the follower has its own origin: its pivot, or the contact."""
+        """The follower's origin: its pivot, or the contact."""
         return complex(self.point if self.follower_pivot is None else self.follower_pivot)
 
     @cached_property
@@ -338,13 +431,13 @@ class DirectContact:
         return unit(self.normal)
 
     @property
-    def _driver_way(self) -> Complex:
-        """Where the driver's point of contact goes, mm per rad of the driver."""
+    def _driver_velocity(self) -> Complex:
+        """Velocity of the driver's point of contact, mm per rad of the driver."""
         return 1j * (np.asarray(self.point) - self.driver_pivot)
 
     @property
-    def _way(self) -> Complex:
-        """Where the follower's point of contact goes, mm per rad or mm of the follower."""
+    def _follower_velocity(self) -> Complex:
+        """Velocity of the follower's point of contact, mm per rad or mm of the follower."""
         if self.follower_direction is not None:
             return unit(self.follower_direction)
         arm: Complex = np.asarray(self.point) - np.asarray(self.follower_pivot)

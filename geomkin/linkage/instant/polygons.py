@@ -19,10 +19,19 @@ from ..motion import Motion
 class Vector:
     """One vector of a polygon.
 
-    kind: absolute (pole to a point), difference (point to point of one body), normal and tangential (its
-    parts in an acceleration polygon), sliding (of a slider on its guide), coriolis. start, end: the points it leads
-    between; of parts, those of the whole. body: the body both points are of, the slider's for what slides.
-    tail, tip: mm on the drawing. value: complex, mm/s or mm/s2.
+    Parameters
+    ----------
+    kind : str
+        "absolute" (pole to a point), "difference" (point to point of one body), "normal" and "tangential" (its parts in
+        an acceleration polygon), "sliding" (of a slider on its guide) or "coriolis".
+    body : str
+        The body of both points; for sliding and Coriolis vectors the slider's body.
+    start, end : str
+        Names of the points; for a part, those of the whole.
+    tail, tip : complex
+        mm on the drawing.
+    value : complex
+        mm/s or mm/s2.
     """
 
     kind: str
@@ -38,10 +47,18 @@ class Vector:
 class VectorPolygon:
     """Velocities or accelerations of all named points, drawn from the pole at 0.
 
-    scale: mm on the drawing per mm/s or mm/s2. points: where each named point's vector from the pole ends, mm;
-    fixed points lie at the pole, and so does `POLE` itself. vectors: absolute ones first. images: for each moving
-    body of two points or more, its points in order; they span its image, a figure similar to the body: turned
-    by 90 deg and omega times as large for velocities, |i alpha - omega^2| times for accelerations (Mehmke's theorem).
+    Parameters
+    ----------
+    scale : float
+        mm on the drawing per mm/s or mm/s2.
+    points : mapping of str to complex
+        End of each named point's vector from the pole, mm; fixed points, and `POLE`, are at the pole.
+    vectors : tuple of Vector
+        Absolute ones first.
+    images : mapping of str to tuple of str
+        For each moving body with two or more points, its points in order. They span its image, a figure similar to the
+        body: turned by 90 deg and omega times as large for velocities, |i alpha - omega^2| times for accelerations
+        (Mehmke's theorem).
     """
 
     scale: float
@@ -50,10 +67,9 @@ class VectorPolygon:
     images: Mapping[str, tuple[str, ...]]
 
 
-# Name of the pole, where everything at rest is.
+# Name of the pole, the image of all points at rest.
 POLE = "pole"
-# Share of the largest vector below which one counts as zero and is left out. Smaller, and rounding is drawn as vectors;
-# larger, and true short ones are missing.
+# Share of the largest vector below which one counts as zero and is omitted.
 ROUNDING = 1e-12
 
 
@@ -61,10 +77,31 @@ ROUNDING = 1e-12
 def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None) -> VectorPolygon:
     """Velocity polygon of one frame.
 
-    scale, mm per mm/s, is the largest of 1, 2, 5, 10, ... that keeps both sides of the polygon within `size`
-    mm, unless given. Where a slider's guide moves, the guide's point under the slider is named "slide on guide"
-    after both; the sliding velocity leads from there to the slider's point. DesignError where the linkage is open
-    or its velocities are not finite, and where nothing moves and no scale is given. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+    frame : int
+        Index of the frame; may be negative, from the end.
+    size : float
+        Largest side of the polygon, mm.
+    scale : float, optional
+        mm per mm/s; by default the largest of 1, 2, 5, 10, ... that keeps the polygon within `size`.
+
+    Returns
+    -------
+    VectorPolygon
+        If a slider's guide moves, the guide's point under the slider is named "slide on guide" after both; the sliding
+        velocity leads from there to the slider's point.
+
+    Raises
+    ------
+    DesignError
+        If the linkage is open at the frame, its velocities are not finite, or nothing moves and no scale is given.
+
+    Notes
+    -----
+    Derived here.
     """
     return _polygon(motion, frame, 1, size, scale)
 
@@ -73,11 +110,30 @@ def velocity_polygon(motion: Motion, frame: int = 0, size: float = 100.0, scale:
 def acceleration_polygon(
     motion: Motion, frame: int = 0, size: float = 100.0, scale: float | None = None
 ) -> VectorPolygon:
-    """Acceleration polygon of one frame: as `velocity_polygon`, scale in mm per mm/s2.
+    """Acceleration polygon of one frame.
 
-    The acceleration of one point of a body against another is made of its normal part, -omega^2 r, then its
-    tangential part, i alpha r; from a moving guide's point lead the Coriolis part, 2 i omega v, then the sliding part.
-    DesignError as for `velocity_polygon`. Derived here.
+    Parameters
+    ----------
+    motion, frame, size
+        As for `velocity_polygon`.
+    scale : float, optional
+        mm per mm/s2.
+
+    Returns
+    -------
+    VectorPolygon
+        The acceleration of one point of a body relative to another consists of its normal part, -omega^2 r, and its
+        tangential part, i alpha r. From a moving guide's point lead the Coriolis part, 2 i omega v, and the sliding
+        part.
+
+    Raises
+    ------
+    DesignError
+        As for `velocity_polygon`.
+
+    Notes
+    -----
+    Derived here.
     """
     return _polygon(motion, frame, 2, size, scale)
 
@@ -88,11 +144,13 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
             raise DesignError(field, f"found {given}", "give a number above 0")
     frames = len(motion.drive)
     if not -frames <= frame < frames:
-        raise DesignError("frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has so many frames")
+        raise DesignError("frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has {frames} frames")
     parts, value, members = polygon_parts(motion, order, frame)
     if not np.isfinite(np.array(list(value.values()))).all():
         raise DesignError(
-            "frame", f"frame {frame} is open or at a dead centre", "give a frame that the linkage runs through"
+            "frame",
+            f"frame {frame} is open or at a dead centre",
+            "give a frame at which the linkage is assembled and moves",
         )
     reached = np.array([0j, *(part.tip for part in parts)])
     least = ROUNDING * float(np.abs(reached).max())
@@ -114,7 +172,7 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
 
 
 class PolygonPart(NamedTuple):
-    """One vector of a polygon as `Vector` has it, but its ends in mm/s or mm/s2, and of one frame or of many."""
+    """A vector of a polygon like `Vector`, with its ends in mm/s or mm/s2, for one frame or many."""
 
     kind: str
     body: str
@@ -127,10 +185,10 @@ class PolygonPart(NamedTuple):
 def polygon_parts(
     motion: Motion, order: Literal[1, 2], frame: int | slice
 ) -> tuple[list[PolygonPart], dict[str, Complex], dict[str, tuple[str, ...]]]:
-    """Vectors of the velocity polygon, order 1, or the acceleration polygon, 2, at a frame, or over a slice of them.
+    """Vectors of the velocity (order 1) or acceleration polygon (order 2) at a frame, or over a slice of frames.
 
-    Besides: where each point's vector from the pole ends, and the points of each body. Lengths of 0 are not left out.
-    nan where the linkage is open. Derived here.
+    Also returns the end of each point's vector from the pole, and the points of each body. Vectors of length 0 are
+    included. nan where the linkage is open. Derived here.
     """
     linkage, ground = motion.linkage, motion.linkage.ground
     members: dict[str, dict[str, Complex | complex]] = {b: dict(points) for b, points in linkage.bodies.items()}
@@ -179,7 +237,7 @@ def polygon_parts(
 
 
 def round_scale(extent: float, size: float) -> float:
-    """1, 2 or 5 times a power of 10, by which an extent comes within a size: what a person can read a drawing by."""
+    """The largest of 1, 2 or 5 times a power of 10 that scales an extent to within a size."""
     if extent == 0:
         raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale")
     largest = size / extent

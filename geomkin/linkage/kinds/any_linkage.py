@@ -1,4 +1,4 @@
-"""A linkage of any kind as one table of a recipe, told apart by its `kind`, and one of its bodies by its name."""
+"""A linkage of any kind as one table of a recipe, selected by its `kind`, and one of its bodies by its name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..named_linkages import FourBar, SliderCrank
 from . import linkages as linkages
 from .moved import AbstractMovedRecipe
 
-# Kinds whose linkages these are. A scotch yoke is left out: none of its bodies both turns and moves off a pivot.
+# The kinds that such a table may have. A scotch yoke has no body that turns and is not on a ground pivot.
 OF = (
     linkages.FourBarRecipe,
     linkages.SliderCrankRecipe,
@@ -32,20 +32,20 @@ OF = (
     linkages.LinkageRecipe,
 )
 PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["linkage"] for recipe in OF}
-DEFAULT_FORMATS = linkages.FourBarRecipe.kind
+DEFAULT_KIND = linkages.FourBarRecipe.kind
 for _kind, _plain in PLAIN.items():
     _own = [("kind", Literal[_kind], field(default=_kind))]
     LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)
 
 
 def with_kind(linkage: AbstractLinkage) -> AbstractLinkage:
-    """The same linkage as the table of a recipe, which has its `kind`."""
+    """The linkage as the table of a recipe, which has its `kind`."""
     kind = next(kind for kind, plain in PLAIN.items() if isinstance(linkage, plain))
     return LINKAGES[kind](**_values(linkage, PLAIN[kind]))
 
 
 def without_kind(table: AbstractLinkage) -> AbstractLinkage:
-    """The linkage that a table describes, as the library has it."""
+    """The linkage of a table, as the library has it."""
     plain = type(table).__mro__[1]
     return plain(**_values(table, plain))  # type: ignore[no-any-return]
 
@@ -67,26 +67,26 @@ class AnyKind(ArgumentType):
         from pydantic_core import core_schema
 
         tables = OneOfKinds().__get_pydantic_core_schema__(source, handler)
-        usual = core_schema.no_info_before_validator_function(
-            lambda given: {"kind": DEFAULT_FORMATS, **given} if isinstance(given, dict) else given, tables
+        with_default = core_schema.no_info_before_validator_function(
+            lambda given: {"kind": DEFAULT_KIND, **given} if isinstance(given, dict) else given, tables
         )
-        told = core_schema.wrap_serializer_function_ser_schema(
+        serialization = core_schema.wrap_serializer_function_ser_schema(
             lambda linkage, dump: {"kind": "", **dump(with_kind(linkage))}, schema=tables
         )
-        return core_schema.no_info_after_validator_function(without_kind, usual, serialization=told)
+        return core_schema.no_info_after_validator_function(without_kind, with_default, serialization=serialization)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
-        found = handler(schema)
-        found["discriminator"]["usual"] = DEFAULT_FORMATS
-        return found
+        json_schema = handler(schema)
+        json_schema["discriminator"]["usual"] = DEFAULT_KIND
+        return json_schema
 
 
-# The linkage of templates.
+# The example in templates.
 EXAMPLE = with_kind(FourBar(100, 30, 90, 70, 40 + 25j))
 
 
 class AbstractBodyRecipe(AbstractMovedRecipe):
-    """What recipes of one body's motion have in common: any linkage, and the body by its name."""
+    """Base class of recipes about the motion of one body of any linkage."""
 
     body: str
 
@@ -99,15 +99,15 @@ class AbstractBodyRecipe(AbstractMovedRecipe):
 
     @property
     def drive_column(self) -> Column:
-        """The table's first."""
+        """First column of the table."""
         if self.stroke:
-            return Column("drive_place", "mm", "place of the driver along its line", self.motion.drive)
+            return Column("drive_place", "mm", "displacement of the driver along its line", self.motion.drive)
         words = "angle of the driver from the ground line"
         return Column("drive_angle", "deg", words, np.degrees(self.motion.drive))
 
     @property
     def what(self) -> str:
-        """Whose way is checked to be reached."""
+        """Name of the driver's range, for the check that it is reached."""
         return f"driver's {'stroke' if self.stroke else 'turn'}"
 
     @classmethod

@@ -32,9 +32,9 @@ from ..parts.stock import LinkStock
 from ..scene import linkage_scene, place_plot
 from .moved import AbstractMovedRecipe, Side
 
-# Dashes that are engraved: what takes some seconds. More are minutes, and a laser would take days.
+# Largest number of engraved dashes: more take minutes, and a laser days.
 MOST_DASHES = 5_000
-# What the three are called.
+# Names of the three cognates.
 NAMES = ("given", "left", "right")
 
 
@@ -45,11 +45,13 @@ class Grid:
     length: float = quantity(
         "length of the rectangle along the coupler", "mm", at_least=0, at_most=FARTHEST, example=90
     )
-    height: float = quantity("its height", "mm", at_least=0, at_most=FARTHEST, example=60)
+    height: float = quantity("height of the rectangle", "mm", at_least=0, at_most=FARTHEST, example=60)
     rows: int = quantity("rows of points", whole=True, at_least=1, at_most=50, example=3)
     columns: int = quantity("columns of points", whole=True, at_least=1, at_most=50, example=4)
     centre: Annotated[complex, PointXY()] = entry("middle of the rectangle, [x, y] in mm", default=0j, example=45 + 0j)
-    dash_deg: float = quantity("crank's turn for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90)
+    dash_deg: float = quantity(
+        "rotation of the crank for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90
+    )
     chosen: tuple[tuple[Annotated[int, AsWritten()], Annotated[int, AsWritten()]], ...] = entry(
         "points, as [row, column] from 1, whose velocity and acceleration go into the table", default=()
     )
@@ -69,7 +71,7 @@ class Grid:
         return coupler_grid(self.length, self.height, self.rows, self.columns, self.centre)
 
     def check_work(self, drive: Turn) -> None:
-        """Refuse, before any of it is worked out, more dashes or cells of the table than a person can use."""
+        """Refuse more dashes or cells of the table than are useful, before anything is computed."""
         points, turn = self.rows * self.columns, drive.turn_deg
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
@@ -83,7 +85,7 @@ class Grid:
 
 @record(kw_only=True)
 class AbstractAtlasRecipe(AbstractMovedRecipe):
-    """What recipes of an atlas have in common."""
+    """Base class of recipes of an atlas."""
 
     kind: str
     linkage: FourBar | SliderCrank
@@ -104,10 +106,10 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         for k, (short, words, place) in enumerate(_named(grid)):
             columns += xy_columns(short, "mm", f"coupler point in {words}", curves.reshape(-1, len(motion.drive))[k])
             if (k // grid.columns + 1, k % grid.columns + 1) in grid.chosen:
-                track = motion.bodies["coupler"].point(place)
-                columns += xy_columns(f"{short}_velocity", "mm/s", f"its velocity, {words}", track.velocity)
+                moved = motion.bodies["coupler"].point(place)
+                columns += xy_columns(f"{short}_velocity", "mm/s", f"its velocity, {words}", moved.velocity)
                 columns += xy_columns(
-                    f"{short}_acceleration", "mm/s2", f"its acceleration, {words}", track.acceleration
+                    f"{short}_acceleration", "mm/s2", f"its acceleration, {words}", moved.acceleration
                 )
         return Table(tuple(columns))
 
@@ -134,14 +136,14 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         motion, (low, high) = self.motion, sorted(self.drive.span_deg)
         steps = np.radians(np.arange(low, high + 1e-9, self.grid.dash_deg))
         drawn = dashes(self.linkage, self.grid.points.ravel(), steps, self.files.tolerance, self.branch)
-        # The linkage stands where it first closes, with the points of the grid on its coupler.
+        # The linkage is drawn at its first closed frame, with the points of the grid on its coupler.
         marks: list[AbstractCurve] = strokes(run for runs in drawn for run in runs)
         if motion.assembled.any():
             frame = int(np.argmax(motion.assembled))
             marks += skeleton(motion, frame, self.stock)
-            at = motion.bodies["coupler"]
+            coupler = motion.bodies["coupler"]
             for _, _, place in _named(self.grid):
-                marks.append(Circle(complex(at.point(place).position[frame]), self.stock.pin_diameter / 8))
+                marks.append(Circle(complex(coupler.point(place).position[frame]), self.stock.pin_diameter / 8))
         return (engraved("atlas", marks, self.stock),)
 
 
@@ -183,7 +185,7 @@ class CognatesRecipe(AbstractMovedRecipe):
     linkage: FourBar = entry("the given four-bar", example=FourBar(100, 30, 90, 70, 50 + 45j))
     branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)
     drive: Turn = entry("how the driver turns", default=Turn())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
     advice: ClassVar[str] = (
@@ -193,7 +195,7 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The three, each moved to be at the same point at the same moment."""
+        """The three motions, with the coupler points at the same position at each frame."""
         return self._moved(self.drive.frames)
 
     def _moved(self, drive: Real) -> tuple[Motion, ...]:
@@ -210,8 +212,8 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @cached_property
     def figure(self) -> Motion:
-        """Roberts' figure over the same drive, in steps in which nothing slips through between two plates."""
-        # Ten bars take an iteration at each frame: steps are no finer than plates need.
+        """Roberts' figure over the same drive, in steps so small that no collision of plates is missed."""
+        # Ten bars are solved iteratively at each frame, so the steps are no finer than necessary.
         drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
         roberts = roberts_linkage(self.linkage, float(drive[0]), self.branch)
         return move(roberts, drive, "follow", self.drive.speed, self.drive.acceleration)
@@ -231,25 +233,25 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return self._told(self.motions)
+        return self._table(self.motions)
 
-    def _told(self, motions: tuple[Motion, ...]) -> Table:
+    def _table(self, motions: tuple[Motion, ...]) -> Table:
         drive = motions[0].drive
         columns = [Column("drive_angle", "deg", "angle of the given linkage's driver", np.degrees(drive))]
         for name, motion in zip(NAMES, motions):
             for body in ("crank", "coupler", "rocker"):
                 angle = np.degrees(np.unwrap(np.angle(motion.bodies[body].direction)))
                 columns.append(Column(f"{name}_{body}_angle", "deg", f"{body} of the {name} linkage from +x", angle))
-            track = motion.point("coupler_point").position
-            columns += xy_columns(f"{name}_coupler_point", "mm", f"coupler point of the {name} linkage", track)
+            position = motion.point("coupler_point").position
+            columns += xy_columns(f"{name}_coupler_point", "mm", f"coupler point of the {name} linkage", position)
         return Table(tuple(columns))
 
     @cached_property
     def scene(self) -> Scene:
-        """Roberts' figure moving, and each cognate by itself; the three tables in one, at the figure's frames."""
+        """Roberts' figure moving, and each cognate by itself; one table for the three, at the figure's frames."""
         figure, same = self.figure, len(self.figure.drive) == len(self.drive.frames)
         motions = self.motions if same else self._moved(figure.drive)
-        table = self.table if same else self._told(motions)
+        table = self.table if same else self._table(motions)
         angles = tuple(f"{name}_{body}_angle" for name in NAMES for body in ("crank", "coupler", "rocker"))
         plots = [*(place_plot(f"{name}_coupler_point") for name in NAMES), Plot("angles", angles)]
         scene = linkage_scene(figure, table, self.parts, self.stack.layers, plots)
@@ -267,11 +269,11 @@ class CognatesRecipe(AbstractMovedRecipe):
         apart = max(np.abs(t - tracks[0]).max() for t in tracks)
         pivot = np.abs(self.figure.point("third_pivot").position - third_pivot(self.linkage)).max()
         return (
-            reached(self.motions[0], "driver's turn", "give a shorter way"),
+            reached(self.motions[0], "driver's turn", "give a shorter range"),
             Check(
                 "traced_points_apart", "distance between the three traced points", apart, "at most", SAME_CURVE, "mm"
             ),
-            Check("third_pivot_displacement", "way of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
+            Check("third_pivot_displacement", "displacement of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
             collision_check(len(self.stack.collisions), "summary.json names them"),
             *self.drive.checks,
         )

@@ -16,7 +16,7 @@ from ..motion import Motion, is_translating, on_ground
 
 @record(checked=True)
 class DwellBand:
-    """How far an output may move and still count as standing still."""
+    """The band within which an output counts as standing still, in a recipe."""
 
     band_deg: float | None = quantity(
         "largest less smallest angle of the output in its dwell; for an output that turns",
@@ -34,10 +34,10 @@ class DwellBand:
         at_most=FARTHEST,
         example=0.5,
     )
-    output: str = entry("the body; the last one on the ground that does not drive where left out", default="")
+    output: str = entry("the body; by default the last one on the ground that does not drive", default="")
 
     def body(self, linkage: Linkage) -> str:
-        """The output's name. DesignError for one that does not move, and where there is none."""
+        """Name of the output; DesignError if it does not move, or there is none."""
         moving = list(linkage.bodies)[1:]
         driven = [name for name in moving if name in on_ground(linkage) and name != linkage.driver]
         if self.output in moving or (driven and not self.output):
@@ -45,7 +45,7 @@ class DwellBand:
         raise DesignError("dwell.output", f"found {shown(self.output)}", f"give one of {', '.join(moving)}")
 
     def found(self, motion: Motion) -> Mapping[str, object]:
-        """The longest dwell, as the summary has it."""
+        """The longest dwell, as entries of the summary."""
         output = self.body(motion.linkage)
         slides = is_translating(motion, output)
         unit, factor = ("mm", 1.0) if slides else ("deg", 180 / np.pi)
@@ -53,12 +53,12 @@ class DwellBand:
         if band is None:
             verb = "slides" if slides else "turns"
             raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}")
-        by, turn = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
+        by, driver_factor = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
         dwell = longest_dwell(motion, output, band / factor)
         values = {
-            f"from_{by}": dwell.start * turn,
-            f"to_{by}": dwell.end * turn,
-            f"driver_range_{by}": dwell.range * turn,
+            f"from_{by}": dwell.start * driver_factor,
+            f"to_{by}": dwell.end * driver_factor,
+            f"driver_range_{by}": dwell.range * driver_factor,
             f"least_{unit}": dwell.low * factor,
             f"greatest_{unit}": dwell.high * factor,
         }

@@ -1,4 +1,4 @@
-"""Recipes of a body's motion at an instant: its inflection circle at one position, its two centrodes over all."""
+"""Recipes of a body's instantaneous motion: its inflection circle at one position, its two centrodes."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from ..scene_instants import centrodes_scene, inflection_scene
 from .any_linkage import EXAMPLE, AbstractBodyRecipe, AnyKind
 from .moved import Branches, SideOrFollow, branch_entry, branches_entry
 
-# The path near the position is drawn so far to both sides: as a driver's turn, rad, or a share of its stroke.
+# Range of the drawn path on each side of the position: rad of the driver, or a share of its stroke.
 NEAR, NEAR_OF_STROKE = np.pi / 4, 0.25
 # Length of the arc that shows the path's curvature, to both sides, in longest links.
 ARC = 0.15
-# Distance, in longest links, by which a path that is drawn may miss its point: more, and it is another branch's.
+# Distance of a drawn path from its point, in longest links, beyond which it belongs to another branch.
 MISSED = 1e-6
 
 
@@ -50,18 +50,18 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     linkage: Annotated[AbstractLinkage, AnyKind()] = entry("the linkage", example=EXAMPLE)
     body: str = entry("the body whose motion is shown", default="coupler")
     point: Annotated[complex, PointXY()] | None = entry(
-        "point of the body whose path is shown, [x, y] in mm in the body's frame; its last named point where left out",
+        "point of the body whose path is shown, [x, y] in mm in the body's frame; by default its last named point",
         default=None,
     )
     position_deg: float | None = quantity(
-        "driver's angle that is drawn; 15 where left out",
+        "driver's angle that is drawn; by default 15",
         "deg",
         default=None,
         at_least=-360,
         at_most=360,
     )
     position_mm: float | None = quantity(
-        "driver's place that is drawn, where a slide drives; the middle of its stroke where left out",
+        "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke",
         "mm",
         default=None,
         at_least=-FARTHEST,
@@ -70,7 +70,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
-    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
@@ -83,12 +83,12 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     @property
     def position_key(self) -> str:
-        """The key that says where it is drawn."""
+        """The key of the drawn position."""
         return "position_mm" if self.stroke else "position_deg"
 
     @property
     def place(self) -> float:
-        """The driver where it is drawn, rad or mm."""
+        """The driver at the drawn position, rad or mm."""
         if self.stroke:
             middle = (self.stroke.start + self.stroke.end) / 2
             return middle if self.position_mm is None else self.position_mm
@@ -96,13 +96,13 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     @cached_property
     def position(self) -> Motion:
-        """The linkage where it is drawn, on the branch that it comes there on from the table's first frame."""
+        """The linkage at the drawn position, on the branch that leads there from the table's first frame."""
         general = self.linkage.linkage
-        motion = move(general, [float(self.way.frames[0]), self.place], self.signs)
+        motion = move(general, [float(self.input_range.frames[0]), self.place], self.signs)
         if not motion.assembled[1]:
             alone = move(general, [self.place], self.signs)
-            found = self.place if self.stroke else np.degrees(self.place)
-            problem = f"found {found:g}, which is not reached: {assembly_failure(alone)}"
+            given = self.place if self.stroke else np.degrees(self.place)
+            problem = f"found {given:g}, which is not reached: {assembly_failure(alone)}"
             raise DesignError(self.position_key, problem, "give another")
         if general.estimate:
             pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
@@ -146,7 +146,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """The circle as the linkage moves."""
+        """The circle while the linkage moves."""
         return inflection_scene(self.motion, self.table, self.body, self.local)
 
     @property
@@ -159,7 +159,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         at = self.place if self.stroke else float(np.degrees(self.place))
         name, column = "inflection diameter to longest link", "inflection_diameter"
         check = Check("inflection_diameter", name, size, "at most", LARGEST_DRAWN, "", advice, column, at)
-        return (check, *self.way.checks)
+        return (check, *self.input_range.checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -175,7 +175,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         return (engraved("inflection-circle", marks + self._path(), stock),)
 
     def _path(self) -> list[AbstractCurve]:
-        """The point, its path near by, and the arc about its centre of curvature that the path hugs."""
+        """The point, its path nearby, and the osculating arc about its centre of curvature."""
         path = path_curvature(self.position, self.body, self.local)
         point = complex(path.position[0])
         marks = self._near(point)
@@ -187,7 +187,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         return [*marks, Circle(point, self.stock.pin_diameter / 4)]
 
     def _near(self, point: complex) -> list[AbstractCurve]:
-        """The path near the position, on the branch that the linkage is on there; none where it opens."""
+        """The path near the position, on the branch of the linkage; none if it opens there."""
         position, name = self.position, "traced"
         general = position.linkage
         while any(name in points for points in general.bodies.values()):
@@ -196,7 +196,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         half = NEAR_OF_STROKE * (self.stroke.end - self.stroke.start) if self.stroke else NEAR
         try:
             span = (self.place - half, self.place + half)
-            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.asked, span)
+            curve = CouplerCurve(replace(general, bodies=bodies), name, position.solution.spec, span)
         except DesignError:
             return []
         missed = abs(complex(curve.point(self.place)) - point)
@@ -213,14 +213,14 @@ class CentrodesRecipe(AbstractBodyRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     reach: float = quantity(
-        "farthest from the body's origin, of a coupler its crank pin, that the centrodes are drawn",
+        "largest distance from the body's origin (of a coupler its crank pin) to which the centrodes are drawn",
         "mm",
         default=200.0,
         above=0,
         at_most=10_000,
     )
     drive: Turn = entry("how the driver turns", default=Turn())
-    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
+    stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
@@ -240,14 +240,14 @@ class CentrodesRecipe(AbstractBodyRecipe):
 
     @cached_property
     def runs(self) -> list[tuple[float, float]]:
-        """Drives over which the centrodes are drawn unbroken."""
+        """Ranges of the drive over which the centrodes are unbroken."""
         drive = self.motion.drive
-        found = [drive[run] for run in self.centrodes.runs(self.reach)]
-        if not found and self.motion.assembled.any() and is_translating(self.motion, self.body):
+        runs = [drive[run] for run in self.centrodes.runs(self.reach)]
+        if not runs and self.motion.assembled.any() and is_translating(self.motion, self.body):
             raise DesignError("body", f"found {self.body}, which does not turn and has no centrodes", "give another")
-        if not found:
+        if not runs:
             raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
-        return [(float(part.min()), float(part.max())) for part in found]
+        return [(float(part.min()), float(part.max())) for part in runs]
 
     @cached_property
     def table(self) -> Table:
@@ -258,7 +258,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
         return Table(
             (
                 self.drive_column,
-                Column("run", "", "unbroken run that the frame belongs to, 0 for none", run),
+                Column("run", "", "number of the unbroken run of the frame, 0 for none", run),
                 *xy_columns("fixed_centrode", "mm", "instant centre on the ground", finite(centrodes.fixed)),
                 *xy_columns("moving_centrode", "mm", f"instant centre on the {self.body}", finite(centrodes.moving)),
             )
@@ -266,7 +266,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
 
     @cached_property
     def curves(self) -> tuple[list[AbstractCurve], list[AbstractCurve]]:
-        """The fixed centrode and the moving one, each in its runs."""
+        """The fixed centrode and the moving one, each as its runs."""
         linkage, start = self.linkage.linkage, float(self.motion.drive[0])
         fixed, moving = (
             [CentrodeCurve(linkage, self.body, run, moving, self.signs, start) for run in self.runs]
@@ -283,7 +283,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        return (reached(self.motion, self.what), *self.way.checks)
+        return (reached(self.motion, self.what), *self.input_range.checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -1,4 +1,4 @@
-"""Linkages by their sizes: plates with pin holes, how they are stacked, and the motion of every body."""
+"""Recipes of linkages: the motion of every body, the plates, and how they are stacked."""
 
 from __future__ import annotations
 
@@ -52,43 +52,42 @@ from .moved import (
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
-    """What recipes of linkages have in common: all of them are moved, stacked, judged and cut alike."""
+    """Base class of recipes whose linkage is moved, checked, stacked and cut."""
 
     stock: LinkStock
-    # Where a kind has no such key, its table is another.
+    # Defaults for kinds without these keys.
     coefficients: bool = False
-    # Of kinds that have none.
     both_modes: bool = False
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
 
     def __post_init__(self) -> None:
         self.check_stroke()
-        check_copies(self.copies, self.linkage, self.way)
+        check_copies(self.copies, self.linkage, self.input_range)
         if self.copies and self.stock.motor is not None:
             problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
-            raise DesignError("stock.motor", problem, "leave out motor or copies")
-        # At most so many columns come of the bodies, the slides and the points that are no pins.
+            raise DesignError("stock.motor", problem, "omit motor or copies")
+        # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
-        points = sum(len(held) for held in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+        points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         joints = len(linkage.pins)
-        told = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
-        columns = 3 + int(told @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
-        self.way.check_rows(columns * (2 if self.both_modes else 1))
+        columns_each = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
+        columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
+        self.input_range.check_rows(columns * (2 if self.both_modes else 1))
         if self.dwell:
             self.dwell.body(linkage)
         if self.both_modes and self.other is None:
-            problem = "found true, but no other mode is shown: none closes, or there are more than two dyads"
-            raise DesignError("both_modes", problem, "leave it out")
+            problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
+            raise DesignError("both_modes", problem, "omit it")
 
     @cached_property
     def fine_motion(self) -> Motion:
-        """The same in steps in which nothing slips through between two plates."""
-        return self.moved(self.way.fine, self.signs)
+        """The motion in steps so small that no collision of plates is missed."""
+        return self.moved(self.input_range.fine, self.signs)
 
     @cached_property
     def stack(self) -> Stack:
-        """How the plates lie on each other."""
+        """The plates in layers."""
         return stack_links(self.fine_motion, self.stock)
 
     @cached_property
@@ -102,7 +101,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def count(self) -> int:
-        """How many of the linkage are made."""
+        """Number of linkages that are made."""
         return 1 + len(self.copies)
 
     @property
@@ -114,7 +113,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         table = motion_table(self.motion, self.coefficients)
         if not (self.both_modes and self.other):
             return table
-        # The driver and the time are those of both.
+        # Both modes have the same columns of driver and time.
         others = motion_table(self.other[1], self.coefficients).columns[2:]
         words = "in the other mode, "
         renamed = (dataclasses.replace(c, id=f"other_{c.id}", meaning=words + c.meaning) for c in others)
@@ -122,7 +121,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """The plates moving; beside them, where it can be put together so too, the other assembly mode."""
+        """The moving plates; also the other assembly mode, if there is one."""
         least = LEAST_TRANSMISSION_ANGLE_DEG
         limit = Limit("transmission_angle", least, f"at least {least:g} deg")
         plots = motion_plots(self.motion, self.table, [limit])
@@ -137,10 +136,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.other is None:
             return {}
         joint, motion = self.other
-        # A ground with slots has them where the mode asked for needs them.
+        # The slots of a ground are for the requested mode only.
         slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
         parts = [part for part in self.parts if not slotted or part.body != slotted]
-        # It is there to be seen; what is plotted is that of the mode asked for, or of both.
+        # Plots are those of the requested mode, or of both.
         table = Table(self.table.columns[:2])
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
@@ -151,7 +150,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             *linkage_checks(self.motion),
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
-            *self.way.checks,
+            *self.input_range.checks,
         )
 
     @cached_property
@@ -163,26 +162,26 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """How far the driver goes, what turns fully, and how the plates lie on each other."""
+        """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
         if self.copies:
-            stack |= {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
+            stack |= {"bought": [item.told for item in self.bought], "steps": list(self.steps)}
         return {**self._reached(self.signs), **self.turning, **self._other_mode(), **dwell, "stack": stack}
 
     def _reached(self, branch: Branch) -> Mapping[str, object]:
-        """The parts of the driver's way in which the linkage closes."""
-        way, in_deg = self.way, isinstance(self.way, Turn)
-        limits = driver_limits(self.linkage, branch, (float(way.fine[0]), float(way.fine[-1])))
-        reached = [[_told(np.degrees(q) if in_deg else q) for q in part] for part in limits]
+        """The ranges of the driver in which the linkage closes."""
+        drives, in_deg = self.input_range.fine, isinstance(self.input_range, Turn)
+        limits = driver_limits(self.linkage, branch, (float(drives[0]), float(drives[-1])))
+        reached = [[_ten_digits(np.degrees(q) if in_deg else q) for q in part] for part in limits]
         return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
 
     def _other_mode(self) -> Mapping[str, object]:
         if not (self.both_modes and self.other):
             return {}
         joint, motion = self.other
-        angle = {"least_transmission_angle_deg": _told(np.degrees(least_transmission_angle(motion)))}
-        return {"other_mode": {"joint": joint, **self._reached(motion.solution.asked), **angle}}
+        angle = {"least_transmission_angle_deg": _ten_digits(np.degrees(least_transmission_angle(motion)))}
+        return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
@@ -190,11 +189,11 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def turning(self) -> Mapping[str, object]:
-        """Which links turn fully, where a rule tells it."""
+        """Summary of the links that turn fully, if there is a rule."""
         return {}
 
 
-def _told(value: float | np.floating[Any]) -> float:
+def _ten_digits(value: float | np.floating[Any]) -> float:
     return float(f"{value:.10g}")
 
 
@@ -211,7 +210,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     copies: tuple[Copy, ...] = copies_entry()
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
 
@@ -219,7 +218,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
 class SlidingLinkageRecipe(AbstractLinkageRecipe):
     """A linkage whose driver turns or slides."""
 
-    # The list of the turned ones, and `stroke` where it belongs: the order here is that of templates and summaries.
+    # The order of the fields is that of templates and summaries.
     kind: str
     linkage: AbstractLinkage
     branch: SideOrFollow = branch_entry()
@@ -228,16 +227,16 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
-    stroke: Stroke | None = entry("how the driver slides, where a slide drives", default=None)
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
+    stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
-    # What an example has in which a slide drives.
+    # Values of the example in which a slide drives.
     sliding: ClassVar[Mapping[str, object]]
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        # What slides has no shaft that copies could share.
+        # A sliding driver has no shaft that copies could share.
         none = {"copies": ()} if "copies" in asked else {}
         return {**none, **cls.sliding} if "stroke" in asked else super().example_values(asked)
 
@@ -251,10 +250,13 @@ class FourBarRecipe(TurningLinkageRecipe):
 
     @property
     def turning(self) -> Mapping[str, object]:
-        found = grashof(self.linkage)
-        links = {"shortest": found.shortest, "longest": found.longest}
-        sums = {"shortest_and_longest_mm": found.shortest_and_longest, "other_two_mm": found.other_two}
-        return {"grashof_type": found.type, "grashof": links | {name: _told(mm) for name, mm in sums.items()}}
+        result = grashof(self.linkage)
+        links = {"shortest": result.shortest, "longest": result.longest}
+        sums = {"shortest_and_longest_mm": result.shortest_and_longest, "other_two_mm": result.other_two}
+        return {
+            "grashof_type": result.type,
+            "grashof": links | {name: _ten_digits(length) for name, length in sums.items()},
+        }
 
 
 @record(kw_only=True)
@@ -285,7 +287,7 @@ class StephensonSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in a row: the first one's rocker drives the second."""
+    """Two four-bars in series: the first one's rocker drives the second."""
 
     kind: Literal["watt-six-bar"] = "watt-six-bar"
     linkage: WattSixBar
@@ -293,7 +295,7 @@ class WattSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram, slowly there and quickly back."""
+    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return."""
 
     kind: Literal["shaper"] = "shaper"
     linkage: Shaper
@@ -310,7 +312,7 @@ class EllipticTrammelRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: straight harmonic motion."""
+    """A crank pin in a slotted yoke: exactly harmonic motion along a line."""
 
     kind: Literal["scotch-yoke"] = "scotch-yoke"
     linkage: ScotchYoke
@@ -318,7 +320,7 @@ class ScotchYokeRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between: shafts apart that turn alike."""
+    """Two slotted hubs and a disc between them: equal rotation of two offset shafts."""
 
     kind: Literal["oldham-coupling"] = "oldham-coupling"
     linkage: OldhamCoupling
@@ -338,5 +340,5 @@ class LinkageRecipe(SlidingLinkageRecipe):
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        fitted = super().example_values(asked)
-        return {"linkage": WITH_SLIDER, **fitted} if set(asked) - {"copies"} else fitted
+        values = super().example_values(asked)
+        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies"} else values

@@ -1,4 +1,4 @@
-"""Linkages in a recipe: any linkage as a list of bodies, the branch on which it moves, and its motion."""
+"""Shared by recipes of linkages: a linkage as a list of bodies, the branch on which it moves, and its motion."""
 
 from __future__ import annotations
 
@@ -20,59 +20,59 @@ from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..motion import Motion
 from ..moving import move
-from ..solve.branch import BranchSpec, chosen
+from ..solve.branch import BranchSpec, as_branch_spec
 
-# The branch of all dyads; the same where it may also be followed; the branches of single joints.
+# The branch of all dyads; the same with "follow"; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
 SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
 Branches = dict[str, Annotated[int | complex, SignOrPlace()]]
 
 
 def branch_entry() -> Any:
-    """The branch of all dyads."""
+    """Field for the branch of all dyads."""
     return entry(
         "1 or -1: a dyad's joint left or right of the line from its first to its second pivot; "
-        "follow: smoothly on from 1, or from what branches says, also through change points",
+        "follow: continues smoothly from 1, or from branches, also through change points",
         default=1,
     )
 
 
 def coefficients_entry() -> Any:
-    """Whether what no speed changes is told."""
+    """Field that adds kinematic coefficients to the table."""
     return entry(
-        "whether the table and the plots tell first and second kinematic coefficients, too: derivatives by the "
-        "driver's angle in rad, or by its place in mm where a slide drives",
+        "whether the table and the plots also have first and second kinematic coefficients: derivatives by the "
+        "driver's angle in rad, or by its displacement in mm if a slide drives",
         default=False,
     )
 
 
 def branches_entry() -> Any:
-    """The table of branches of single joints."""
+    """Field for the branches of single joints."""
     return entry(
-        "branch of single joints: 1 or -1; or of a point roughly where it is at first, [x, y] in mm: the branch "
-        "nearest to that",
+        "branch of single joints: 1 or -1; or the approximate first position of a point, [x, y] in mm: the branch "
+        "nearest to it",
         default_factory=dict,
     )
 
 
 def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | complex]) -> BranchSpec:
-    """The branch that a recipe's `branch` and `branches` ask for."""
+    """The branch given by a recipe's `branch` and `branches`."""
     signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
-    near = {name: value for name, value in branches.items() if isinstance(value, complex)}
-    return BranchSpec(1 if branch == "follow" else branch, signs, near, branch == "follow", "branches")
+    points = {name: value for name, value in branches.items() if isinstance(value, complex)}
+    return BranchSpec(1 if branch == "follow" else branch, signs, points, branch == "follow", "branches")
 
 
-# Dyads of a linkage whose other assembly mode is shown. Of more, one on its other side is a linkage that nobody wants.
+# Largest number of dyads of a linkage whose other assembly mode is shown.
 MOST_DYADS = 2
 
 
 class AbstractMovedRecipe(AbstractRecipe):
-    """What recipes of a linkage have in common that tell its motion over a table's frames."""
+    """Base class of recipes of a moving linkage."""
 
     can_be_scaled: ClassVar[bool] = True
     linkage: AbstractLinkage
     branch: SideOrFollow
-    # Of kinds that have none.
+    # Default for kinds without this key.
     branches: Mapping[str, int | complex] = MappingProxyType({})
     drive: Turn
     stroke: Stroke | None = None
@@ -80,63 +80,63 @@ class AbstractMovedRecipe(AbstractRecipe):
     def __post_init__(self) -> None:
         check_sizes(self)
         self.check_stroke()
-        self.way.check_rows()
+        self.input_range.check_rows()
 
     def check_stroke(self) -> None:
-        """Refuse a stroke of a driver that turns, and none of one that slides."""
+        """Refuse a stroke if the driver turns, and a missing one if it slides."""
         slides = self.linkage.linkage.driven_slider is not None
         if slides and self.stroke is None:
-            raise DesignError("stroke", "is missing where a slide drives", "give a table with start and end")
+            raise DesignError("stroke", "is missing although a slide drives", "give a table with start and end")
         if not slides and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "leave it out, or let the slider drive")
+            raise DesignError("stroke", "is given, but the driver turns", "omit it, or let the slider drive")
 
     @property
     def design(self) -> AbstractLinkage:
         return self.linkage
 
     @property
-    def way(self) -> Turn | Stroke:
-        """How the driver goes."""
+    def input_range(self) -> Turn | Stroke:
+        """Range and speed of the driver."""
         return self.stroke or self.drive
 
     @cached_property
     def signs(self) -> BranchSpec:
-        """The branch asked for."""
+        """The requested branch."""
         return branch_of(self.branch, self.branches)
 
     def moved(self, frames: Real, signs: BranchSpec) -> Motion:
         """The linkage at some frames on a branch, with the driver's speed and acceleration."""
-        way = self.way
-        return move(self.linkage, frames, signs, way.speed, way.acceleration)
+        return move(self.linkage, frames, signs, self.input_range.speed, self.input_range.acceleration)
 
     @cached_property
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
-        return self.moved(self.way.frames, self.signs)
+        return self.moved(self.input_range.frames, self.signs)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:
-        """The joint of the last of one or two dyads, and the motion with it on its other side; None if that is open."""
+        """The joint of the last of one or two dyads, and the motion with its other branch; None if that is open."""
         branches = self.motion.branches
         if not 1 <= len(branches) <= MOST_DYADS:
             return None
         joint, sides = list(branches.items())[-1]
         if joint in (slider.name for slider in self.motion.linkage.sliders):
-            # The same lever turned half round, whose slot is not there.
+            # The other branch is the same lever turned by 180 deg, which would need another slot.
             return None
-        # Where both sides meet it has none, and a branch that is followed starts on the first that is told.
-        told, asked = sides[sides != 0], chosen(self.signs)
-        near = {name: place for name, place in asked.branch_points.items() if name != joint}
-        other = replace(asked, branch={**asked.branch, joint: -int(told[0]) if told.size else -1}, branch_points=near)
-        motion = self.moved(self.way.frames, other)
+        # The sign is 0 where both branches meet; a followed branch starts on the first other sign.
+        signs, spec = sides[sides != 0], as_branch_spec(self.signs)
+        points = {name: place for name, place in spec.branch_points.items() if name != joint}
+        opposite = {**spec.branch, joint: -int(signs[0]) if signs.size else -1}
+        other = replace(spec, branch=opposite, branch_points=points)
+        motion = self.moved(self.input_range.frames, other)
         return (joint, motion) if motion.assembled.any() else None
 
 
 def both_modes_entry() -> Any:
-    """Whether the other assembly mode is told."""
+    """Field that adds the other assembly mode."""
     return entry(
-        "whether table, plots and summary also have the other assembly mode, which the page shows: the last dyad's "
-        "joint on its other side",
+        "whether table, plots and summary also have the other assembly mode, which the page shows: the joint of the "
+        "last dyad on its other side",
         default=False,
     )
 
@@ -156,7 +156,7 @@ class TriangleCorner:
 
 @record(checked=True)
 class SliderTable:
-    """A sliding joint."""
+    """A sliding joint in a recipe."""
 
     name: str = entry("its name", example="slide")
     body: str = entry("the body that slides", example="block")
@@ -171,9 +171,24 @@ class SliderTable:
 
 @record(checked=True)
 class BodyList(AbstractLinkage):
-    """Any linkage: bodies with their points, mm, each in a frame of its own; the first one is fixed.
+    """Any linkage as a list of bodies; a pin joins two bodies at each point that both name.
 
-    Where two bodies name the same point, a pin joins them there.
+    Parameters
+    ----------
+    bodies : dict of str to dict of str to complex
+        Bodies with their points, mm, each in the body's own frame; the first one is fixed.
+    driver : str
+        The driven body, or the driven slider, such as that of a cylinder and its rod.
+    corners : tuple of TriangleCorner
+        Points given by two distances.
+    sliders : tuple of SliderTable
+        Sliding joints.
+    estimate : dict of str to complex
+        Approximate first positions of pins, mm; needed if the linkage is not a chain of dyads.
+    origin : complex
+        Position of the fixed body's origin, mm.
+    ground_angle_deg : float
+        Direction of the fixed body's x axis, deg.
     """
 
     bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(
@@ -185,7 +200,9 @@ class BodyList(AbstractLinkage):
             "rocker": {"C": 0j, "B": 70 + 0j},
         },
     )
-    driver: str = entry("the body that is driven, or the slider, as of a cylinder and its rod", example="crank")
+    driver: str = entry(
+        "the driven body, or the driven slider, such as that of a cylinder and its rod", example="crank"
+    )
     corners: tuple[TriangleCorner, ...] = entry(
         "points given by two distances",
         default=(),
@@ -195,7 +212,7 @@ class BodyList(AbstractLinkage):
     estimate: dict[str, Annotated[complex, PointXY()]] = field(
         default_factory=dict,
         metadata={
-            "description": "roughly where pins are at first, needed where the bodies are no chain of dyads",
+            "description": "approximate first positions of pins, needed if the linkage is not a chain of dyads",
             "examples": [{}],
         },
     )
@@ -205,7 +222,7 @@ class BodyList(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        self.linkage  # noqa: B018  every error of the joints at once, while the recipe is read
+        self.linkage  # noqa: B018  so that errors of the joints show when the recipe is read
 
     @cached_property
     def linkage(self) -> Linkage:
@@ -216,11 +233,11 @@ class BodyList(AbstractLinkage):
             check_names(f"corners[{k}].point", [corner.point], "a point")
             check_names(f"corners[{k}].base", corner.base, "a point")
             bodies.setdefault(corner.body, {})
-            lacking = [p for p in corner.base if p not in bodies[corner.body]]
-            if lacking:
+            missing = [p for p in corner.base if p not in bodies[corner.body]]
+            if missing:
                 raise DesignError(
                     f"corners[{k}]",
-                    f"{corner.body} has no point {lacking[0]}",
+                    f"{corner.body} has no point {missing[0]}",
                     f"give it under bodies.{corner.body}",
                 )
             bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
@@ -235,7 +252,7 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     if not abs(b - c) < base < b + c:
         raise DesignError(
             f"corners[{k}]",
-            f"{b:g} and {c:g} mm make no triangle on the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
+            f"{b:g} and {c:g} mm form no triangle with the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
             f"give two lengths that differ by less than {base:g} mm and together exceed it",
         )
     # Kahan, Miscalculating area and angles of a needle-like triangle: this keeps the digits of a needle's height.
@@ -248,7 +265,7 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     return complex(one + (two - one) / base * complex(along, float(height)))
 
 
-# What templates show where sliders are asked for.
+# Example of templates with sliders.
 WITH_SLIDER = BodyList(
     bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
     driver="crank",

@@ -30,10 +30,9 @@ from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_instants import polygons_scene
 from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
 
-# Instant centres farther from the linkage's middle than this many times its size are listed, not drawn: they
-# would leave nothing else to be seen.
+# Distance from the linkage's middle, in sizes of it, beyond which instant centres are listed but not drawn.
 REACH = 2.0
-# Step of the driver, deg, in which the polygons are shown moving: smooth to the eye, and a small page.
+# Step of the driver in the animation of the polygons, deg.
 STEP_DEG = 2
 
 
@@ -45,7 +44,7 @@ class PolygonsRecipe(AbstractRecipe):
     kind: Literal["polygons"] = "polygons"
     linkage: BodyList
     position: float = quantity(
-        "where the driver stands: deg where it turns, mm where it slides",
+        "angle of the driver, deg, or its displacement, mm, if it slides",
         default=60.0,
         at_least=-FARTHEST,
         at_most=FARTHEST,
@@ -92,11 +91,11 @@ class PolygonsRecipe(AbstractRecipe):
     def table(self) -> Table:
         rows = [(name, unit, v) for name, (polygon, unit) in self.polygons.items() for v in polygon.vectors]
         words = {
-            "polygon": "the polygon it belongs to",
+            "polygon": "velocity or acceleration",
             "kind": "absolute, difference, normal, tangential, sliding or coriolis",
             "body": "the body",
-            "from": "where it leads from",
-            "to": "where it leads to",
+            "from": "the point at its tail",
+            "to": "the point at its tip",
         }
         texts = zip(*[(name, v.kind, v.body, v.start, v.end) for name, _, v in rows])
         values = np.array([v.value for _, _, v in rows])
@@ -112,7 +111,7 @@ class PolygonsRecipe(AbstractRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """The polygons over a turn from the position on; where a slide drives, at the position."""
+        """The polygons over a turn from the position on; if a slide drives, only at the position."""
         motion = self.motion
         if self.linkage.linkage.driven_slider is None:
             turn = motion.drive[0] + np.radians(np.arange(0, 360 + STEP_DEG, STEP_DEG))
@@ -123,7 +122,7 @@ class PolygonsRecipe(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
-        advice = "near a dead centre the polygons run off"
+        advice = "near a dead centre the polygons become too large"
         at, name = driver_at(self.motion, 0), "transmission angle here"
         return (Check("transmission_angle", name, angle, "at least", least, "deg", advice, at=at),)
 
@@ -133,7 +132,7 @@ class PolygonsRecipe(AbstractRecipe):
         centres = [Circle(z, radius) for z in self._near_centres()]
         parts = [engraved("position", [*skeleton(self.motion, 0, self.stock), *centres], self.stock)]
         for name, (polygon, _) in self.polygons.items():
-            # Where a difference has parts only these are drawn: no line is to be cut twice.
+            # If a difference has parts only these are drawn, so that no line is engraved twice.
             split = {(v.body, v.start, v.end) for v in polygon.vectors if v.kind in ("normal", "tangential")}
             drawn: dict[tuple[complex, complex], None] = {}
             for v in polygon.vectors:
@@ -147,26 +146,26 @@ class PolygonsRecipe(AbstractRecipe):
         return tuple(parts)
 
     def _near_centres(self) -> list[complex]:
-        """Instant centres that are no pins and lie near enough to be drawn."""
+        """Instant centres that are not pins and near enough to be drawn."""
         motion = self.motion
         points = [z for n, b in motion.bodies.items() for z in _places(b, motion.linkage.bodies[n])]
-        middle, reach = sum(points) / len(points), max(abs(z - points[0]) for z in points)
-        found: list[complex] = []
+        middle, size = sum(points) / len(points), max(abs(z - points[0]) for z in points)
+        centres: list[complex] = []
         for centre in instant_centres(motion).values():
             z = complex(centre.position[0])
-            if abs(z - middle) <= REACH * reach and all(abs(z - other) > 1e-6 * reach for other in (*points, *found)):
-                found.append(z)
-        return found
+            if abs(z - middle) <= REACH * size and all(abs(z - other) > 1e-6 * size for other in (*points, *centres)):
+                centres.append(z)
+        return centres
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Scales of the drawings, and every instant centre: its place, or its direction where it is at infinity."""
+        """Scales of the drawings, and every instant centre: its position, or its direction if it is at infinity."""
         scale = {f"{name}_mm_per_{unit}": polygon.scale for name, (polygon, unit) in self.polygons.items()}
         centres: dict[str, object] = {}
         for pair, centre in instant_centres(self.motion).items():
             z = complex(centre.position[0])
             far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
-            centres[" and ".join(pair)] = _told(z, float(self.motion.linkage.size)) if np.isfinite(z) else far
+            centres[" and ".join(pair)] = _nine_digits(z, float(self.motion.linkage.size)) if np.isfinite(z) else far
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
@@ -178,8 +177,8 @@ def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex
     return [complex(body.point(z).position[0]) for z in points.values()]
 
 
-def _told(z: complex, size: float) -> list[float]:
-    """A place in mm with nine digits, counted from its distance or the linkage's size: the rest is rounding."""
+def _nine_digits(z: complex, size: float) -> list[float]:
+    """A position in mm with nine digits, relative to its distance or the linkage's size."""
     digits = 8 - int(np.floor(np.log10(max(abs(z), size))))
-    told = rounded(np.array([z.real, z.imag]), digits)
-    return [float(told[0]), float(told[1])]
+    xy = rounded(np.array([z.real, z.imag]), digits)
+    return [float(xy[0]), float(xy[1])]

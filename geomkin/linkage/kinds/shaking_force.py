@@ -1,4 +1,4 @@
-"""Recipe of a slider-crank's shaking force and the counterbalance that makes it least."""
+"""Recipe of a slider-crank's shaking force and the counterbalance that minimises it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from ..scene_instants import force_scene
 from .linkages import AbstractLinkageRecipe
 from .moved import Side
 
-# Of the largest force, what counts as none. A smaller share is that of the force's own rounding.
+# Share of the largest force below which a force counts as rounding.
 ROUNDING = 1e-9
 
 
@@ -62,7 +62,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     )
     branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the crank turns", default=Turn())
-    stock: LinkStock = entry("what the links are cut from", default=LinkStock())
+    stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
@@ -74,22 +74,22 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
 
     @cached_property
     def best(self) -> Counterbalance:
-        """The counterbalance along the crank that makes the largest force least."""
+        """The counterbalance along the crank that minimises the largest force."""
         return best_counterbalance(self.linkage, self.masses, self.branch, acceleration=self.acceleration)
 
     @property
     def acceleration(self) -> float:
-        """Of the crank, over its speed squared."""
+        """Angular acceleration of the crank over its speed squared."""
         return self.drive.acceleration / self.drive.speed**2
 
     @property
     def largest(self) -> dict[str, float]:
-        """Largest force over the turn, N, with none, the given and the best counterbalance."""
-        design_checks = {
+        """Largest force over the turn, N, without, with the given and with the best counterbalance."""
+        counterbalances = {
             name: judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
             for name, product in (("none", 0.0), ("given", self.counterbalance))
         } | {"best": self.best}
-        return {name: c.largest * self.drive.speed**2 for name, c in design_checks.items()}
+        return {name: counterbalance.largest * self.drive.speed**2 for name, counterbalance in counterbalances.items()}
 
     @cached_property
     def table(self) -> Table:
@@ -106,7 +106,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """The plates moving, and the force on the ground at the crank's pivot."""
+        """The moving plates, and the force on the ground at the crank's pivot."""
         scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers)
         roles: dict[str, Role] = {"none": "construction", "given": "traced", "best": "wanted"}
         forces = {
@@ -119,13 +119,13 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             "force_given", MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given"
         )
         plots = [Plot("size of the shaking force", tuple(f"force_{name}" for name in roles), (most,))]
-        plots += [Plot(f"shaking force along {way}", tuple(f"force_{name}_{way}" for name in roles)) for way in "xy"]
+        plots += [Plot(f"shaking force along {axis}", tuple(f"force_{name}_{axis}" for name in roles)) for axis in "xy"]
         return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
         largest = self.largest
-        # Where the best leaves nothing, the rest is rounding, and so would be a quotient by it.
+        # If the best counterbalance leaves no force, only rounding would be left to divide by.
         least = max(largest["best"], ROUNDING * max(largest.values()))
         share = max(largest["given"], least) / least if least > 0 else 1.0
         advice = f"give counterbalance = {self.best.product.real + 0.0:.6g}"
@@ -162,15 +162,15 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         if product <= 0:
             return []
         stock, hole = self.stock, self.stock.hole_diameter / 2
-        # The product is density thickness pi times r^2 r / 2 - h^2 r: the shaft's hole is at the axis, and the other,
-        # which is there so that the disc may be turned over, r from it.
+        # The product is density thickness pi times r^2 r / 2 - h^2 r: the shaft's hole is at the axis; the second hole,
+        # at the distance r, allows the disc to be turned over.
         moment = product / (np.pi * self.weight_density * 1e-9 * stock.thickness)
         radius = float(np.roots([0.5, 0, -(hole**2), -moment]).real.max())
         if radius <= 4 * hole:
             return []
         if stock.motor is not None:
             problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
-            raise DesignError("stock.motor", problem, "leave it out")
+            raise DesignError("stock.motor", problem, "omit it")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")

@@ -1,4 +1,4 @@
-"""How near moving plates and pins come to each other, between frames too."""
+"""Distances of moving plates and pins, also between frames."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from ...plane.measure import separation
 from ...plane.vec import Array, Complex, Mask, Real, Whole, dot
 from ..motion import Motion
 
-# Numbers in each array at once, so that they stay in a processor's cache. More take memory and are slower; with fewer,
-# most of the time is spent between arrays.
+# Largest number of elements of an array, so that it stays in the processor's cache.
 AT_ONCE = 1 << 15
 
 
@@ -23,9 +22,8 @@ AT_ONCE = 1 << 15
 class Sweep:
     """Paths of points from frame to frame: a step leads from each closed frame to the next, if that is closed.
 
-    drive: (frames,), the driver's angle or displacement. points: (frames, n) complex, mm, nan where open.
-    Every path is its chords to within `bulge`, so that no bound that adds it lets anything slip through
-    between two frames.
+    drive: (frames,), rad or mm. points: (frames, n) complex, mm, nan where open. Each path is within `bulge` of its
+    chords, so that no collision between two frames is missed if a bound includes it.
     """
 
     drive: Real
@@ -33,7 +31,7 @@ class Sweep:
 
     @cached_property
     def frames(self) -> Whole:
-        """Frames at which a step starts: the closed ones. The step of a frame before an open one stands still."""
+        """Frames at which a step starts: the closed ones. The step of a frame before an open one has no length."""
         return np.flatnonzero(np.isfinite(self.points).all(axis=1))
 
     @cached_property
@@ -43,52 +41,53 @@ class Sweep:
 
     @property
     def ends(self) -> tuple[Complex, Complex]:
-        """The points where each step starts and where it ends, (steps, n)."""
+        """Start and end of each step, (steps, n)."""
         return self._steps[:2]
 
     @property
     def bulge(self) -> Real:
-        """How far the paths leave their chords at most, mm, (steps, n)."""
+        """Largest distance of the paths from their chords, mm, (steps, n)."""
         return self._steps[2]
 
-    def reach(self, direction: complex) -> float:
-        """How far the paths go along a direction at most, mm from the origin."""
+    def extent(self, direction: complex) -> float:
+        """Largest coordinate of the paths along a direction, mm from the origin."""
         start, end = (dot(direction, z) for z in self.ends)
         return float((np.maximum(start, end) + self.bulge).max())
 
     def gap(self, corners: Complex) -> Real:
-        """Least distance, mm, (steps,), between the points' convex hull and that of `corners` (m,), which stand still.
+        """Smallest distance, mm, (steps,), between the convex hulls of the points and of fixed `corners` (m,).
 
-        A lower bound: the hull of a step's two ends holds all chords between them. It falls short by the bulge,
-        and beside the middle of a turning bar by half of what the bar's ends travel. 0 or less where they meet.
+        A lower bound: the hull of a step's two ends contains all chords between them. It is too small by the bulge, and
+        near the middle of a turning bar by half of the travel of its ends. 0 or less if they meet.
         """
         start, end = self.ends
         bulge: Real = self.bulge.max(axis=1)
-        found = np.empty(len(bulge))
+        gaps = np.empty(len(bulge))
         count = AT_ONCE // (2 * start.shape[1] + len(corners)) ** 2 + 1
         for some in (slice(k, k + count) for k in range(0, len(bulge), count)):
             moving = np.concatenate([start[some], end[some]], axis=1)
             still = np.broadcast_to(np.asarray(corners, dtype=complex), (len(moving), len(corners)))
-            found[some] = separation(moving, still) - bulge[some]
-        return found
+            gaps[some] = separation(moving, still) - bulge[some]
+        return gaps
 
 
 def steps(drive: Real, points: Complex) -> tuple[Complex, Complex, Real]:
-    """Of steps from each frame to the next: start, end, and how far the path leaves its chord at most, (..., steps).
+    """Start and end of the steps from each frame to the next, and the largest distance of the path from its chord.
 
-    points: (..., steps + 3), at a frame before the first step, at its start and so on, and at two more after the last
-    start; nan where open or unknown. drive: likewise. A path of second derivative P'' over a step h leaves its chord
-    by |P''| h^2 / 8. P'' is the second divided difference about either end, whichever is larger; the bound is twice
-    that, for what P'' itself changes within a step. Where no neighbour tells P'', half a chord: a half circle.
+    Results are (..., steps). points: (..., steps + 3), at a frame before the first step, at its start and so on, and at
+    two more after the last start; nan where open or unknown. drive: likewise. A path of second derivative P'' over a
+    step h leaves its chord by |P''| h^2 / 8. P'' is the second divided difference about either end, whichever is
+    larger; the bound is twice that, since P'' changes within a step. If no neighbour gives P'' the bound is half a
+    chord, as for a half circle.
     """
     start, end = points[..., 1:-2], points[..., 2:-1]
     end = np.where(np.isfinite(end), end, start)
     step = np.diff(drive)
     with np.errstate(invalid="ignore", divide="ignore"):
         slope = np.diff(points) / step
-        bend = np.abs(2 * np.diff(slope) / (step[1:] + step[:-1]))
-        most = np.fmax(bend[..., :-1], bend[..., 1:]) * step[1:-1] ** 2 / 4
-    return start, end, np.where(np.isfinite(most), most, np.abs(end - start) / 2)
+        second = np.abs(2 * np.diff(slope) / (step[1:] + step[:-1]))
+        bound = np.fmax(second[..., :-1], second[..., 1:]) * step[1:-1] ** 2 / 4
+    return start, end, np.where(np.isfinite(bound), bound, np.abs(end - start) / 2)
 
 
 def with_unknown(values: Array) -> Array:
@@ -98,32 +97,31 @@ def with_unknown(values: Array) -> Array:
 
 
 def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> Sweep:
-    """Paths of points of one body as seen from another."""
-    seen, moving = motion.bodies[frame], motion.bodies[body]
+    """Paths of points of one body in the frame of another."""
+    reference, moving = motion.bodies[frame], motion.bodies[body]
     local = np.atleast_1d(np.asarray(places, dtype=complex))
     world = moving.origin.position[:, None] + moving.direction[:, None] * local
-    here = (world - seen.origin.position[:, None]) * np.conj(seen.direction[:, None])
-    return Sweep(motion.drive, np.where(motion.assembled[:, None], here, np.nan))
+    relative = (world - reference.origin.position[:, None]) * np.conj(reference.direction[:, None])
+    return Sweep(motion.drive, np.where(motion.assembled[:, None], relative, np.nan))
 
 
-# Frames from one that is looked at first to the next. With more, the ways between them are longer than the distances,
-# and more frames are looked at finely; with fewer, the first look is as long as the fine one.
+# Interval of the frames that are examined first.
 EVERY = 16
-# Distances of corners that are looked at, at most: some ten seconds. More, and a recipe seems to stand still.
+# Largest number of distances of corners: about ten seconds.
 MOST = 10**9
-# Share of the sizes by which quick bounds must differ from the least distance to decide: far above their rounding.
-# Smaller, and rounding may decide otherwise than the exact look; larger, and that has more to do.
+# Share of the sizes by which quick bounds must differ from the limit to decide: far above their rounding, so that they
+# agree with the exact test.
 HAIR = 1e-9
-# Square of an edge's length, mm2, below which it is a point: keeps a division from failing, and decides nothing.
+# Square of an edge's length, mm2, below which it counts as a point, to avoid a division by zero.
 POINT = 1e-300
 
 
 @record(eq=False)
 class Pair:
-    """Two plates, a plate and a pin, or two pins, and how near, mm, they may come.
+    """Two plates, a plate and a pin, or two pins, and their smallest permitted distance `near`, mm.
 
-    body, corners: what stands still, a convex hull in the frame of a body; other, places: what moves past it, in the
-    frame of another. Corners of hulls, counterclockwise, complex mm; a pin has one.
+    body, corners: a convex hull fixed in the frame of a body; other, places: the one that moves past it, in the frame
+    of another. Corners of hulls, counterclockwise, complex mm; a pin has one.
     """
 
     body: str
@@ -135,22 +133,22 @@ class Pair:
 
 @record(eq=False)
 class Poses:
-    """Where bodies are at the frames, at an unknown one before the first, and at two after the last."""
+    """Poses of bodies at the frames, and nan before the first and at two after the last."""
 
     motion: Motion
     _known: dict[str, Complex] = field(default_factory=dict)
 
-    def seen(self, pairs: Sequence[Pair], frames: slice) -> Complex:
-        """Paths of the places of pairs as seen from their bodies, mm, (places, pairs, frames), nan where open."""
-        here, turn = self._poses([pair.body for pair in pairs], frames)
+    def paths(self, pairs: Sequence[Pair], frames: slice) -> Complex:
+        """Paths of the places of pairs in the frames of their bodies, mm, (places, pairs, frames), nan where open."""
+        base, base_direction = self._poses([pair.body for pair in pairs], frames)
         origin, direction = self._poses([pair.other for pair in pairs], frames)
         local = np.array([pair.places for pair in pairs]).T[..., None]
-        paths: Complex = (origin + direction * local - here) * np.conj(turn)
+        paths: Complex = (origin + direction * local - base) * np.conj(base_direction)
         return paths
 
     @cached_property
     def drive(self) -> Real:
-        """The driver at all of them, rad or mm."""
+        """The driver at all these frames, rad or mm."""
         return with_unknown(self.motion.drive)
 
     def _poses(self, names: Sequence[str], frames: slice) -> Complex:
@@ -162,96 +160,104 @@ class Poses:
 
 
 def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
-    """Of each pair, whether it comes nearer than it may, at any frame or between two: as `Sweep.gap` tells it.
+    """Whether each pair comes nearer than permitted, at any frame or between two, as by `Sweep.gap`.
 
-    What is surely near or far is told by bounds, many pairs at once, in memory that grows with the frames alone; the
-    exact look is left for the rest. DesignError where that is too much work. Derived here.
+    Clear cases are decided by bounds, many pairs at once, with memory proportional to the frames; the exact test
+    decides the rest. DesignError if that is too much work. Derived here.
     """
-    frames, each = len(motion.drive), sum(len(pair.corners) * len(pair.places) for pair in pairs)
-    if each * frames > MOST:
+    frames, distances = len(motion.drive), sum(len(pair.corners) * len(pair.places) for pair in pairs)
+    if distances * frames > MOST:
         raise DesignError(
             "motion",
-            f"found {frames} frames, and in each {each} distances of the plates' corners",
-            f"give at most {MOST // each} frames, or fewer points",
+            f"found {frames} frames, and in each {distances} distances of the plates' corners",
+            f"give at most {MOST // distances} frames, or fewer points",
         )
-    poses, found = Poses(motion), np.zeros(len(pairs), dtype=bool)
-    alike: dict[tuple[int, int], list[int]] = {}
+    poses, met = Poses(motion), np.zeros(len(pairs), dtype=bool)
+    by_shape: dict[tuple[int, int], list[int]] = {}
     for number, pair in enumerate(pairs):
-        alike.setdefault((len(pair.corners), len(pair.places)), []).append(number)
-    for shape, numbers in alike.items():
+        by_shape.setdefault((len(pair.corners), len(pair.places)), []).append(number)
+    for shape, numbers in by_shape.items():
         length = min(frames, AT_ONCE // max(shape) + 1)
         count = AT_ONCE // (max(shape) * length) + 1
         for some in (numbers[k : k + count] for k in range(0, len(numbers), count)):
             for first in range(0, frames, length):
-                left = [number for number in some if not found[number]]
-                if left:
-                    found[left] = _meet(poses, [pairs[k] for k in left], first, min(frames, first + length))
-    return found
+                undecided = [number for number in some if not met[number]]
+                if undecided:
+                    met[undecided] = _meet(poses, [pairs[k] for k in undecided], first, min(frames, first + length))
+    return met
 
 
 def _meet(poses: Poses, pairs: Sequence[Pair], first: int, last: int) -> Mask:
-    """The same between two frames, of pairs with as many corners as each other."""
+    """The same between two frames, for pairs with equal numbers of corners."""
     around, half = slice(first, last + 3), EVERY // 2
-    places, corners = poses.seen(pairs, around), np.array([pair.corners for pair in pairs]).T[..., None]
+    places, corners = poses.paths(pairs, around), np.array([pair.corners for pair in pairs]).T[..., None]
     near = np.array([pair.near for pair in pairs])[:, None]
     hair = HAIR * (near + np.abs(corners).max(axis=0) + np.fmax.reduce(np.abs(places), (0, 2), initial=0.0)[:, None])
-    # At a few frames: what meets there needs no other look.
+    # Pairs that meet at one of a few frames are decided.
     apart = distance(corners, places[..., 1 + half : -2 : EVERY])
-    found: Mask = (apart < near - hair).any(axis=1)
-    left = np.flatnonzero(~found)
-    if not len(left):
-        return found
-    places, corners, near, hair, apart = places[:, left], corners[:, left], near[left], hair[left], apart[left]
+    met: Mask = (apart < near - hair).any(axis=1)
+    undecided = np.flatnonzero(~met)
+    if not len(undecided):
+        return met
+    places, corners, near, hair, apart = (
+        places[:, undecided],
+        corners[:, undecided],
+        near[undecided],
+        hair[undecided],
+        apart[undecided],
+    )
     start, end, bulges = steps(poses.drive[around], places)
     bulge, chord = bulges.max(axis=0), np.abs(end - start).max(axis=0)
     closed = np.isfinite(bulge)
-    # About such a frame nothing comes nearer by more than its way, where that is not broken off.
-    ways = _rows(np.where(closed & np.isfinite(places[..., 2:-1]).all(axis=0), chord, np.inf))
-    way = np.maximum(ways[..., :half].sum(axis=-1), ways[..., half:].sum(axis=-1))
-    way += _rows(np.where(closed, bulge, 0.0)).max(axis=-1)
-    far = np.zeros(ways.shape, dtype=bool)
+    # Around such a frame nothing comes nearer by more than its path length, unless the path is interrupted.
+    lengths = _rows(np.where(closed & np.isfinite(places[..., 2:-1]).all(axis=0), chord, np.inf))
+    travel = np.maximum(lengths[..., :half].sum(axis=-1), lengths[..., half:].sum(axis=-1))
+    travel += _rows(np.where(closed, bulge, 0.0)).max(axis=-1)
+    far = np.zeros(lengths.shape, dtype=bool)
     count = apart.shape[1]
-    far[:, :count] = (apart - way[:, :count] > near + hair)[..., None]
-    one, step = np.nonzero(closed & ~far.reshape(len(left), -1)[:, : closed.shape[1]])
+    far[:, :count] = (apart - travel[:, :count] > near + hair)[..., None]
+    one, step = np.nonzero(closed & ~far.reshape(len(undecided), -1)[:, : closed.shape[1]])
     limit, hair = near[one, 0] + bulge[one, step], hair[one, 0]
-    found[left] = _on_steps(one, len(left), start[:, one, step], end[:, one, step], corners[:, one, 0], limit, hair)
-    return found
+    met[undecided] = _on_steps(
+        one, len(undecided), start[:, one, step], end[:, one, step], corners[:, one, 0], limit, hair
+    )
+    return met
 
 
 def _on_steps(pair: Whole, pairs: int, start: Complex, end: Complex, corners: Complex, limit: Real, hair: Real) -> Mask:
-    """Of each of so many pairs, whether its points come nearer to its corners than a limit on any of some steps.
+    """Whether the points of each pair come nearer to its corners than a limit on any of some steps.
 
-    pair: whose step it is, (steps,); start, end, corners: (points, steps).
+    pair: index of the pair of each step, (steps,); start, end, corners: (points, steps).
     """
-    found = np.zeros(pairs, dtype=bool)
-    # No point of a step's hull is farther from that of the points' middles than half of their longest way.
+    met = np.zeros(pairs, dtype=bool)
+    # No point of a step's hull is farther from the hull of the midpoints than half of the longest chord.
     least = distance(corners, (start + end) / 2) - np.abs(end - start).max(axis=0) / 2
     unsure = np.flatnonzero(least < limit + hair)
     most = distance(corners[:, unsure], start[:, unsure])
-    found[pair[unsure[most < limit[unsure] - hair[unsure]]]] = True
-    # So near to the limit that only the exact look tells.
+    met[pair[unsure[most < limit[unsure] - hair[unsure]]]] = True
+    # So near the limit that only the exact test decides.
     count = AT_ONCE // (len(start) + len(corners)) ** 2 + 1
-    while len(unsure := unsure[~found[pair[unsure]]]):
+    while len(unsure := unsure[~met[pair[unsure]]]):
         some, unsure = unsure[:count], unsure[count:]
         hull = np.concatenate([start[:, some], end[:, some]])
-        met = separation(hull.T, corners[:, some].T) < limit[some]
-        found[pair[some[met]]] = True
-    return found
+        hits = separation(hull.T, corners[:, some].T) < limit[some]
+        met[pair[some[hits]]] = True
+    return met
 
 
 def _rows(values: Real) -> Real:
-    """Steps (pairs, steps) as rows of those about one frame, (pairs, rows, `EVERY`), filled with zeros."""
+    """Steps (pairs, steps) grouped by frame of the first scan, (pairs, rows, `EVERY`), filled with zeros."""
     return np.pad(values, ((0, 0), (0, -values.shape[1] % EVERY))).reshape(len(values), -1, EVERY)
 
 
 def distance(one: Complex, two: Complex) -> Real:
-    """Distance, mm, of convex hulls by their corners (n, ...) and (m, ...), counterclockwise; 0 where they meet."""
+    """Distance, mm, of convex hulls by their corners (n, ...) and (m, ...), counterclockwise; 0 if they meet."""
     if len(one) == len(two) == 1:
         apart: Real = np.abs(two[0] - one[0])
         return apart
     (a, left_of_one), (b, left_of_two) = _from_edges(one, two), _from_edges(two, one)
     meet = np.zeros(a.shape, dtype=bool)
-    # Two edges cross where the ends of each lie on either side of the other; else one hull may hold the other.
+    # Two edges cross if the ends of each lie on both sides of the other; otherwise one hull may contain the other.
     for k, these in enumerate(left_of_one):
         for j, those in enumerate(left_of_two):
             meet |= (these[j] * these[j + 1 - len(two)] < 0) & (those[k] * those[k + 1 - len(one)] < 0)
@@ -262,7 +268,7 @@ def distance(one: Complex, two: Complex) -> Real:
 
 
 def _from_edges(corners: Complex, places: Complex) -> tuple[Real, list[Real]]:
-    """How far the nearest of places (m, ...) is from a hull's edges, mm; by edges, which lie to its left: positive."""
+    """Smallest distance of points (m, ...) from a hull's edges, mm; and by edge, positive to its left."""
     least, sides = np.full(np.broadcast_shapes(corners.shape[1:], places.shape[1:]), np.inf), []
     for k in range(len(corners) if len(corners) > 2 else len(corners) - 1):
         edge = corners[k + 1 - len(corners)] - corners[k]

@@ -1,4 +1,4 @@
-"""Which plates and pins of a linkage would meet in one layer, and the layers in which none do."""
+"""The plates and pins of a linkage that would meet in one layer, and an order of layers in which none do."""
 
 from __future__ import annotations
 
@@ -16,20 +16,19 @@ from .collisions import Pair, meeting, path_in
 from .plates import Assembly, Pin, Plate
 from .stock import LinkStock
 
-# Least distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift on its pins. Less
-# lets edges rub; more needs layers that could be saved.
+# Smallest distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift.
 PLAY = 2.0
 
-# From where to where the driver goes, rad or mm.
+# First and last drive, rad or mm.
 Run = tuple[float, float]
 
 
 @record(eq=False)
 class Meetings:
-    """What would meet if it were in one layer, seen from above: edges nearer than the play count as meeting.
+    """Plates and pins that would meet in one layer, seen from above: edges nearer than the play count as meeting.
 
-    Two pins need no look: of two that pass through one layer, one has a plate there that surrounds it, and
-    that the other meets first.
+    Two pins need no test: if two pass through one layer, one has a plate there that surrounds it, which the other meets
+    first.
     """
 
     motion: Motion
@@ -38,12 +37,12 @@ class Meetings:
 
     @property
     def ground(self) -> str:
-        """Name of the fixed plate, which nothing here is compared with: it has its layer to itself."""
+        """Name of the fixed plate, which is not tested, since it is alone in its layer."""
         return self.motion.linkage.ground
 
     @cached_property
     def play(self) -> float:
-        """Least distance of edges, mm."""
+        """Smallest distance of edges, mm."""
         return PLAY * self.stock.clearance
 
     @cached_property
@@ -53,7 +52,7 @@ class Meetings:
 
     @cached_property
     def plates(self) -> set[frozenset[str]]:
-        """Pairs of moving plates that meet, those joined by a pin among them."""
+        """Pairs of moving plates that meet, including those joined by a pin."""
         return self._joined | self._met[0]
 
     @property
@@ -67,19 +66,19 @@ class Meetings:
 
     @cached_property
     def _met(self) -> tuple[set[frozenset[str]], dict[tuple[str, str], Pair]]:
-        """What no pin joins and yet meets: plates; pins and plates. All are looked at in one go."""
-        of, stock, hulls = (
+        """Meeting pairs that no pin joins: plates; pins and plates. All are tested at once."""
+        all_plates, stock, hulls = (
             self.assembly.plates,
             self.stock,
             {name: self.assembly.plates[name].hull for name in self.moving},
         )
         plates = {
-            pair: Pair(of[one].body, hulls[one], of[two].body, hulls[two], stock.bar_width + self.play)
+            pair: Pair(all_plates[one].body, hulls[one], all_plates[two].body, hulls[two], stock.bar_width + self.play)
             for one, two in combinations(self.moving, 2)
             if (pair := frozenset((one, two))) not in self._joined
         }
         pins = {
-            (pin.name, name): Pair(of[name].body, hulls[name], pin.body, np.array([pin.place]), self._near(pin))
+            (pin.name, name): Pair(all_plates[name].body, hulls[name], pin.body, np.array([pin.place]), self._near(pin))
             for pin in self.assembly.pins
             for name in self.moving
             if name not in pin.plates
@@ -88,33 +87,33 @@ class Meetings:
         return set(compress(plates, met)), dict(compress(pins.items(), met[len(plates) :]))
 
     def _near(self, pin: Pin) -> float:
-        """How near the middle of a pin may come to a plate's corners, mm."""
+        """Smallest permitted distance of a pin's centre from the corners of a plate, mm."""
         return self.stock.bar_width / 2 + (pin.shaft or self.stock.pin_diameter) / 2 + self.play
 
 
 def runs(motion: Motion, pair: Pair) -> list[Run]:
-    """When a pair comes nearer than it may: runs of steps, each from its least to its greatest drive."""
+    """Ranges of the drive in which a pair is nearer than permitted, each from its least to its greatest drive."""
     path = path_in(motion, pair.body, pair.other, pair.places)
     numbers = np.flatnonzero(path.gap(pair.corners) < pair.near)
     if not len(numbers):
         return []
     groups = np.split(numbers, np.flatnonzero(np.diff(path.frames[numbers]) > 1) + 1)
     ends = np.append(path.frames[1:], -1)
-    found = []
+    ranges = []
     for group in groups:
         first, last = path.frames[group[0]], path.frames[group[-1]]
         last = last + 1 if ends[group[-1]] == last + 1 else last
         low, high = sorted(path.drive[[first, last]].tolist())
-        found.append((low, high))
-    return found
+        ranges.append((low, high))
+    return ranges
 
 
 @record
 class Passing:
-    """A pin as the layers see it; plates are bits of whole numbers, plate k the bit 1 << k.
+    """A pin for the search of layers; plates are bits of integers, plate k the bit 1 << k.
 
-    joins: plates that it joins. bottom, top: whether it goes down to what lies below all layers, or up to
-    what lies above. hits: plates that it cannot pass.
+    joins: plates that it joins. bottom, top: whether it continues to the plate below or above all layers. hits: plates
+    that it cannot pass.
     """
 
     joins: int
@@ -123,7 +122,7 @@ class Passing:
     hits: int
 
     def through(self, below: Whole) -> Mask:
-        """Whether it goes from the plates `below`, or the bottom, up to any other, or the top."""
+        """Whether it leads from the plates `below`, or the bottom, up to any other plate, or the top."""
         from_below, up = self.joins & below != 0, self.joins & ~below != 0
         passes: Mask = (self.bottom | from_below) & (self.top | up)
         return passes
@@ -141,13 +140,13 @@ class Order:
 def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> Order | None:
     """The fewest layers for plates of which plate k cannot share a layer with the plates meets[k]: an exact search.
 
-    Among as few layers the least length of pins. clean: without collisions of pins, None where that cannot be;
-    otherwise with the fewest. What happens in a layer depends only on which plates lie below it, not on their
-    order, so that the best way to each set of plates is all that is kept: exact, and the same on every run.
+    With equal numbers of layers, the smallest total length of pins. clean: without collisions of pins, None if
+    impossible; otherwise with the fewest. A layer depends only on the set of plates below it, not on their order, so
+    that only the best result for each set is stored: exact, and the same on every run.
     """
     count = len(meets)
     every = np.arange(1 << count)
-    # Of each set of plates, whether no two meet; how many pins go through above it, and what those hit.
+    # For each set of plates: whether no two meet; the number of pins that pass above it, and the plates they hit.
     apart, through, barred = np.ones(1 << count, dtype=bool), np.zeros_like(every), np.zeros_like(every)
     for k, others in enumerate(meets):
         apart[1 << k : 2 << k] = apart[: 1 << k] & (every[: 1 << k] & others == 0)
@@ -155,7 +154,7 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
         passes = pin.through(every)
         through += passes
         barred |= np.where(passes, pin.hits, 0)
-    # Lists, for arrays are slow one by one.
+    # Lists, since access to single elements of arrays is slow.
     is_apart, lengths, hit_by = apart.tolist(), through.tolist(), barred.tolist()
     # For each set of plates: collisions, layers, length of pins, and the plates of the uppermost layer.
     best: dict[int, tuple[int, int, int, int]] = {0: (0, 0, 0, 0)}
@@ -163,39 +162,39 @@ def order(meets: Sequence[int], pins: Sequence[Passing], clean: bool = True) -> 
         if below not in best:
             continue
         collisions, layers, length, _ = best[below]
-        # A pin that starts in the next layer need not be tested: its plate there already keeps off what it would hit.
+        # A pin that starts in the next layer needs no test: its plate there already excludes the plates it would hit.
         anywhere = hit_by[below]
         hits = [] if clean or not anywhere else [pin.hits for pin in pins if pin.through(every[below])]
-        rest = ((1 << count) - 1) & ~(below | anywhere if clean else below)
-        chosen = rest
+        remaining = ((1 << count) - 1) & ~(below | anywhere if clean else below)
+        chosen = remaining
         while chosen:
             if is_apart[chosen]:
                 hit = sum((some & chosen).bit_count() for some in hits) if chosen & anywhere else 0
-                way = collisions + hit, layers + 1, length + lengths[below], chosen
-                if below | chosen not in best or way[:3] < best[below | chosen][:3]:
-                    best[below | chosen] = way
-            chosen = (chosen - 1) & rest
+                candidate = collisions + hit, layers + 1, length + lengths[below], chosen
+                if below | chosen not in best or candidate[:3] < best[below | chosen][:3]:
+                    best[below | chosen] = candidate
+            chosen = (chosen - 1) & remaining
     full = (1 << count) - 1
     if full not in best:
         return None
-    layers_down, left = [], full
-    while left:
-        layers_down.append(best[left][3])
-        left &= ~best[left][3]
+    layers_down, unassigned = [], full
+    while unassigned:
+        layers_down.append(best[unassigned][3])
+        unassigned &= ~best[unassigned][3]
     return Order(best[full][0], best[full][2], tuple(layers_down[::-1]))
 
 
-# Shares of a sheet's thickness by which a head may be higher than whole layers: rounding must not add a layer.
+# Share of a sheet's thickness by which a head may exceed whole layers, so that rounding does not add a layer.
 HAIR = 1e-9
-# Rounds in which gaps grow until no head meets a plate; each adds a layer, and no screw gets longer for ever.
+# Largest number of rounds in which gaps grow until no head meets a plate.
 ROUNDS = 100
 # A pin and a plate, or two pins.
 Key = tuple[str, str]
 
 
 @record
-class Reach:
-    """A pin in its layers: the lowest and the highest that it joins."""
+class LayeredPin:
+    """A pin with the lowest and highest layer that it joins."""
 
     pin: Pin
     first: int
@@ -204,7 +203,7 @@ class Reach:
 
 @record
 class Disc:
-    """What is round about a pin beside its plates, and the heights between which it stands, in layers from below."""
+    """A head, nut, ring or shaft around a pin, and its heights, in layers from below."""
 
     pin: Pin
     what: str
@@ -216,56 +215,56 @@ class Disc:
 class Heads:
     """Heads and nuts of a stack, and what they would meet.
 
-    reaches: the pins by layers without gaps. layers: of the plates, likewise. plates: as they are cut.
+    layered_pins: the pins by layers without gaps. layers: of the plates, likewise. plates: as cut.
     """
 
     meetings: Meetings
-    reaches: tuple[Reach, ...]
+    layered_pins: tuple[LayeredPin, ...]
     layers: Mapping[str, int]
     plates: Mapping[str, Plate]
     _pairs: dict[Key, Pair] = field(default_factory=dict)
     _met: dict[Key, bool] = field(default_factory=dict)
 
     def gaps(self) -> list[int]:
-        """Empty layers above each layer but the highest, the fewest, from below, in which heads meet no plate."""
+        """Number of empty layers above each layer except the highest, the fewest for which heads meet no plate."""
         gaps = [0] * max(self.layers.values())
         for _ in range(ROUNDS):
-            wanted, places = list(gaps), placed(gaps)
-            asked = list(self._asked(places))
-            self._look(key for _, _, keys in asked for key in keys)
-            for gap, high, keys in asked:
+            needed, places = list(gaps), placed(gaps)
+            requests = list(self._requests(places))
+            self._test(key for _, _, keys in requests for key in keys)
+            for gap, high, keys in requests:
                 if any(self._met[key] for key in keys):
-                    wanted[gap] = max(wanted[gap], high)
-            if wanted == gaps:
+                    needed[gap] = max(needed[gap], high)
+            if needed == gaps:
                 break
-            gaps = wanted
+            gaps = needed
         return gaps
 
-    def _asked(self, places: list[int]) -> Iterator[tuple[int, int, list[Key]]]:
-        """Gaps, how high each must be where any of some pairs meets, and those pairs."""
+    def _requests(self, places: list[int]) -> Iterator[tuple[int, int, list[Key]]]:
+        """Gaps, the height each needs if any of some pairs meets, and those pairs."""
         up: dict[int, list[tuple[Pin, int]]] = {}
         heights = []
-        for reach in self.reaches:
-            below, above = (int(np.ceil(high - HAIR)) for high in self._ends(reach, places))
+        for layered in self.layered_pins:
+            below, above = (int(np.ceil(high - HAIR)) for high in self._ends(layered, places))
             heights.append(below)
             yield (
-                reach.last,
+                layered.last,
                 above,
-                self._in_layers(reach.pin, places, places[reach.last] + 1, places[reach.last] + above),
+                self._in_layers(layered.pin, places, places[layered.last] + 1, places[layered.last] + above),
             )
             yield (
-                reach.first - 1,
+                layered.first - 1,
                 below,
-                self._in_layers(reach.pin, places, places[reach.first] - below, places[reach.first] - 1),
+                self._in_layers(layered.pin, places, places[layered.first] - below, places[layered.first] - 1),
             )
-            up.setdefault(reach.last, []).append((reach.pin, above))
-        for reach, below in zip(self.reaches, heights):
-            for pin, above in up.get(reach.first - 1, ()):
+            up.setdefault(layered.last, []).append((layered.pin, above))
+        for layered, below in zip(self.layered_pins, heights):
+            for pin, above in up.get(layered.first - 1, ()):
                 if below and above:
-                    yield reach.first - 1, below + above, [self._two_discs(pin, reach.pin)]
+                    yield layered.first - 1, below + above, [self._two_discs(pin, layered.pin)]
 
     def _in_layers(self, pin: Pin, places: list[int], low: int, high: int) -> list[Key]:
-        """A pin's head and each plate in layers from `low` to `high`."""
+        """Pairs of a pin's head and each plate in layers from `low` to `high`."""
         return [self._head_and_plate(pin, name) for name, layer in self.layers.items() if low <= places[layer] <= high]
 
     def _head_and_plate(self, pin: Pin, name: str) -> Key:
@@ -279,7 +278,7 @@ class Heads:
     def _two_discs(self, one: Pin, two: Pin, what: tuple[str, str] = ("end", "end")) -> Key:
         key = f"{what[0]} of {one.name}", f"{what[1]} of {two.name}"
         if key not in self._pairs:
-            # Rings are loose on their pins, and yield to what touches them.
+            # Rings are loose on their pins and give way.
             play = 0.0 if "ring" in what else self.meetings.play
             near = (self._across(one, what[0]) + self._across(two, what[1])) / 2 + play
             self._pairs[key] = Pair(one.body, np.array([one.place]), two.body, np.array([two.place]), near)
@@ -289,51 +288,51 @@ class Heads:
     def _hulls(self) -> dict[str, Complex]:
         return {name: plate.hull for name, plate in self.plates.items()}
 
-    def _look(self, keys: Iterable[Key]) -> None:
-        """Find out of pairs whether they would meet, were they in one layer."""
+    def _test(self, keys: Iterable[Key]) -> None:
+        """Determine for pairs whether they would meet in one layer."""
         new = [key for key in dict.fromkeys(keys) if key not in self._met]
         self._met.update(zip(new, meeting(self.meetings.motion, [self._pairs[key] for key in new]).tolist()))
 
-    def _ends(self, reach: Reach, places: list[int]) -> tuple[float, float]:
-        """How far a pin stands out below and above, in layers: the nut is where it is out of the way.
+    def _ends(self, layered: LayeredPin, places: list[int]) -> tuple[float, float]:
+        """Heights of a pin's ends below and above its plates, in layers; the nut is where it is out of the way.
 
         A motor's shaft ends with its plates.
         """
-        if reach.pin.shaft:
+        if layered.pin.shaft:
             return 0.0, 0.0
         stock = self.meetings.stock
-        grip = (places[reach.last] - places[reach.first] + 1) * stock.thickness
+        grip = (places[layered.last] - places[layered.first] + 1) * stock.thickness
         head, nut = (high / stock.thickness for high in stock.fastener_used.ends(grip))
-        return (nut, head) if reach.first == 0 else (head, nut)
+        return (nut, head) if layered.first == 0 else (head, nut)
 
     def _across(self, pin: Pin, what: str = "end") -> float:
-        """Diameter of what is round about a pin, mm; rings are as wide as bars."""
+        """Diameter of the disc around a pin, mm; rings are as wide as bars."""
         stock = self.meetings.stock
         return stock.bar_width if what == "ring" else max(stock.fastener_used.across, pin.shaft)
 
-    def is_open(self, shaft: Reach) -> bool:
+    def is_open(self, shaft: LayeredPin) -> bool:
         """Whether a motor's shaft may be longer than its plates: no plate and no pin above would meet it."""
         plates = (name for name, layer in self.layers.items() if layer > shaft.last)
-        pins = (reach.pin for reach in self.reaches if reach is not shaft and reach.last >= shaft.last)
+        pins = (layered.pin for layered in self.layered_pins if layered is not shaft and layered.last >= shaft.last)
         keys = [
             *(self._head_and_plate(shaft.pin, name) for name in plates),
             *(self._two_discs(pin, shaft.pin) for pin in pins),
         ]
-        self._look(keys)
+        self._test(keys)
         return not any(self._met[key] for key in keys)
 
     def rings(self, gaps: list[int]) -> Iterator[tuple[Pin, int]]:
         """Pins that cross empty layers, each with every such layer: a ring there keeps their plates apart.
 
-        A motor's shaft needs none, for its crank is fixed on it, but stands there itself. Piles are left out: they
-        stand clear of all that moves.
+        A motor's shaft needs none, since its crank is fixed on it, but occupies the layer itself. Piles are omitted:
+        they are clear of all that moves.
         """
         places, ground = placed(gaps), self.meetings.ground
-        for reach in self.reaches:
-            if all(self.plates[name].body == ground for name in reach.pin.plates):
+        for layered in self.layered_pins:
+            if all(self.plates[name].body == ground for name in layered.pin.plates):
                 continue
-            for k in range(reach.first, reach.last):
-                yield from ((reach.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
+            for k in range(layered.first, layered.last):
+                yield from ((layered.pin, layer) for layer in range(places[k] + 1, places[k + 1]))
 
     def disc_clears(self, pin: Pin, layer: int, others: Iterable[Pin], gaps: list[int]) -> bool:
         """Whether a disc on a pin meets nothing in a layer, counted without gaps: plates, heads, discs of other pins.
@@ -342,31 +341,31 @@ class Heads:
         """
         stock, play = self.meetings.stock, self.meetings.play
         half = stock.bar_width / 2
-        # Of plates the middle lines count, from which they reach half a bar.
-        around = [(plate.body, self._hulls[n], half) for n, plate in self.plates.items() if self.layers[n] == layer]
-        around += [(other.body, np.array([other.place]), half) for other in others]
-        heads = [one for one in self._heads_in(placed(gaps), placed(gaps)[layer]) if one is not pin]
-        around += [(head.body, np.array([head.place]), stock.fastener_used.across / 2) for head in heads]
+        # Plates are given by their centres, from which they extend by half a bar.
+        obstacles = [(plate.body, self._hulls[n], half) for n, plate in self.plates.items() if self.layers[n] == layer]
+        obstacles += [(other.body, np.array([other.place]), half) for other in others]
+        heads = [head_pin for head_pin in self._heads_in(placed(gaps), placed(gaps)[layer]) if head_pin is not pin]
+        obstacles += [(head.body, np.array([head.place]), stock.fastener_used.across / 2) for head in heads]
         place = np.array([pin.place])
-        pairs = [Pair(body, corners, pin.body, place, half + wide + play) for body, corners, wide in around]
+        pairs = [Pair(body, corners, pin.body, place, half + radius + play) for body, corners, radius in obstacles]
         return not meeting(self.meetings.motion, pairs).any()
 
     def _heads_in(self, places: list[int], at: int) -> Iterator[Pin]:
-        """Pins of which a head or nut stands in a layer, counted with gaps."""
-        for reach in self.reaches:
-            below, above = self._ends(reach, places)
-            low, high = places[reach.first], places[reach.last] + 1
+        """Pins whose head or nut is in a layer, counted with gaps."""
+        for layered in self.layered_pins:
+            below, above = self._ends(layered, places)
+            low, high = places[layered.first], places[layered.last] + 1
             if low - below < at + 1 - HAIR < low or high <= at < high + above - HAIR:
-                yield reach.pin
+                yield layered.pin
 
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
-        """What still meets: a pin, by name, that and what its head or ring meets, and when."""
+        """Remaining collisions: name of the pin, text that says what its head or ring meets, range of the drive."""
         places = placed(gaps)
         discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
-        for reach in self.reaches:
-            below, above = self._ends(reach, places)
-            low, high = places[reach.first], places[reach.last] + 1
-            discs += [Disc(reach.pin, "end", low - below, low), Disc(reach.pin, "end", high, high + above)]
+        for layered in self.layered_pins:
+            below, above = self._ends(layered, places)
+            low, high = places[layered.first], places[layered.last] + 1
+            discs += [Disc(layered.pin, "end", low - below, low), Disc(layered.pin, "end", high, high + above)]
         plates = [
             (disc, name, self._head_and_plate(disc.pin, name))
             for disc in discs
@@ -378,15 +377,15 @@ class Heads:
             for one, two in combinations(discs, 2)
             if one.pin.name != two.pin.name and min(one.high, two.high) > max(one.low, two.low) + HAIR
         ]
-        self._look(key for _, _, key in (*plates, *heads))
+        self._test(key for _, _, key in (*plates, *heads))
         for disc, name, key in plates:
             for run in self._runs(key):
                 yield disc.pin.name, f"{name} by its {disc.what}", run
-        told = set()
+        reported = set()
         for one, two, key in heads:
-            if key not in told:
+            if key not in reported:
                 for run in self._runs(key):
-                    told.add(key)
+                    reported.add(key)
                     yield one.pin.name, f"the {two.what} of {two.pin.name} by its {one.what}", run
 
     def _runs(self, key: Key) -> list[Run]:
@@ -394,5 +393,5 @@ class Heads:
 
 
 def placed(gaps: list[int]) -> list[int]:
-    """Where each layer lies, counted with the empty ones."""
+    """Layer numbers counted with the empty layers."""
     return [k + sum(gaps[:k]) for k in range(len(gaps) + 1)]

@@ -1,4 +1,4 @@
-"""A second fixed plate on top of a linkage: what it carries, and the two piles that hold it up."""
+"""The order of a linkage's plates in layers, with a second fixed plate on top if needed."""
 
 from __future__ import annotations
 
@@ -22,58 +22,56 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
 from .collisions import path_in
-from .layers import Heads, Meetings, Order, Passing, Reach, Run, order, placed, runs
+from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, placed, runs
 from .plates import Assembly, Pin, Plate, assemble, opened, unused
 from .stock import LinkStock
 
-# Directions tried for the two piles that hold up a bridge, in half a turn. Fewer make the bridge longer than need be;
-# more take time and save a few hundredths of it at most.
+# Number of directions tried, within half a turn, for the two piles that support a bridge.
 DIRECTIONS = 36
 # Joints that the bridge carries.
-Way = tuple[str, ...]
+Carried = tuple[str, ...]
 
 
-def ways(assembly: Assembly, ground: str) -> list[Way]:
-    """All choices of joints for the bridge, the fewest first; the first is none. A motor is never above."""
+def bridge_options(assembly: Assembly, ground: str) -> list[Carried]:
+    """All choices of joints for the bridge, the fewest first; the first is none. A motor is never on the bridge."""
     fixed = list(dict.fromkeys(pin.joint for pin in assembly.pins if ground in pin.plates))
     on_ground = {pin.joint for pin in assembly.pins if pin.shaft}
-    # All of them on the bridge would be the same stack upside down.
-    some = (way for size in range(max(1, len(fixed))) for way in combinations(fixed, size))
-    return [way for way in some if not on_ground & set(way)]
+    # All joints on the bridge would be the same stack upside down.
+    options = (joints for size in range(max(1, len(fixed))) for joints in combinations(fixed, size))
+    return [joints for joints in options if not on_ground & set(joints)]
 
 
-def split(assembly: Assembly, ground: str, way: Way) -> tuple[Plate, Plate]:
-    """Ground and bridge, each with its own openings."""
+def split(assembly: Assembly, ground: str, carried: Carried) -> tuple[Plate, Plate]:
+    """Ground and bridge, each with its openings."""
     joints = {pin.name: pin.joint for pin in assembly.pins}
     plates = Plate(ground, {}, assembly.plates[ground].seat), Plate(ground)
     for name, places in assembly.plates[ground].openings.items():
-        plates[joints.get(name, name) in way].openings[name] = places
+        plates[joints.get(name, name) in carried].openings[name] = places
     return plates
 
 
 def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[complex, complex]:
-    """Places in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
+    """Positions in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
 
     The two sides are those between which the mechanism is narrowest.
     """
     ground = motion.linkage.ground
-    still = assembly.plates[ground].centres
+    fixed = assembly.plates[ground].centres
     moving = [path_in(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground]
-    middle = complex(still.mean())
+    middle = complex(fixed.mean())
 
     def out(direction: Complex) -> float:
-        reach = max(float(dot(direction, still).max()), *(path.reach(complex(direction)) for path in moving))
-        return reach - float(dot(direction, middle)) + near
+        extent = max(float(dot(direction, fixed).max()), *(path.extent(complex(direction)) for path in moving))
+        return extent - float(dot(direction, middle)) + near
 
     directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
     widths = [out(u) + out(-u) for u in directions]
-    # Compared to ten digits, so that rounding does not choose between two directions that are equally good.
+    # Compared to ten digits, so that rounding does not choose between equally good directions.
     best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
     return middle + complex(best) * out(best), middle - complex(best) * out(-best)
 
 
-# Moving plates that the search takes at most: the worst case of 15 takes five seconds. Each more triples that; fewer
-# refuse linkages that could be stacked.
+# Largest number of moving plates: the worst case of 15 takes five seconds, and each more triples the time.
 LARGEST = 15
 
 
@@ -81,9 +79,20 @@ LARGEST = 15
 class PinSpan:
     """A pin of a stack.
 
-    first, last: lowest and highest layer; length: through all of them, mm; holes, slots: plates it turns or runs in;
-    spacers: layers, empty of its plates, where a disc keeps them apart. motor: what is bought where it is the shaft of
-    a motor, which is screwed below the ground; empty for a pin.
+    Parameters
+    ----------
+    name : str
+        Name of the joint.
+    first, last : int
+        Lowest and highest layer.
+    length : float
+        Through all layers, mm.
+    holes, slots : tuple of str
+        Plates in which it turns, and plates in whose slots it runs.
+    spacers : tuple of int
+        Layers without its plates, in which a disc keeps the others apart.
+    motor : tuple
+        Bill of the motor, if the pin is the shaft of a motor, which is screwed below the ground; otherwise empty.
     """
 
     name: str
@@ -115,12 +124,20 @@ class Collision:
 
 @record(eq=False)
 class Stack:
-    """How plates lie on each other.
+    """Layers of the plates of a linkage, and the pins through them.
 
-    layers: the layer of each plate, the fixed one 0, upwards. pins: what each joins and how long it is.
-    collisions: empty where the stack can be built; otherwise those of the stack that has the fewest. plates:
-    as they are to be cut, ground and bridge apart. fastener: what holds the pins; where its heads would meet
-    plates, layers between them are empty.
+    Parameters
+    ----------
+    layers : mapping of str to int
+        Layer of each plate, the fixed one 0, upwards.
+    pins : tuple of PinSpan
+        The pins.
+    collisions : tuple of Collision
+        Empty if the stack can be built; otherwise those of the stack with the fewest.
+    plates : mapping of str to Plate
+        The plates as cut, ground and bridge separately.
+    fastener : Fastener
+        Fastener of the pins. Layers stay empty where its heads would meet plates.
     """
 
     layers: Mapping[str, int]
@@ -131,68 +148,81 @@ class Stack:
 
     @property
     def spacers(self) -> int:
-        """How many discs keep plates apart: on pins that cross empty layers, and under a bridge."""
+        """Number of discs that keep plates apart: on pins that cross empty layers, and under a bridge."""
         return sum(len(pin.spacers) for pin in self.pins)
 
     @cached_property
     def letters(self) -> Mapping[str, str]:
-        """A short name for each pin, engraved at its holes: A to Z, then AA and so on."""
+        """Letter of each pin, engraved at its holes: A to Z, then AA and so on."""
         signs = [*ascii_uppercase, *("".join(two) for two in product(ascii_uppercase, repeat=2))]
         return dict(zip((pin.name for pin in self.pins), signs))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """What is bought to join the plates, for joints by their letters."""
+        """Bought items that join the plates, with the letters of their joints."""
         return gathered([(self.letters[pin.name], self.bill(pin)) for pin in self.pins])
 
     def bill(self, pin: PinSpan) -> Bill:
-        """What one of its pins takes."""
+        """Bought items of one pin.
+
+        Parameters
+        ----------
+        pin : PinSpan
+            A pin of this stack.
+
+        Returns
+        -------
+        tuple
+        """
         return pin.motor or self.fastener.bill(pin.length)
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """How it is put together, from the bottom up: a line for each layer."""
+        """Assembly steps from the bottom up, one line for each layer."""
         return tuple(self._steps())
 
     def _steps(self) -> Iterator[str]:
-        of = self.letters
+        letters = self.letters
         motors, pins = ([pin for pin in self.pins if bool(pin.motor) == turns] for turns in (True, False))
         from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
         for layer in range(1 + max(self.layers.values())):
-            plates = [name for name, at in self.layers.items() if at == layer]
-            told = [
+            plates = [name for name, own_layer in self.layers.items() if own_layer == layer]
+            steps = [
                 (
                     "put {} through from below",
-                    [of[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
+                    [letters[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
                 ),
                 ("lay {}", plates),
-                ("{}", [fixed_under(plates[0], of[pin.name]) for pin in motors if pin.first == layer]),
-                ("a spacer on {}", [of[pin.name] for pin in self.pins if layer in pin.spacers]),
+                ("{}", [fixed_under(plates[0], letters[pin.name]) for pin in motors if pin.first == layer]),
+                ("a spacer on {}", [letters[pin.name] for pin in self.pins if layer in pin.spacers]),
                 (
                     "nothing on {}, which a plate here passes",
-                    [of[pin.name] for pin in pins if layer in self._bare(pin)],
+                    [letters[pin.name] for pin in pins if layer in self._bare(pin)],
                 ),
-                ("close {}", [of[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
-                # Where their nuts are out of the way, and room is left for heads alone.
-                ("put {} through from above, nuts below", [of[pin.name] for pin in from_above if pin.last == layer]),
+                ("close {}", [letters[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
+                # Screws whose nuts are below the ground, since only heads have room above.
+                (
+                    "put {} through from above, nuts below",
+                    [letters[pin.name] for pin in from_above if pin.last == layer],
+                ),
                 ("fix {}", [self._on_motor(pin) for pin in motors if pin.last == layer]),
             ]
-            yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in told if names)}"
+            yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in steps if names)}"
 
     def _on_motor(self, pin: PinSpan) -> str:
-        """How the crank is put on a motor's shaft, which alone holds it where layers under it are empty."""
+        """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
         low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
         crossed = pin.last - pin.first - 1
         height = f", {crossed * pin.length / (crossed + 2):.6g} mm above {low}" if crossed else ""
         return f"{crank} on the motor's shaft {self.letters[pin.name]}, flat on flat{height}"
 
     def _bare(self, pin: PinSpan) -> set[int]:
-        """Layers that a pin crosses with neither plate nor spacer."""
-        held = {self.layers[name] for name in pin.holes + pin.slots}.union(pin.spacers)
-        return set(range(pin.first, pin.last + 1)) - held
+        """Layers that a pin crosses without a plate or spacer."""
+        occupied = {self.layers[name] for name in pin.holes + pin.slots}.union(pin.spacers)
+        return set(range(pin.first, pin.last + 1)) - occupied
 
     def summary(self) -> dict[str, object]:
-        """The same as plain lists for a file, layers from the bottom up."""
+        """The stack as plain lists for a file, layers from the bottom up."""
         rows: list[list[str]] = [[] for _ in range(1 + max(self.layers.values()))]
         for name, layer in self.layers.items():
             rows[layer].append(name)
@@ -208,32 +238,51 @@ class Stack:
             }
             for pin in self.pins
         ]
-        bought = [one.told for one in self.bought]
+        bought = [item.told for item in self.bought]
         collisions = [str(c) for c in self.collisions]
         return {"layers": rows, "pins": pins, "collisions": collisions, "bought": bought, "steps": list(self.steps)}
 
 
 @checked
 def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
-    """The plates of a linkage in the fewest layers, and among those with the least total length of pins.
+    """Arrange the plates of a linkage in the fewest layers, and among these with the least total length of pins.
 
-    The ground at the bottom carries all fixed pivots and slots. Where that cannot be, a second fixed plate on
-    top, the bridge, carries some of them: again the fewest layers, then the fewest carried. Two piles of
-    discs, beside all that moves, hold it up. Exact for the motion's frames, and between them as far as
-    `Sweep` tells, for frames a few degrees apart that follow each other. What no stack can do is told by the
-    collisions of the one that has the fewest. Raises DesignError for more than 15 moving plates, where no frame
-    closes, for more frames than can be looked at, and for many linkages at once. Derived here.
+    The ground at the bottom carries all fixed pivots and slots. If that is not possible, a second fixed plate on top,
+    the bridge, carries some of them: again the fewest layers, then the fewest carried. Two piles of discs, outside all
+    that moves, support it.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage over its whole range, in frames a few degrees apart.
+    stock : LinkStock
+        Sheet and pins.
+
+    Returns
+    -------
+    Stack
+        If every stack has collisions, the one with the fewest.
+
+    Raises
+    ------
+    DesignError
+        If there are more than 15 moving plates, no frame is closed, there are too many frames, or the motion is of
+        arrays of linkages.
+
+    Notes
+    -----
+    Exact for the motion's frames, and between them to second order. Derived here.
     """
-    found = assemble(motion, stock)
-    meetings = Meetings(motion, stock, found)
+    meetings = Meetings(motion, stock, assemble(motion, stock))
     if len(meetings.moving) > LARGEST:
         raise DesignError(
             "bodies", f"found {len(meetings.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
         )
-    # Where openings run into each other whatever the bridge carries, `link_parts` says which.
-    fitting: list[Way] = [way for way in ways(found, meetings.ground) if _fits(meetings, way)] or [()]
-    for some in ([way for way in fitting if not way], [way for way in fitting if way]):
-        clean = [(way, best) for way in some if (best := _order(meetings, way))]
+    # If openings overlap whatever the bridge carries, `link_parts` reports which.
+    options = bridge_options(meetings.assembly, meetings.ground)
+    fitting: list[Carried] = [carried for carried in options if _fits(meetings, carried)] or [()]
+    for some in ([carried for carried in fitting if not carried], [carried for carried in fitting if carried]):
+        clean = [(carried, best) for carried in some if (best := _order(meetings, carried))]
         if clean:
             return _stack(meetings, *min(clean, key=lambda c: (len(c[1].layers), len(c[0]), c[1].length)))
     least = _order(meetings, fitting[0], clean=False)
@@ -243,13 +292,31 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
 
 @checked
 def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | None = None) -> tuple[Part, ...]:
-    """The plates of a linkage, each in its body's own frame: holes for pins and traced points, slots for slides.
+    """The plates of a linkage, each in its body's frame: holes for pins and traced points, slots for slides.
 
-    motion: over the whole way that the linkage is to go; slots are as long as the travel over its frames. stack:
-    `stack_links(motion, stock)`, where the plates are to lie on each other so that nothing collides: a bridge that it
-    needs is one more plate, and the discs that keep plates apart are the part `spacer`, as many as its count says.
-    Without it, the fixed body is one plate. Raises DesignError where no frame closes, where openings run into each
-    other or lie over a motor, where guide pins find no room, and for many linkages at once. Derived here.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage over its whole range; slots are as long as the travel over its frames.
+    stock : LinkStock
+        Sheet and pins.
+    stack : Stack, optional
+        `stack_links(motion, stock)`, if the plates are to be stacked without collisions: it adds a bridge, if needed,
+        and the part `spacer` with its count. Without it the fixed body is one plate.
+
+    Returns
+    -------
+    tuple of Part
+
+    Raises
+    ------
+    DesignError
+        If no frame is closed, openings overlap or are over a motor, guide pins have no room, or the motion is of arrays
+        of linkages.
+
+    Notes
+    -----
+    Derived here.
     """
     plates = stack.plates if stack else assemble(motion, stock).plates
     letters = stack.letters if stack else {}
@@ -262,22 +329,22 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     return tuple(parts)
 
 
-def _fits(meetings: Meetings, way: Way) -> bool:
-    """Whether no openings of the ground, or of the bridge, run into each other."""
-    plates = split(meetings.assembly, meetings.ground, way)
+def _fits(meetings: Meetings, carried: Carried) -> bool:
+    """Whether the openings of ground and bridge do not overlap."""
+    plates = split(meetings.assembly, meetings.ground, carried)
     return not any(True for plate in plates for _ in plate.crossings(meetings.stock))
 
 
-def _order(meetings: Meetings, way: Way, clean: bool = True) -> Order | None:
-    """The best order of the moving plates when the bridge carries the joints of `way`."""
+def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | None:
+    """The best order of the moving plates if the bridge carries the joints `carried`."""
     ground, pins = meetings.ground, meetings.assembly.pins
     bits = {name: 1 << k for k, name in enumerate(meetings.moving)}
     meets = [sum(b for other, b in bits.items() if frozenset((name, other)) in meetings.plates) for name in bits]
     passing = [
         Passing(
             joins=sum(bits[name] for name in pin.plates if name != ground),
-            bottom=ground in pin.plates and pin.joint not in way,
-            top=ground in pin.plates and pin.joint in way,
+            bottom=ground in pin.plates and pin.joint not in carried,
+            top=ground in pin.plates and pin.joint in carried,
             hits=sum(bit for name, bit in bits.items() if (pin.name, name) in meetings.pin_and_plate),
         )
         for pin in pins
@@ -285,17 +352,17 @@ def _order(meetings: Meetings, way: Way, clean: bool = True) -> Order | None:
     return order(meets, passing, clean)
 
 
-def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
+def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
     ground, stock = meetings.ground, meetings.stock
     top = 1 + len(best.layers)
     plates, layers = dict(meetings.assembly.plates), {ground: 0}
     for k, name in enumerate(meetings.moving):
         layers[name] = next(1 + n for n, row in enumerate(best.layers) if row >> k & 1)
     bridge = unused("bridge", plates)
-    carried = {pin.name: pin.joint in way for pin in meetings.assembly.pins}
+    on_bridge = {pin.name: pin.joint in carried_joints for pin in meetings.assembly.pins}
     pins = list(meetings.assembly.pins)
-    if way:
-        plates[ground], plates[bridge] = split(meetings.assembly, ground, way)
+    if carried_joints:
+        plates[ground], plates[bridge] = split(meetings.assembly, ground, carried_joints)
         layers[bridge] = top
         for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
             name = unused(f"spacer_{k + 1}", opened(plates))
@@ -303,7 +370,7 @@ def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
             pins.append(Pin(name, name, ground, place, (ground, bridge), ()))
     spans = []
     for pin in pins:
-        fixed = bridge if carried.get(pin.name) else ground
+        fixed = bridge if on_bridge.get(pin.name) else ground
         holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
         ends = [layers[name] for name in holes + slots]
         spans.append(PinSpan(pin.name, min(ends), max(ends), 0.0, holes, slots))
@@ -311,9 +378,9 @@ def _stack(meetings: Meetings, way: Way, best: Order) -> Stack:
 
 
 def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
-    """The stack with layers left empty where heads need them, and what collides in it."""
-    reaches = tuple(Reach(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
-    heads = Heads(meetings, reaches, stack.layers, stack.plates)
+    """The stack with empty layers where heads need them, and its collisions."""
+    layered_pins = tuple(LayeredPin(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
+    heads = Heads(meetings, layered_pins, stack.layers, stack.plates)
     gaps = heads.gaps()
     places = placed(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
@@ -322,28 +389,30 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     discs_in: dict[int, list[Pin]] = {}
     for pin, span in zip(pins, stack.pins):
         first, last = places[span.first], places[span.last]
-        own = {layers[name] for name in span.holes + span.slots}
-        # Under a crank on a motor's shaft is the hole for the motor's boss, so that it is held by the shaft alone.
-        discs = [] if pin.shaft else [n for n in range(first + 1, last) if n not in own]
+        occupied = {layers[name] for name in span.holes + span.slots}
+        # Under a crank on a motor's shaft is the hole for the motor's boss, so only the shaft holds it.
+        discs = [] if pin.shaft else [n for n in range(first + 1, last) if n not in occupied]
         if span.name in joints:
-            # A pile fills all between its plates; another pin only where no plate comes in the disc's way.
-            empty, held = [n for n in discs if n not in places], [n for n in discs if n in places]
-            clear = (n for n in held if heads.disc_clears(pin, places.index(n), discs_in.get(n, ()), gaps))
+            # A pile fills all layers between its plates; another pin those in which no plate meets the disc.
+            empty, among_plates = [n for n in discs if n not in places], [n for n in discs if n in places]
+            clear = (n for n in among_plates if heads.disc_clears(pin, places.index(n), discs_in.get(n, ()), gaps))
             discs = sorted([*empty, *clear])
         for n in discs:
             discs_in.setdefault(n, []).append(pin)
         length = (last - first + 1) * meetings.stock.thickness
         spans.append(replace(span, first=first, last=last, length=length, spacers=tuple(discs)))
     spans = [
-        replace(span, motor=_motor_bill(meetings.stock, span.length, heads.is_open(reach))) if reach.pin.shaft else span
-        for span, reach in zip(spans, reaches)
+        replace(span, motor=_motor_bill(meetings.stock, span.length, heads.is_open(layered)))
+        if layered.pin.shaft
+        else span
+        for span, layered in zip(spans, layered_pins)
     ]
-    found = replace(stack, layers=layers, pins=tuple(spans))
-    return replace(found, collisions=tuple(_collisions(meetings, found, heads.collisions(gaps))))
+    spread = replace(stack, layers=layers, pins=tuple(spans))
+    return replace(spread, collisions=tuple(_collisions(meetings, spread, heads.collisions(gaps))))
 
 
 def _motor_bill(stock: LinkStock, length: float, is_open: bool) -> Bill:
-    """The motor, its shaft through plates of a length together, mm, and no longer where anything passes over it."""
+    """The motor, with its shaft through plates of a total length, mm; cut to length if anything passes over it."""
     assert stock.shaft is not None
     return shaft_bill(stock.shaft, length, base=stock.thickness, is_cut=not is_open)
 

@@ -1,4 +1,4 @@
-"""What links are cut from, what joins them, and the motor that turns them."""
+"""The sheet that links are cut from, the pins that join them, and the motor that turns them."""
 
 from __future__ import annotations
 
@@ -15,29 +15,60 @@ from ...making.motors import MOTORS, MotorName
 
 @record(checked=True)
 class LinkStock:
-    """What links are cut from, and the pins that join them."""
+    """The sheet that links are cut from, and the pins that join them.
+
+    Parameters
+    ----------
+    thickness : float
+        Thickness of the sheet, mm; from 0.01 to 1000.
+    bar_width : float
+        Width of the links, mm; larger than the pin holes.
+    pin_diameter : float
+        Diameter of the pins, mm.
+    clearance : float
+        By how much a pin hole is wider than its pin, mm.
+    fastener : {"screw", "rod"}, optional
+        Screws with nuts, or rods cut flush. By default screws if there is one of `pin_diameter` and the sheet is thick
+        enough.
+    play : float
+        Axial play along a pin, so that its plates can turn, mm; from 0 to 10.
+    head_height : float, optional
+        Height of the screws' heads, mm, if it is not that of the standard.
+    motor : str, optional
+        Motor that turns the crank: its holes are in the ground, the hole for its shaft in the crank.
+    fit : str
+        Fit of the crank's bore on the motor's shaft.
+    interference : float
+        Interference of a press-fit bore, mm.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or the holes do not fit into the links.
+    """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
     bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
     pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
     clearance: float = wider(0.2)
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; left out, screws where pin_diameter is that of one and sheets bear it",
+        "screws with nuts, or rods cut flush; by default screws if there is one of pin_diameter and the sheet bears it",
         default=None,
     )
-    play: float = quantity("along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
+    play: float = quantity("axial play along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
     head_height: float | None = quantity(
-        "of the screws' heads, where they are not those of the standard", "mm", default=None, at_least=0, at_most=100
+        "height of the screws' heads, if it is not that of the standard", "mm", default=None, at_least=0, at_most=100
     )
 
     motor: MotorName | None = entry(
-        "what turns the crank: its holes are in the ground, its shaft's in the crank; left out, no motor", default=None
+        "motor that turns the crank: its holes are in the ground, its shaft's in the crank; by default none",
+        default=None,
     )
     fit: Fit = fit("the crank's bore on a motor")
     interference: float = interference()
 
     def __post_init__(self) -> None:
-        # Refuses a screw that there is none of.
+        # Raises DesignError if no such screw exists.
         _ = self.fastener_used
         self._check_motor()
         if self.bar_width <= self.hole_diameter:
@@ -49,7 +80,7 @@ class LinkStock:
 
     @property
     def fastener_used(self) -> Fastener:
-        """What holds the pins."""
+        """The fastener that holds the pins."""
         return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
 
     @property
@@ -59,7 +90,7 @@ class LinkStock:
 
     @property
     def shaft(self) -> AbstractBored | None:
-        """The motor's shaft, and how the crank sits on it."""
+        """The motor's shaft and its fit in the crank; None without a motor."""
         if self.motor is None:
             return None
         return AbstractBored(
@@ -75,14 +106,12 @@ class LinkStock:
     def _check_motor(self) -> None:
         if (shaft := self.shaft) is None or self.motor is None:
             if self.fit == "press":
-                raise DesignError(
-                    "fit", "found press, but no motor whose shaft it is for", "give motor, or leave it out"
-                )
+                raise DesignError("fit", "found press, but no motor", "give motor, or omit fit")
             return
         MOTORS[self.motor].check_plate(self.motor, self.thickness, "motor")
         if self.bar_width <= (widest := shaft.bore + shaft.play):
             raise DesignError(
                 "bar_width",
                 f"found {self.bar_width:g} mm, but the hole for the motor's shaft is {widest:g} mm wide",
-                "give wider bars, or leave out motor",
+                "give wider bars, or omit motor",
             )

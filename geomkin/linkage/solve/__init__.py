@@ -1,11 +1,11 @@
-"""From sizes, drive and branch to where every body is, in four steps.
+"""Position analysis: from sizes, drive and branch to the pose of every body.
 
-`plan` finds the order in which bodies can be placed: the driver, dyads (in closed form), and what is left as `loops`.
-Each placement (`placement`, `dyads`, `driver_dyads`, `actuators`, `loops`) writes poses and kinematic coefficients.
-`solution` picks the branch of every dyad over the drives (`branch`, `drive_range`) and runs the placements over them.
-`move` makes of that a motion in time.
+1. `plan` (moving.py) finds the order in which bodies can be placed: the driver, dyads (in closed form), then the
+   remaining loops.
+2. Each placement (`placement`, `dyads`, `input_dyads`, `actuators`, `loops`) computes poses and kinematic coefficients.
+3. `solution` determines the branch of every dyad over the drives (`branch`, `drive_range`) and runs the placements.
+4. `move` (moving.py) adds the driver's speed and returns a Motion.
 
-What moves often, or over many frames, goes without the placements' Python: a `tape` records what they do, `formulas`
-names what it tells, and `worked` runs that as a `program`, by NumPy or, where there is much of it, by the loop of
-`compiled`.
+For many frames or repeated motions the placements are not run each time: a `tape` records their operations, `formulas`
+names the results, and a `program` evaluates them by NumPy or, for large tasks, by the loop of `compiled`.
 """

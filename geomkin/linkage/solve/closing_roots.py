@@ -1,6 +1,6 @@
-"""The roots that decide whether a loop closes, with the digits they have near a toggle or a change point.
+"""The roots that decide whether a loop closes, accurate near a toggle or a change point.
 
-Real where it closes, zero where its two branches meet: a limit of the driver, or a change point.
+A root is real where the loop closes, and zero where its two branches meet: at a limit of the driver or a change point.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ class ClosingRoot(Protocol):
 
 @record(eq=False)
 class Gaps:
-    """What a loop's two roots are made of: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
+    """Constants of a loop's two roots: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
 
-    d1 and d2 are zero where the linkage has a change point. When followed, the root then is k cos v or k sin v with
-    its sign, and runs smoothly through it; change_1, change_2 tell for which of many linkages it is so.
+    d1 or d2 is zero if the linkage has a change point. If followed, the root then is k cos v or k sin v with its sign,
+    and runs smoothly through zero; change_1, change_2: for which linkages this is so.
     """
 
     d1: Real
@@ -39,7 +39,7 @@ class Gaps:
 
     @classmethod
     def of(cls, d1: Real, d2: Real, k: Real, follow: bool) -> Gaps:
-        """Gaps with their change points found; False, the common case, costs nothing later."""
+        """Gaps with their change points; False, the usual case, saves work later."""
         changes = [d == 0 if follow and np.any(d == 0) else False for d in (d1, d2)]
         return cls(d1, d2, k, changes[0], changes[1])
 
@@ -75,15 +75,15 @@ class Roots:
 
     @cached_property
     def p1(self) -> Real:
-        """x / f1."""
-        share = self.x / self.f1
-        return share if self.gaps.change_1 is False else np.where(self.gaps.change_1, 1.0, share)
+        """x / f1, 1 at a change point."""
+        ratio = self.x / self.f1
+        return ratio if self.gaps.change_1 is False else np.where(self.gaps.change_1, 1.0, ratio)
 
     @cached_property
     def p2(self) -> Real:
-        """y / f2."""
-        share = self.y / self.f2
-        return share if self.gaps.change_2 is False else np.where(self.gaps.change_2, 1.0, share)
+        """y / f2, 1 at a change point."""
+        ratio = self.y / self.f2
+        return ratio if self.gaps.change_2 is False else np.where(self.gaps.change_2, 1.0, ratio)
 
     @cached_property
     def r(self) -> Real:
@@ -95,10 +95,10 @@ class Roots:
         return self.branch * (self.p1 * self.p2)
 
     def tau_rate(self) -> Real:
-        """Its derivative by t."""
+        """Derivative of tau by t."""
         one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / (self.square_2 * self.f2)
         two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / (self.square_1 * self.f1)
-        # What a vanished constant multiplies is finite in the limit, but 0/0 at the very point.
+        # A term with a constant of zero is zero in the limit, but 0/0 at the point itself.
         one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
         two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
         return one - two
@@ -108,7 +108,7 @@ class Roots:
 class StrokeRoot:
     """r = branch f1 f2 of an actuator's dyad, f1^2 = most - x^2 and f2^2 = x^2 - least; most may be infinite.
 
-    change: where least is zero and followed, f2 is x with its sign, and r runs smoothly through zero.
+    change: if least is zero and followed, f2 is x with its sign, and r runs smoothly through zero.
     """
 
     x: Real
@@ -123,7 +123,7 @@ class StrokeRoot:
 
     @cached_property
     def f1(self) -> Real:
-        # With nothing to hold it back f1 is no factor.
+        # Without an upper limit f1 is 1.
         bounded = np.isfinite(self.most)
         with np.errstate(invalid="ignore"):
             return np.sqrt(np.where(bounded, self.most - self.x * self.x, 1.0))
@@ -142,35 +142,35 @@ class StrokeRoot:
     def share(self) -> Real:
         """x / f2, 1 at a change point."""
         with np.errstate(all="ignore"):
-            share = self.x / self.f2
-        return share if self.change is False else np.where(self.change, 1.0, share)
+            ratio = self.x / self.f2
+        return ratio if self.change is False else np.where(self.change, 1.0, ratio)
 
     @cached_property
     def share_rate(self) -> Real:
-        """Its derivative by x."""
+        """Derivative of `share` by x."""
         with np.errstate(all="ignore"):
             rate = -self.least / (self.f2 * self.f2 * self.f2)
         return rate if self.change is False else np.where(self.change, 0.0, rate)
 
     def limits(self) -> list[float]:
-        """Places x at which r vanishes; none at a change point."""
+        """Displacements x at which r vanishes; none at a change point."""
         squares = [float(self.most), float(self.least)]
         ends = [float(np.sqrt(square)) for square in squares if 0 < square < np.inf]
         return [x for end in ends for x in (end, -end)]
 
 
 def half_limits(gaps: Gaps) -> list[float]:
-    """Angles v, rad, over a turn of t, at which one of the roots vanishes; none at a change point."""
-    found: list[float] = []
+    """Angles v, rad, over a period of t, at which one of the roots vanishes; none at a change point."""
+    limits: list[float] = []
     for d, angle in ((gaps.d1, np.arccos), (gaps.d2, np.arcsin)):
         if -(gaps.k**2) <= d < 0:
             v = float(angle(np.sqrt(-d) / gaps.k))
-            found += [v, -v]
-    return found
+            limits += [v, -v]
+    return limits
 
 
 def _sum_exact(*terms: Real) -> Real:
-    """The sum of numbers as if added exactly and rounded about once: each addition's rounding is added back."""
+    """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
     total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
     for term in terms[1:]:
         new = total + term
@@ -181,9 +181,9 @@ def _sum_exact(*terms: Real) -> Real:
 
 
 def gap_of(follow: bool, *terms: Real) -> Real:
-    """A sum of lengths exactly; when followed, one that rounding of the lengths alone moved off zero is zero."""
+    """An exact sum of lengths; if followed, a sum that is only rounding is zero."""
     gap = _sum_exact(*terms)
     if not follow:
         return gap
-    # 8 units in the last place: lengths such as 0.1 + 0.2 and 0.3 are meant to be equal.
+    # 8 units in the last place, so that lengths such as 0.1 + 0.2 and 0.3 count as equal.
     return np.where(np.abs(gap) <= 8 * np.finfo(float).eps * sum(map(np.abs, terms)), 0.0, gap)

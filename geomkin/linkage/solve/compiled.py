@@ -1,7 +1,7 @@
-"""Programs as a table of steps that one compiled loop goes through, of any linkage: frames in blocks, values in rows.
+"""Programs as a table of steps that one compiled loop executes, for any linkage: frames in blocks, values in rows.
 
-The loop knows nothing of linkages: it takes the operations that NumPy would, from the same tape. It is compiled once,
-which takes some seconds, and kept on disk by numba, from where it is loaded in half a second.
+The loop knows nothing of linkages: it executes the same operations as NumPy, from the same tape. Its compilation takes
+some seconds; numba caches it on disk, from where it loads in half a second.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from ...plane.vec import Array
 from .program import Program, base, shared
 from .tape import VIEWS, Operation, Tape, chosen_from, imag_part, larger, paired
 
-# Frames, or linkages, in a block. More, and the rows leave the cache; fewer, and finding a step takes longer than it.
+# Frames, or linkages, in a block. With more the rows leave the cache; with fewer dispatching a step takes too long.
 WIDTH = 128
 
-# The tables that hold what it starts from, and how many rows of numbers a value of each kind takes in what it writes.
+# The tables of inputs, and the number of rows of a value of each kind in the output.
 NUMBERS, OUTER, INNER, BOTH = range(4)
 WIDTHS = {float: 1, complex: 2, bool: 0}
 
-# Codes of operations on rows of real numbers, as the loop has them.
+# Codes of the loop's operations on rows of real numbers.
 MULTIPLY, ADD, SUBTRACT, DIVIDE, ROOT, NEGATIVE, ABSOLUTE, COSINE, SINE, ANGLE, SIGNED, LEAST, LARGER, LESS = range(14)
 AT_MOST, FINITE, CHOSEN, COPY, CROSSWISE, ALONG, LENGTH, QUOTIENT, CIRCLE = range(14, 23)
-# A step: what it does, the row it writes, the rows it reads; those of an operation by the rows of its result and of its
-# arguments. A complex number is its real part's row, and below it that of the other.
+# A step: its code, the row it writes, the rows it reads. The table gives the steps of an operation for the rows of its
+# result and arguments. A complex number has two rows, the real part first.
 Steps = list[tuple[int, ...]]
 ON_ROWS: dict[tuple[Operation, str], Callable[..., Steps]] = {
     (np.multiply, "ff"): lambda o, a, b: [(MULTIPLY, o, a, b)],
@@ -75,20 +75,20 @@ ON_ROWS: dict[tuple[Operation, str], Callable[..., Steps]] = {
     (np.positive, "c"): lambda o, a: [(COPY, o, a), (COPY, o + 1, a + 1)],
 }
 
-# The angle whose tangent is s, up to pi/8 each way, is s + s^3 times this polynomial in s^2, its highest power first,
-# but for 4e-17 of it. Derived here, by Remez' exchange of the places where it is farthest off; other digits lose some.
+# The angle whose tangent is s, between -pi/8 and pi/8, is s + s^3 times this polynomial in s^2, highest power first, to
+# a relative 4e-17. Derived here, by Remez' exchange.
 POLYNOMIAL = (
     0.02127852419713506, -0.043606945728317824, 0.056931200549258626, -0.0664123782061731, 0.07690082402655676,
     -0.09090783462693137, 0.11111106700816628, -0.14285714196462654, 0.19999999999103937, -0.3333333333333022,
 )  # fmt: skip
-# tan(pi/8), beyond which it is told by the rest to pi/4: any more, and the polynomial's digits go. pi/4 as a double and
-# what that is too small by, without which angles near pi/2 lose a unit.
+# tan(pi/8), beyond which the angle is computed from its difference to pi/4. pi/4 as a double, and its rounding error,
+# without which angles near pi/2 lose a unit in the last place.
 FAR, EIGHTH, BEYOND = 0.41421356, math.pi / 4, 3.061616997868383e-17
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _angle(y, x):  # type: ignore[no-untyped-def]
-    """atan2 to three units in the last place, in a tenth of its time: without a call many are worked out at once."""
+    """atan2 to three units in the last place, ten times faster: without a call it can be vectorised."""
     along, across = abs(x), abs(y)
     low, high = (across, along) if across <= along else (along, across)
     far = low > FAR * high or low == np.inf
@@ -107,7 +107,7 @@ def _angle(y, x):  # type: ignore[no-untyped-def]
 
 @intrinsic
 def _number_at(_, address):  # type: ignore[no-untyped-def]
-    """The number at an address: given arrays are as many as a program takes, which no signature says."""
+    """The number at an address: programs differ in the number of input arrays, which no compiled signature allows."""
 
     def load(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         return builder.load(builder.inttoptr(arguments[0], context.get_value_type(types.float64).as_pointer()))
@@ -117,11 +117,10 @@ def _number_at(_, address):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy")
 def _run(steps, rows, numbers, outer, inner, both, out, flags, stores, repeats, length):  # type: ignore[no-untyped-def]
-    """Steps (steps, 6): code, row written, rows read. Of many linkages frames repeat, and a length is all of them.
+    """Steps (steps, 6): code, row written, rows read. For many linkages frames repeat, and `length` is their number.
 
-    Rows hold first numbers (rows,), outer (rows, repeats), inner (rows, length) and both (rows, 2), each of which tells
-    the address where a row of repeats * length numbers begins and by how much it steps. stores (rows, 3) tell a row,
-    where in out it begins and by how much it steps; 0 is for flags.
+    Rows hold first numbers (rows,), outer (rows, repeats), inner (rows, length) and both (rows, 2): address and stride
+    of repeats * length numbers. stores (rows, 3): a row, its start in `out` and its stride; stride 0 for flags.
     """
     w = np.empty((rows, WIDTH))
     for k in range(len(numbers)):
@@ -180,7 +179,7 @@ def _run(steps, rows, numbers, outer, inner, both, out, flags, stores, repeats, 
                     for j in range(n):
                         w[o, j] = math.sin(w[a, j])
                 elif code == CIRCLE:
-                    # Asked for at once they are one call, in three fifths of the time.
+                    # Cosine and sine of the same angle are one call, in three fifths of the time.
                     for j in range(n):
                         x = w[b, j]
                         w[o, j], w[a, j] = math.cos(x), math.sin(x)
@@ -214,7 +213,7 @@ def _run(steps, rows, numbers, outer, inner, both, out, flags, stores, repeats, 
                     for j in range(n):
                         w[o, j] = math.hypot(w[a, j], w[b, j])
                 elif code == QUOTIENT:
-                    # By the larger part of what divides, so that no square overflows.
+                    # Scaled by the larger part of the divisor, so that no square overflows.
                     for j in range(n):
                         x, y, u, v = w[a, j], w[a + 1, j], w[b, j], w[b + 1, j]
                         if abs(u) >= abs(v):
@@ -243,22 +242,22 @@ def runs(program: Program) -> bool:
 
 
 def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
-    """What `Program.run` does."""
-    many = prod(linkages)
-    if many > 1:
-        # What is alike for all linkages is worked out once a frame, by NumPy.
-        if "alike" not in program.prepared:
-            program.prepared["alike"] = _split(program)
-        alike, program = program.prepared["alike"]
-        alike.run(values, frames, linkages)
+    """Like `Program.run`."""
+    count = prod(linkages)
+    if count > 1:
+        # Values that are equal for all linkages are evaluated once per frame, by NumPy.
+        if "common" not in program.prepared:
+            program.prepared["common"] = _split(program)
+        common, program = program.prepared["common"]
+        common.run(values, frames, linkages)
     constants = program.tape.constants
     given = [constants[n] if n in constants else values[n] for n in (*program.fixed, *program.given)]
-    places = tuple([_place(array, frames, many) for array in given])
+    places = tuple([_place(array, frames, count) for array in given])
     if places not in program.prepared:
         program.prepared[places] = _table(program, places)
-    steps, rows, complexes, own = program.prepared[places]
+    steps, rows, complexes, kept_rows = program.prepared[places]
     tables: list[list[Any]] = [[], [], [], []]
-    # Held until the loop is through, as it is told no more than their addresses.
+    # Referenced until the loop ends, since it gets only their addresses.
     flat = [
         np.ascontiguousarray(array, complex if parted else float).reshape(-1) for array, parted in zip(given, complexes)
     ]
@@ -268,13 +267,13 @@ def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple
         else:
             tables[place] += [row.real, row.imag] if parted else [row]
     numbers, outer, inner = (
-        np.array(table, dtype=float).reshape(len(table), count) for table, count in zip(tables, (1, frames, many))
+        np.array(table, dtype=float).reshape(len(table), count) for table, count in zip(tables, (1, frames, count))
     )
-    size, stores = frames * many, []
+    size, stores = frames * count, []
     widths = [WIDTHS[program.tape.steps[n].kind] for n in program.kept]
     out, flags = np.empty(size * sum(widths)), np.empty(size * widths.count(0), dtype=np.bool_)
     at = marks = 0
-    for n, row, width in zip(program.kept, own, widths):
+    for n, row, width in zip(program.kept, kept_rows, widths):
         if width:
             stores += [(row + part, at + part, width) for part in range(width)]
             kept: Array = out[at : at + width * size]
@@ -284,28 +283,30 @@ def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple
             kept = flags[marks : marks + size]
             marks += size
         values[n] = (kept.view(complex) if width == 2 else kept).reshape(frames, *linkages)
-    told = [np.array(t, dtype=np.int64).reshape(-1, columns) for t, columns in ((tables[BOTH], 2), (stores, 3))]
-    repeats, length = (1, frames) if many == 1 else (frames, many)
-    _run(steps, rows, numbers[:, 0], outer, inner, told[0], out, flags, told[1], repeats, length)
+    arrays = [np.array(t, dtype=np.int64).reshape(-1, columns) for t, columns in ((tables[BOTH], 2), (stores, 3))]
+    repeats, length = (1, frames) if count == 1 else (frames, count)
+    _run(steps, rows, numbers[:, 0], outer, inner, arrays[0], out, flags, arrays[1], repeats, length)
 
 
 def _split(program: Program) -> tuple[Program, Program]:
-    """What is alike for all linkages, and the rest."""
+    """The steps that are equal for all linkages, and the others."""
     tape = program.tape
-    rest = [n for n in program.steps if tape.steps[n].extent == 2]
-    alike = [n for n in program.steps if tape.steps[n].extent < 2]
-    used = {base(tape, one) for n in rest for one in tape.steps[n].of}.union(program.kept)
-    return Program.of(tape, alike, used.intersection(alike)), Program.of(
-        tape, rest, set(program.kept).intersection(rest)
+    varying = [n for n in program.steps if tape.steps[n].extent == 2]
+    common = [n for n in program.steps if tape.steps[n].extent < 2]
+    used = {base(tape, argument) for n in varying for argument in tape.steps[n].of}.union(program.kept)
+    return Program.of(tape, common, used.intersection(common)), Program.of(
+        tape, varying, set(program.kept).intersection(varying)
     )
 
 
 def _kinds(tape: Tape, number: int) -> str:
-    return "".join({float: "f", complex: "c", bool: "b"}[tape.steps[one].kind] for one in tape.steps[number].of)
+    return "".join(
+        {float: "f", complex: "c", bool: "b"}[tape.steps[argument].kind] for argument in tape.steps[number].of
+    )
 
 
 def _place(array: Array, frames: int, many: int) -> int:
-    """Which of the tables takes an array."""
+    """The table for an input array."""
     if array.size == 1:
         return NUMBERS
     if array.size == frames * many and len(array) == frames:
@@ -314,32 +315,32 @@ def _place(array: Array, frames: int, many: int) -> int:
 
 
 def _table(program: Program, places: tuple[int, ...]) -> tuple[Any, int, list[bool], list[int]]:
-    """The steps with their rows, how many rows there are, which given values are complex, and the rows of what is kept.
+    """The steps with their rows, the number of rows, which inputs are complex, and the rows of the kept results.
 
-    places: the tables that hold what is given.
+    places: the tables of the inputs.
     """
-    tape, found, count = program.tape, {}, 0
+    tape, first_row, count = program.tape, {}, 0
     given = [*program.fixed, *program.given]
     ordered = [n for table in range(4) for n, place in zip(given, places) if place == table]
     for n in (*ordered, *program.kept):
-        found[n] = count
+        first_row[n] = count
         count += 2 if tape.steps[n].kind is complex else 1
-    arrays, holding = shared(tape, program.steps, found)
+    arrays, holding = shared(tape, program.steps, first_row)
     starts = np.cumsum([count, *(2 if letter == "D" else 1 for letter, _ in arrays)]).tolist()
-    found |= {n: starts[array] for n, array in holding.items()}
+    first_row |= {n: starts[array] for n, array in holding.items()}
 
     def row_of(number: int) -> int:
         step = tape.steps[number]
-        return row_of(step.of[0]) + (step.operation is imag_part) if step.operation in VIEWS else found[number]
+        return row_of(step.of[0]) + (step.operation is imag_part) if step.operation in VIEWS else first_row[number]
 
     coded: Steps = []
     for n in program.made:
         step = tape.steps[n]
         coded += ON_ROWS[step.operation, _kinds(tape, n)](row_of(n), *map(row_of, step.of))
-        if len(coded) > 1 and [told[0] for told in coded[-2:]] == [COSINE, SINE] and coded[-2][2] == coded[-1][2]:
+        if len(coded) > 1 and [code for code, *_ in coded[-2:]] == [COSINE, SINE] and coded[-2][2] == coded[-1][2]:
             (_, cosine, of), (_, sine, _) = coded[-2:]
             coded[-2:] = [(CIRCLE, cosine, sine, of)]
     steps = np.zeros((len(coded), 6), dtype=np.int64)
-    for k, told in enumerate(coded):
-        steps[k, : len(told)] = told
-    return steps, starts[-1], [tape.steps[n].kind is complex for n in given], [found[n] for n in program.kept]
+    for k, step_codes in enumerate(coded):
+        steps[k, : len(step_codes)] = step_codes
+    return steps, starts[-1], [tape.steps[n].kind is complex for n in given], [first_row[n] for n in program.kept]

@@ -1,8 +1,8 @@
-"""Dyads that only the driver moves, in the form that keeps its digits at a toggle.
+"""Dyads that only the driver moves, in a form that stays accurate at a toggle.
 
-The textbook forms go through the diagonal's square a^2 + d^2 - 2 a d cos t and lose half the digits of
-position, and all of those of velocity, as the linkage nears a toggle. Here every quantity that
-vanishes at a toggle is a product of factors, and the constants among them are exact.
+The textbook forms use the diagonal's square a^2 + d^2 - 2 a d cos t and lose half the digits of position, and all of
+those of velocity, as the linkage nears a toggle. Here every quantity that vanishes at a toggle is a product of factors,
+and the constants among them are exact.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from .placement import (
 
 @record(eq=False)
 class InputDyad(Dyad):
-    """A dyad that the driver alone moves. `follow`: run smoothly through change points.
+    """A dyad that only the driver moves. `follow`: whether it runs smoothly through change points.
 
-    period: of the drive, after which everything comes again; 0 where the driver slides.
+    period: of the drive, rad; 0 if the driver slides.
     """
 
     period: ClassVar[float] = 2 * np.pi
@@ -45,14 +45,14 @@ class InputDyad(Dyad):
 
     @abstractmethod
     def roots(self, p0: Poses, branch: Whole | int) -> ClosingRoot:
-        """The root of its loop at the pass's drive."""
+        """The root of the loop at the drives of `p0`."""
 
     @abstractmethod
     def limits(self) -> list[float]:
-        """Drives at which the loop is stretched or folded to the utmost and the driver turns back; of one period."""
+        """Drives, within one period, at which the loop is fully stretched or folded and the driver turns back."""
 
     def sign_from(self, q: Real, sign: int) -> Whole:
-        """The branch that makes r, followed, start with `sign`; at a change point it starts just after it."""
+        """The branch for which the followed root r starts with `sign`; at a change point it starts just after it."""
         if not q.size:
             return np.asarray(sign)
         later = q[0] + 1e-3 * (q[-1] - q[0] if q[-1] != q[0] else 1.0)
@@ -64,13 +64,13 @@ class InputDyad(Dyad):
 
 @record(eq=False)
 class CrankDriven(InputDyad):
-    """Of a dyad between points of the ground and of a driver that turns: its second base from its first.
+    """A dyad between points of the ground and of a driver that turns.
 
-    That is C + K e^{iq}: still C and turning K, mm.
+    The vector from its first base to its second is C + K e^{iq}: constant C and rotating K, mm.
     """
 
-    still: complex | Complex
-    turning: complex | Complex
+    constant: complex | Complex
+    rotating: complex | Complex
     dyad: RRR | RRP
 
     @property
@@ -80,30 +80,30 @@ class CrankDriven(InputDyad):
     def gaps(self, p0: Poses) -> tuple[Real, ...]:
         return self.dyad.gaps(p0)
 
-    def meeting(self, p0: Poses) -> tuple[Complex, Complex]:
-        return self.dyad.meeting(p0)
+    def joint_directions(self, p0: Poses) -> tuple[Complex, Complex]:
+        return self.dyad.joint_directions(p0)
 
 
 @record(eq=False)
 class DrivenRRR(CrankDriven):
     """Two bars on points of the ground and the driver: L1 - L2 = C + K e^{iq} for the drive q, a four-bar.
 
-    In the textbook's letters, seen along C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
+    In the textbook's letters, relative to C: b e3 - c e4 = u = d - a e^{it}, t = q + arg(-K / C). With s = |u|^2:
     b e3 = (p + i r / 2s) u, p = (s + b^2 - c^2) / 2s. The derivatives of the angles of e3 and e4 are
-    h3 = psi' - p1 tau and h4 = psi' + p tau, psi' being the turn of u, tau = 2 a d sin t / r, p1 = 1 - p.
+    h3 = psi' - p1 tau and h4 = psi' + p tau, psi' the derivative of the angle of u, tau = 2 a d sin t / r, p1 = 1 - p.
     """
 
     dyad: RRR
 
     @cached_property
     def _sizes(self) -> _Sizes:
-        a, b, c, d = np.abs(self.turning), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.still)
+        a, b, c, d = np.abs(self.rotating), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.constant)
         d1 = gap_of(self.follow, b, c, -a, -d) * (a + b + c + d)
         d2 = gap_of(self.follow, d, -a, -b, c) * gap_of(self.follow, d, -a, b, -c)
         nearest, unequal = gap_of(self.follow, d, -a), gap_of(self.follow, b, -c)
         kite = (nearest == 0) & (unequal == 0)
-        forward = self.still / d
-        half_turn = np.sqrt(-self.turning * np.conj(self.still) / (a * d) + 0j)
+        c_direction = self.constant / d
+        half_turn = np.sqrt(-self.rotating * np.conj(self.constant) / (a * d) + 0j)
         return _Sizes(
             gaps=Gaps.of(d1, d2, 2 * np.sqrt(a * d), self.follow),
             half_turn=half_turn,
@@ -113,19 +113,22 @@ class DrivenRRR(CrankDriven):
             nearest=nearest,
             squares=0.5 * unequal * (b + c),
             difference=nearest * (a + d),
-            ahead=(forward / self.dyad.arms[0], forward / self.dyad.arms[1]),
+            directions=(c_direction / self.dyad.arms[0], c_direction / self.dyad.arms[1]),
             kite=kite if np.any(kite) else False,
         )
 
     def roots(self, p0: Poses, branch: Whole | int) -> Roots:
-        turn, k, (cosine, sine) = self._sizes.half_turn, self._sizes.gaps.k, p0.half
+        half_turn, k, (cosine, sine) = self._sizes.half_turn, self._sizes.gaps.k, p0.half
         if not self._sizes.straight:
-            cosine, sine = turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
+            cosine, sine = (
+                half_turn.real * cosine - half_turn.imag * sine,
+                half_turn.real * sine + half_turn.imag * cosine,
+            )
         return Roots(self._sizes.gaps, k * cosine, k * sine, branch)
 
     def limits(self) -> list[float]:
-        turn = 2 * float(np.angle(self._sizes.half_turn))
-        return [2 * v - turn for v in half_limits(self._sizes.gaps)]
+        offset = 2 * float(np.angle(self._sizes.half_turn))
+        return [2 * v - offset for v in half_limits(self._sizes.gaps)]
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
         sizes, roots = self._sizes, self.roots(p0, branch)
@@ -134,39 +137,45 @@ class DrivenRRR(CrankDriven):
         over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
         u = paired(plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d))
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
-        p0.kept[self] = roots, over, p
+        p0.cache[self] = roots, over, p
         bar = paired(p, r) * u
         if sizes.kite is not False:
-            # Both circles coincide where u vanishes: r u / 2s has a limit there, on each side.
+            # Both circles coincide where u vanishes: r u / 2s has a limit there, from either side.
             limit = 0.5 * u + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
         other = bar - u
-        p0.turn[self.dyad.bodies[0]] = scaled(bar, sizes.ahead[0], used=True)
-        p0.turn[self.dyad.bodies[1]] = scaled(other, sizes.ahead[1], used=True)
+        p0.direction[self.dyad.bodies[0]] = scaled(bar, sizes.directions[0], used=True)
+        p0.direction[self.dyad.bodies[1]] = scaled(other, sizes.directions[1], used=True)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        sizes, (roots, over, p) = self._sizes, p0.kept[self]
+        sizes, (roots, over, p) = self._sizes, p0.cache[self]
         psi = (roots.y * roots.y - 2 * sizes.a * sizes.nearest) * over
         if sizes.kite is not False:
             p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
         tau = roots.tau
-        p1.turn[self.dyad.bodies[0]], p1.turn[self.dyad.bodies[1]] = psi - times(1 - p, tau), plus(p * tau, psi)
+        p1.theta_prime[self.dyad.bodies[0]], p1.theta_prime[self.dyad.bodies[1]] = (
+            psi - times(1 - p, tau),
+            plus(p * tau, psi),
+        )
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        sizes, (roots, over, p) = self._sizes, p0.kept[self]
+        sizes, (roots, over, p) = self._sizes, p0.cache[self]
         rate = roots.tau_rate()
-        # (a d sin t / s)(1 - 2 psi' + (p1 - p) tau), whose bracket vanishes wholly for a kite.
+        # (a d sin t / s)(1 - 2 psi' + (p1 - p) tau), whose bracket is zero for a kite.
         shared = (roots.x * roots.y) * (over * over) * (2 * sizes.difference - 4 * sizes.squares * roots.tau)
         if sizes.kite is not False:
             p, shared = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.0, shared)
-        p2.turn[self.dyad.bodies[0]], p2.turn[self.dyad.bodies[1]] = shared - times(1 - p, rate), plus(p * rate, shared)
+        p2.theta_prime[self.dyad.bodies[0]], p2.theta_prime[self.dyad.bodies[1]] = (
+            shared - times(1 - p, rate),
+            plus(p * rate, shared),
+        )
 
 
 @record(eq=False)
 class _Sizes:
-    """Of a four-bar, exact where they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
+    """Constants of a four-bar, exact if they may vanish: nearest d - a, squares (b^2 - c^2) / 2, difference d^2 - a^2.
 
-    half_turn: half the turn from q to t; straight: whether there is none. ahead: from the bars seen along C to
+    half_turn: half the rotation from q to t; straight: whether it is zero. directions: from the bars relative to C to
     their bodies' directions. kite: whether both nearest and squares vanish.
     """
 
@@ -178,7 +187,7 @@ class _Sizes:
     nearest: Real
     squares: Real
     difference: Real
-    ahead: tuple[Complex, Complex]
+    directions: tuple[Complex, Complex]
     kite: Mask | bool
 
 
@@ -186,38 +195,41 @@ class _Sizes:
 class DrivenRRP(CrankDriven):
     """A bar from a point of the driver to a slide on the ground: the slider-crank of that driver.
 
-    Seen along the rail, L = x + C + K e^{iq} = r + i n with n = c + k sin t, t = q + arg K, and
-    r^2 = (l - n)(l + n). L turns by tau = k cos t / r.
+    Relative to the rail, L = x + C + K e^{iq} = r + i n with n = c + k sin t, t = q + arg K, and
+    r^2 = (l - n)(l + n). The derivative of the angle of L is tau = k cos t / r.
     """
 
     dyad: RRP
 
     @cached_property
     def _sizes(self) -> tuple[Gaps, Real, Complex, Real]:
-        """Gaps, c, and the turn from q to t, as unit complex and in rad."""
+        """Gaps, c, and the rotation from q to t, as unit complex and in rad."""
         rail = np.conj(self.dyad.rail.direction)
-        c, k, length = (rail * self.still).imag, np.abs(self.turning), np.abs(self.dyad.arm)
-        turn = rail * self.turning / k
+        c, k, length = (rail * self.constant).imag, np.abs(self.rotating), np.abs(self.dyad.arm)
+        rotation = rail * self.rotating / k
         d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
-        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, turn, np.angle(turn)
+        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, rotation, np.angle(rotation)
 
     def _turned(self, q: Real) -> tuple[Real, Real]:
-        """Cosine and sine of t, with the digits that the cosine has near zero."""
-        turn, cosine, sine = self._sizes[2], np.cos(q), np.sin(q)
-        if np.all(turn == 1):
+        """Cosine and sine of t; the cosine keeps its digits near zero."""
+        rotation, cosine, sine = self._sizes[2], np.cos(q), np.sin(q)
+        if np.all(rotation == 1):
             return cosine, sine
-        return turn.real * cosine - turn.imag * sine, turn.real * sine + turn.imag * cosine
+        return rotation.real * cosine - rotation.imag * sine, rotation.real * sine + rotation.imag * cosine
 
     def roots(self, p0: Poses, branch: Whole | int) -> Roots:
         gaps, (cosine, sine) = self._sizes[0], self._turned(p0.drive)
         k = 0.5 * gaps.k**2
-        # Here v = t/2 + pi/4: k^2 cos^2 v is k (1 - sin t). 1 - |sin t| comes from the cosine, which keeps its digits.
-        far = 1 + np.abs(sine)
-        near = cosine * cosine / far
-        x, y = np.sqrt(k * np.where(sine > 0, near, far)), np.sqrt(k * np.where(sine > 0, far, near))
+        # v = t/2 + pi/4: k^2 cos^2 v is k (1 - sin t). 1 - |sin t| is computed from the cosine, which keeps its digits.
+        one_plus = 1 + np.abs(sine)
+        one_minus = cosine * cosine / one_plus
+        x, y = (
+            np.sqrt(k * np.where(sine > 0, one_minus, one_plus)),
+            np.sqrt(k * np.where(sine > 0, one_plus, one_minus)),
+        )
         if gaps.change_1 is False and gaps.change_2 is False:
             return Roots(gaps, x, np.copysign(y, cosine), branch)
-        # Followed, each needs its own sign: of the one that is far from zero first, of the other by the product.
+        # If followed, each needs its own sign: first the one that is far from zero, the other from the product.
         v = 0.5 * (p0.drive + self._sizes[3]) + 0.25 * np.pi
         sign = np.copysign(1.0, np.where(sine > 0, np.sin(v), np.cos(v)))
         other = np.copysign(sign, sign * cosine)
@@ -228,19 +240,19 @@ class DrivenRRP(CrankDriven):
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
         gaps, c, _, _ = self._sizes
-        roots = p0.kept[self] = self.roots(p0, branch)
+        roots = p0.cache[self] = self.roots(p0, branch)
         bar = paired(roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1])
-        p0.turn[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
+        p0.direction[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        p1.turn[self.dyad.body] = p0.kept[self].tau
+        p1.theta_prime[self.dyad.body] = p0.cache[self].tau
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        p2.turn[self.dyad.body] = p0.kept[self].tau_rate()
+        p2.theta_prime[self.dyad.body] = p0.cache[self].tau_rate()
 
 
 def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follow: bool) -> InputDyad | None:
-    """The dyad as one that the driver alone moves, where it is. placed: what was placed before."""
+    """The dyad as one that only the driver moves; None if it is not. placed: the placements before it."""
     points = DriverPoints(ground, placed)
     if isinstance(dyad, RRR):
         ends = [points.at(base) for base in dyad.bases]
@@ -250,43 +262,49 @@ def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follo
         return None
     if ends[0] is None or ends[1] is None:
         return None
-    still, turning = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
-    if np.any(turning == 0):
+    constant, rotating = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+    if np.any(rotating == 0):
         return None
     if isinstance(dyad, RRP):
-        return DrivenRRP(dyad.joint, follow, still, turning, dyad)
-    return None if np.any(still == 0) else DrivenRRR(dyad.joint, follow, still, turning, dyad)
+        return DrivenRRP(dyad.joint, follow, constant, rotating, dyad)
+    return None if np.any(constant == 0) else DrivenRRR(dyad.joint, follow, constant, rotating, dyad)
 
 
-# C and K of what is C + K e^{iq} for the drive q: what stands still has K = 0, what turns with the driver C = 0.
-Circling = tuple[complex | Complex, complex | Complex]
+# C and K of a point or direction C + K e^{iq} for the drive q: K = 0 if it is fixed, C = 0 if it turns with the driver.
+DriverTerms = tuple[complex | Complex, complex | Complex]
 
 
 class DriverPoints:
-    """Which points are C + K e^{iq}: those of the ground and of a driver that turns on it."""
+    """Points that are C + K e^{iq}: those of the ground and of a driver that turns on it."""
 
     def __init__(self, ground: str, placed: Sequence[Placement]):
-        # Directions of the bodies that stand or turn as the driver does, and where their origins are.
-        self.turns: dict[str, Circling] = {ground: (1, 0)}
-        self.origins: dict[str, Circling] = {ground: (0, 0)}
-        for one in placed:
-            if isinstance(one, RevoluteInput):
-                self.turns[one.body] = (0, 1)
-            elif isinstance(one, AlignedBody) and one.with_body in self.turns:
-                still, turning = self.turns[one.with_body]
-                self.turns[one.body] = (still * one.turn, turning * one.turn)
-            elif isinstance(one, PinnedBody) and one.body in self.turns:
-                pin = self.at(one.pin)
+        # Directions and origins of the bodies that are fixed or turn with the driver.
+        self.directions: dict[str, DriverTerms] = {ground: (1, 0)}
+        self.origins: dict[str, DriverTerms] = {ground: (0, 0)}
+        for placement in placed:
+            if isinstance(placement, RevoluteInput):
+                self.directions[placement.body] = (0, 1)
+            elif isinstance(placement, AlignedBody) and placement.with_body in self.directions:
+                constant, rotating = self.directions[placement.with_body]
+                self.directions[placement.body] = (constant * placement.rotation, rotating * placement.rotation)
+            elif isinstance(placement, PinnedBody) and placement.body in self.directions:
+                pin = self.at(placement.pin)
                 if pin is not None:
-                    still, turning = self.turns[one.body]
-                    self.origins[one.body] = (pin[0] - still * one.local, pin[1] - turning * one.local)
+                    constant, rotating = self.directions[placement.body]
+                    self.origins[placement.body] = (
+                        pin[0] - constant * placement.local,
+                        pin[1] - rotating * placement.local,
+                    )
 
-    def at(self, anchor: Anchor) -> Circling | None:
-        """A point as C and K; None where it moves otherwise."""
+    def at(self, anchor: Anchor) -> DriverTerms | None:
+        """A point as C and K; None if it moves otherwise."""
         arms = ((anchor.body, anchor.place), *anchor.arms)
-        if anchor.body not in self.origins or any(body not in self.turns for body, _ in arms):
+        if anchor.body not in self.origins or any(body not in self.directions for body, _ in arms):
             return None
-        still, turning = self.origins[anchor.body]
+        constant, rotating = self.origins[anchor.body]
         for body, local in arms:
-            still, turning = still + self.turns[body][0] * local, turning + self.turns[body][1] * local
-        return still, turning
+            constant, rotating = (
+                constant + self.directions[body][0] * local,
+                rotating + self.directions[body][1] * local,
+            )
+        return constant, rotating

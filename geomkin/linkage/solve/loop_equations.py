@@ -1,4 +1,4 @@
-"""The equations of bodies whose loops are solved together: what each joint asks for, and what that does to the pose."""
+"""The equations of bodies whose loops are solved together: the conditions of their joints, and their Jacobian."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ...plane.vec import Array, Complex, Mask, Real, Whole
 from ..linkage import Linkage, Slider
 from .placement import Coefficients, Poses
 
-# Origins, mm, and turns of all bodies, (..., bodies): unit complex, or derivatives of the angle.
+# Origins, mm, and directions of all bodies, (..., bodies): unit complex, or derivatives of the angle.
 State = tuple[Complex, Array]
 # Origins of bodies, mm, and arms from them, mm.
 Ends = tuple[Complex, Complex]
-# Which of a row: in even steps, which take a fifth of the time, or one by one.
+# Indices: a slice if they are evenly spaced, which is five times faster, or an array.
 Places = slice | Whole
 
 
 @record(eq=False)
 class LoopEquations:
-    """Conditions of the joints of `waiting` bodies, and the unknowns that meet them.
+    """Conditions of the joints of `waiting` bodies, and the unknowns that satisfy them.
 
-    Unknown are each waiting body's place and, unless it is `oriented`, its angle; `placed` bodies are known.
-    Lengths are told in units of `size`, so that they compare with angles in rad at any size of linkage.
+    Unknown are each waiting body's position and, unless it is `oriented`, its angle; `placed` bodies are known. Lengths
+    are in units of `size`, so that they compare with angles in rad for any size of linkage.
     """
 
     linkage: Linkage
@@ -35,7 +35,7 @@ class LoopEquations:
 
     @cached_property
     def names(self) -> list[str]:
-        """The bodies, and last the drive of an actuator among them, which counts as placed: its origin is q."""
+        """The bodies, and last the drive of an actuator among them, which counts as a placed body: its origin is q."""
         return [*self.linkage.bodies, *([self.driven.name] if self.driven else [])]
 
     @cached_property
@@ -44,18 +44,18 @@ class LoopEquations:
 
     @cached_property
     def driven(self) -> Slider | None:
-        """The driven slider where both its bodies are here."""
+        """The driven slider if both its bodies are waiting."""
         slider = self.linkage.driven_slider
         return slider if slider and {slider.body, slider.along} <= set(self.waiting) else None
 
     @cached_property
     def size(self) -> float:
-        """The largest distance that the linkage names, mm."""
+        """The largest distance named by the linkage, mm."""
         return float(self.linkage.size) or 1.0
 
     @cached_property
     def columns(self) -> list[tuple[int, str]]:
-        """The unknowns: body and which coordinate of it."""
+        """The unknowns: body and coordinate."""
         return [
             (self.names.index(b), axis)
             for b in self.waiting
@@ -64,12 +64,12 @@ class LoopEquations:
 
     @property
     def rows(self) -> int:
-        """How many conditions there are."""
+        """Number of conditions."""
         return 2 * len(self._pins[0]) + len(self._rails[0]) + int(self._rails[-1].sum()) + bool(self.driven)
 
     @cached_property
     def _chains(self) -> list[tuple[str, list[str]]]:
-        """Each pin with the bodies that it has to bring together, a placed one first."""
+        """Each pin with the bodies that it joins, a placed one first."""
         chains = []
         for pin, bodies in self.linkage.pins.items():
             waiting = [b for b in bodies if b in self.waiting]
@@ -79,7 +79,7 @@ class LoopEquations:
 
     @cached_property
     def _pins(self) -> tuple[Whole, Complex, Whole, Complex]:
-        """Pairs of points that must meet: bodies, places, bodies, places."""
+        """Pairs of points that must coincide: bodies, places, bodies, places."""
         pairs = [(one, two, pin) for pin, chain in self._chains for one, two in pairwise(chain)]
         ends = [[(self.names.index(p[k]), self.linkage.bodies[p[k]][p[2]]) for p in pairs] for k in (0, 1)]
         one, two = ([np.array([e[k] for e in end], dtype=(int, complex)[k]) for k in (0, 1)] for end in ends)
@@ -91,221 +91,233 @@ class LoopEquations:
 
     @cached_property
     def _rails(self) -> tuple[Whole, Complex, Whole, Complex, Complex, Complex, Mask]:
-        """Sliders here: body, its point, guide, the line's point and direction, the body's turn, if it is unknown."""
-        here = self._sliders
+        """Sliders: body, its point, guide, the line's point and direction, the body's rotation, if it is unknown."""
+        sliders = self._sliders
         return (
-            np.array([self.names.index(s.body) for s in here], dtype=int),
-            np.array([s.point for s in here], dtype=complex),
-            np.array([self.names.index(s.along) for s in here], dtype=int),
-            np.array([s.through for s in here], dtype=complex),
-            np.array([s.direction for s in here], dtype=complex),
-            np.array([s.direction * np.exp(1j * np.radians(s.angle_deg)) for s in here], dtype=complex),
-            np.array([not {s.body, s.along} & self.oriented for s in here], dtype=bool),
+            np.array([self.names.index(s.body) for s in sliders], dtype=int),
+            np.array([s.point for s in sliders], dtype=complex),
+            np.array([self.names.index(s.along) for s in sliders], dtype=int),
+            np.array([s.through for s in sliders], dtype=complex),
+            np.array([s.direction for s in sliders], dtype=complex),
+            np.array([s.direction * np.exp(1j * np.radians(s.angle_deg)) for s in sliders], dtype=complex),
+            np.array([not {s.body, s.along} & self.oriented for s in sliders], dtype=bool),
         )
 
     @cached_property
     def _ends(self) -> tuple[Whole, Complex]:
-        """All points that joints keep in place, bodies and places: both of every pin, then of every slider."""
+        """All points that joints keep together, bodies and places: both of every pin, then of every slider."""
         one, z1, two, z2 = self._pins
         body, z, guide, through = self._rails[:4]
         return np.concatenate([one, two, body, guide]), np.concatenate([z1, z2, z, through])
 
     @cached_property
     def _parts(self) -> tuple[slice, slice, slice, slice]:
-        """Where those of the pins and those of the sliders stand among the ends."""
+        """Slices of the ends that belong to the pins and to the sliders."""
         pins, rails = len(self._pins[0]), len(self._rails[0])
         ends = np.cumsum([0, pins, pins, rails, rails]).tolist()
         return slice(*ends[0:2]), slice(*ends[1:3]), slice(*ends[2:4]), slice(*ends[3:5])
 
     def ends(self, state: State) -> Ends:
-        """Points that joints keep in place: their bodies' origins, and the arms from there to them, (..., points)."""
+        """Points that joints keep together: their bodies' origins, and the arms from there to them, (..., points)."""
         bodies, places = self._ends
         return state[0].take(bodies, axis=-1), state[1].take(bodies, axis=-1) * places
 
     def conditions(self, order: int, states: list[State], ends: Ends) -> Real:
-        """How far every joint is from closing, (..., rows), or the derivative of that of an order.
+        """Closure errors of all joints, (..., rows), or their derivatives of an order.
 
         states: the pose and its derivatives up to that order; ends: those of the pose.
         """
         bodies, (origins, arms) = self._ends[0], ends
 
-        def moving(k: int) -> Complex:
+        def points(k: int) -> Complex:
             if k == 0:
-                at: Complex = origins + arms
-                return at
+                position: Complex = origins + arms
+                return position
             h = states[1][1].take(bodies, axis=-1)
             if k == 1:
                 return states[1][0].take(bodies, axis=-1) + 1j * h * arms
-            gain: Complex = (1j * states[2][1].take(bodies, axis=-1) - h**2) * arms
-            return states[2][0].take(bodies, axis=-1) + gain
+            second: Complex = (1j * states[2][1].take(bodies, axis=-1) - h**2) * arms
+            return states[2][0].take(bodies, axis=-1) + second
 
-        one, two, own, other = self._parts
-        moved = moving(order)
-        pins = moved[..., one] - moved[..., two]
-        told: Real = np.concatenate([pins.real, pins.imag], axis=-1) / self.size
+        one, two, sliding, guiding = self._parts
+        highest = points(order)
+        pins = highest[..., one] - highest[..., two]
+        at_pins: Real = np.concatenate([pins.real, pins.imag], axis=-1) / self.size
         body, _, guide, _, direction, turn, both = self._rails
         if not len(body):
-            return told
+            return at_pins
         line = np.conj(states[0][1][..., guide] * direction)
-        apart = [here[..., own] - here[..., other] for here in (*map(moving, range(order)), moved)]
+        apart = [z[..., sliding] - z[..., guiding] for z in (*map(points, range(order)), highest)]
         if order == 0:
-            off = line * apart[0]
+            relative = line * apart[0]
         elif order == 1:
-            off = line * (apart[1] - 1j * states[1][1][..., guide] * apart[0])
+            relative = line * (apart[1] - 1j * states[1][1][..., guide] * apart[0])
         else:
             h, h2 = states[1][1][..., guide], states[2][1][..., guide]
-            off = line * (apart[2] - 2j * h * apart[1] - (1j * h2 + h**2) * apart[0])
-        turns = states[order][1][..., body[both]], states[order][1][..., guide[both]]
-        # The angle and not its sine, which would take a body that stands the wrong way round for a right one.
-        askew = np.angle(turns[0] * np.conj(turns[1] * turn[both])) if order == 0 else turns[0] - turns[1]
-        rows: list[Array] = [told, off.imag / self.size, askew]
+            relative = line * (apart[2] - 2j * h * apart[1] - (1j * h2 + h**2) * apart[0])
+        rotations = states[order][1][..., body[both]], states[order][1][..., guide[both]]
+        # The angle, since its sine would accept a body that is turned by 180 deg.
+        misalignment = (
+            np.angle(rotations[0] * np.conj(rotations[1] * turn[both])) if order == 0 else rotations[0] - rotations[1]
+        )
+        rows: list[Array] = [at_pins, relative.imag / self.size, misalignment]
         if self.driven:
-            ahead = off.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
-            rows.append(ahead[..., None] / self.size)
+            along = relative.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
+            rows.append(along[..., None] / self.size)
         return np.concatenate(rows, axis=-1)
 
     def jacobian(self, state: State, ends: Ends) -> Real:
-        """d(conditions)/d(unknowns), (..., rows, columns): how every joint's ends move where one unknown alone does."""
-        _, _, own, other = self._parts
-        origin, turned = ends
-        arms: Complex = 1j * turned
-        ways: list[Array] = [arms]
+        """d(conditions)/d(unknowns), (..., rows, columns)."""
+        _, _, sliding, guiding = self._parts
+        origin, rotated = ends
+        arms: Complex = 1j * rotated
+        blocks: list[Array] = [arms]
         if len(self._rails[0]):
             line = np.conj(state[1][..., self._rails[2]] * self._rails[4])
-            apart = (origin[..., own] + turned[..., own]) - (origin[..., other] + turned[..., other])
-            ways += [line * self.size, line * (self.size * 1j), line * arms[..., own]]
-            ways.append(line * (arms[..., other] + 1j * apart))
-        fixed, row, column, of, length = self._slopes
+            apart = (origin[..., sliding] + rotated[..., sliding]) - (origin[..., guiding] + rotated[..., guiding])
+            blocks += [line * self.size, line * (self.size * 1j), line * arms[..., sliding]]
+            blocks.append(line * (arms[..., guiding] + 1j * apart))
+        fixed, row, column, part, length = self._slopes
         slopes: Real = np.empty((*state[0].shape[:-1], *fixed.shape))
         slopes[...] = fixed
-        parts = np.concatenate(ways, axis=-1) if len(ways) > 1 else np.ascontiguousarray(arms)
-        slopes[..., row, column] = parts.view(float).take(of, axis=-1) / length
+        parts = np.concatenate(blocks, axis=-1) if len(blocks) > 1 else np.ascontiguousarray(arms)
+        slopes[..., row, column] = parts.view(float).take(part, axis=-1) / length
         return slopes
 
     @cached_property
     def _slopes(self) -> tuple[Real, Whole, Whole, Whole, Real]:
-        """The Jacobian's constants, and of the rest row, column, which part of the `ways` it is, over which length."""
-        fixed, rest, pins, first = np.zeros((self.rows, len(self.columns))), [], len(self._pins[0]), len(self._ends[0])
+        """The Jacobian's constants; for the other elements row, column, index into the blocks, and divisor."""
+        constant, variable, pins, first = (
+            np.zeros((self.rows, len(self.columns))),
+            [],
+            len(self._pins[0]),
+            len(self._ends[0]),
+        )
         column = {unknown: k for k, unknown in enumerate(self.columns)}
         for k, pair in enumerate(zip(self._pins[0].tolist(), self._pins[2].tolist())):
             for end, (body, sign) in enumerate(zip(pair, (1, -1))):
                 for part, axis in enumerate("xy"):
                     row = k + part * pins
                     if (body, axis) in column:
-                        fixed[row, column[body, axis]] = sign
+                        constant[row, column[body, axis]] = sign
                     if (body, "angle") in column:
-                        rest.append((row, column[body, "angle"], 2 * (k + end * pins) + part, sign))
+                        variable.append((row, column[body, "angle"], 2 * (k + end * pins) + part, sign))
         rails, guides, both = self._rails[0].tolist(), self._rails[2].tolist(), self._rails[-1]
         for k, pair in enumerate(zip(rails, guides)):
-            # Off the line, and along it where that is what the driver tells.
-            told = [(2 * pins + k, 1)] + [(self.rows - 1, 0)] * (self._sliders[k] is self.driven)
+            # The condition across the line, and for the driven slider also the one along it.
+            targets = [(2 * pins + k, 1)] + [(self.rows - 1, 0)] * (self._sliders[k] is self.driven)
             for end, (body, sign) in enumerate(zip(pair, (1, -1))):
-                for way, axis in enumerate(("x", "y", "angle")):
+                for k_axis, axis in enumerate(("x", "y", "angle")):
                     if (body, axis) in column:
-                        of = first + (way + (end if axis == "angle" else 0)) * len(rails) + k
-                        rest += [(row, column[body, axis], 2 * of + part, sign) for row, part in told]
+                        of = first + (k_axis + (end if axis == "angle" else 0)) * len(rails) + k
+                        variable += [(row, column[body, axis], 2 * of + part, sign) for row, part in targets]
                 if both[k]:
-                    fixed[2 * pins + len(rails) + int(both[:k].sum()), column[body, "angle"]] = sign
-        rows, columns, parts, signs = (np.array([one[k] for one in rest], dtype=int) for k in range(4))
-        return fixed, rows, columns, parts, signs * self.size
+                    constant[2 * pins + len(rails) + int(both[:k].sum()), column[body, "angle"]] = sign
+        rows, columns, parts, signs = (np.array([one[k] for one in variable], dtype=int) for k in range(4))
+        return constant, rows, columns, parts, signs * self.size
 
     @cached_property
     def _unknowns(self) -> tuple[tuple[Places, Places], ...]:
-        """Of x, y and the angle: which columns tell it, and of which bodies."""
-        told = [[(k, body) for k, (body, a) in enumerate(self.columns) if a == axis] for axis in ("x", "y", "angle")]
-        pairs = [np.array(one, dtype=int).reshape(-1, 2).T for one in told]
+        """For x, y and the angle: the columns of these unknowns, and their bodies."""
+        by_axis = [[(k, body) for k, (body, a) in enumerate(self.columns) if a == axis] for axis in ("x", "y", "angle")]
+        pairs = [np.array(indices, dtype=int).reshape(-1, 2).T for indices in by_axis]
         return tuple((_places(columns), _places(bodies)) for columns, bodies in pairs)
 
     def moving(self, rates: Real) -> State:
-        """What bodies do, (..., bodies), where the unknowns move at `rates`, (..., columns), and nothing else does."""
+        """Velocities of bodies, (..., bodies), if only the unknowns change, at `rates`, (..., columns)."""
         shape = (*rates.shape[:-1], len(self.names))
-        origin, turn, (x, y, angle) = np.zeros(shape, dtype=complex), np.zeros(shape), self._unknowns
+        origin, rotation, (x, y, angle) = np.zeros(shape, dtype=complex), np.zeros(shape), self._unknowns
         lengths = self.size * rates
         origin.real[..., x[1]], origin.imag[..., y[1]] = lengths[..., x[0]], lengths[..., y[0]]
-        turn[..., angle[1]] = rates[..., angle[0]]
-        return origin, turn
+        rotation[..., angle[1]] = rates[..., angle[0]]
+        return origin, rotation
 
     def posed(self, state: State, unknowns: Real) -> State:
         """A state with the unknowns, (..., columns), written into it."""
-        origin, turn, (x, y, angle) = state[0].copy(), state[1].copy(), self._unknowns
+        origin, direction, (x, y, angle) = state[0].copy(), state[1].copy(), self._unknowns
         lengths = self.size * unknowns
         origin.real[..., x[1]], origin.imag[..., y[1]] = lengths[..., x[0]], lengths[..., y[0]]
-        turn[..., angle[1]] = np.exp(1j * unknowns[..., angle[0]])
-        return origin, turn
+        direction[..., angle[1]] = np.exp(1j * unknowns[..., angle[0]])
+        return origin, direction
 
     def gathered(self, p: Poses | Coefficients, frames: int) -> State:
-        """Origins and turns of all bodies; zero where a body is not known yet."""
+        """Origins and directions, or their derivatives, of all bodies; zero where a body is not known yet."""
         origin = np.zeros((frames, len(self.names)), dtype=complex)
-        turn = np.zeros((frames, len(self.names)), dtype=complex if isinstance(p, Poses) else float)
-        for known, into in ((p.turn, turn), (p.origin, origin)):
+        rotation = np.zeros((frames, len(self.names)), dtype=complex if isinstance(p, Poses) else float)
+        angles = p.direction if isinstance(p, Poses) else p.theta_prime
+        for known, into in ((angles, rotation), (p.origin, origin)):
             for name, values in known.items():
-                # The drive of an actuator that is not among them is known, too, and of no use here.
+                # The drive of an actuator that is elsewhere in the linkage is not needed here.
                 if name in self._number:
                     into[:, self._number[name]] = values
-        return origin, turn
+        return origin, rotation
 
     def transmission_angle(self, state: State) -> Real:
-        """Least angle over the joints, rad, (frames,), between the ways in which their two sides let them move.
+        """Smallest angle over the joints, rad, (frames,), between the directions in which their sides let them move.
 
-        Derived here, so that it is the transmission angle at a dyad's inner joint, wherever the dyad stands, and at a
-        bar that pushes a point what the pressure angle lacks to pi/2. It is zero where the linkage locks and nowhere
-        else, and it depends neither on lengths of levers, nor on units, nor on the bodies' frames.
+        Derived here. It equals the transmission angle at a dyad's inner joint, wherever the dyad is, and pi/2 less the
+        pressure angle at a bar that pushes a point. It is zero exactly if the linkage locks, and depends neither on
+        lengths of levers, nor on units, nor on the bodies' frames.
 
-        Open one joint by a small e with the driver held: that moves the linkage by the inverse of the Jacobian. At
-        a pin the ends then move by v1 e and v2 e, v1 - v2 = 1. Such pairs of ways and those that the pin lets pass,
-        v1 = v2, are two planes, whose least angle is half the angle mu told here: cos mu = 1 - 1/s^2, s the largest
-        singular value of v1 over v2; pi/2, the most there is, stands where s is less than 1. At a slider both bodies
-        move along one way against each other, and mu is its angle from the line.
+        Open one joint by a small e with the driver held: that moves the linkage by the inverse of the Jacobian. At a
+        pin the ends then move by v1 e and v2 e, v1 - v2 = 1. Such pairs of velocities, and those that the pin allows,
+        v1 = v2, are two planes, whose smallest angle is half the reported angle mu: cos mu = 1 - 1/s^2, s the largest
+        singular value of v1 over v2; pi/2, the maximum, if s is less than 1. At a slider both bodies move along one
+        direction relative to each other, and mu is its angle from the line.
         """
         least = np.full(len(state[0]), np.nan)
         known = np.isfinite(state[0]).all(axis=-1) & np.isfinite(state[1]).all(axis=-1)
-        here = state[0][known], state[1][known]
-        jacobian = self.jacobian(here, self.ends(here))
+        closed = state[0][known], state[1][known]
+        jacobian = self.jacobian(closed, self.ends(closed))
         regular = np.linalg.slogdet(jacobian)[0] != 0
-        here = here[0][regular], here[1][regular]
-        # Rows: what all bodies do where one condition alone is missed by 1.
+        closed = closed[0][regular], closed[1][regular]
+        # Rows: motion of all bodies if one condition alone is missed by 1.
         missed = np.swapaxes(np.linalg.inv(jacobian[regular]), -1, -2)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            angles = [np.full(len(missed), 0.5 * np.pi), *self._at_pins(here, missed), *self._at_rails(here, missed)]
+            angles = [
+                np.full(len(missed), 0.5 * np.pi),
+                *self._at_pins(closed, missed),
+                *self._at_rails(closed, missed),
+            ]
         least[np.flatnonzero(known)[regular]] = np.nan_to_num(np.min(angles, axis=0), nan=0.0)
         least[np.flatnonzero(known)[~regular]] = 0.0
         return least
 
     def _at_pins(self, state: State, missed: Real) -> list[Real]:
-        pairs, found, first = len(self._pins[0]), [], 0
+        pairs, angles, first = len(self._pins[0]), [], 0
         for pin, chain in self._chains:
             for k in range(1 if len(chain) == 2 else 0, len(chain)):
-                # Body k of the chain leaves the others: the pair before it is missed one way, that after it the other.
+                # Body k of the chain leaves the others: the pairs before and after it open in opposite directions.
                 lone = sum(
                     sign * missed[:, [first + pair, pairs + first + pair]]
                     for pair, sign in ((k - 1, -1), (k, 1))
                     if 0 <= pair < len(chain) - 1
                 )
                 moves = self.moving(np.asarray(lone))
-                ways = [self._way(state, moves, self.names.index(b), complex(self.linkage.bodies[b][pin]))
+                velocities = [self._velocity(state, moves, self.names.index(b), complex(self.linkage.bodies[b][pin]))
                         for b in (chain[k], chain[k - 1 if k else 1])]  # fmt: skip
-                one = sum(np.abs(w[:, 0]) ** 2 for w in ways)
-                two = sum(np.abs(w[:, 1]) ** 2 for w in ways)
-                both = sum(np.real(np.conj(w[:, 0]) * w[:, 1]) for w in ways)
+                one = sum(np.abs(w[:, 0]) ** 2 for w in velocities)
+                two = sum(np.abs(w[:, 1]) ** 2 for w in velocities)
+                both = sum(np.real(np.conj(w[:, 0]) * w[:, 1]) for w in velocities)
                 square = 0.5 * (one + two) + np.hypot(0.5 * (one - two), both)
                 sine = np.sqrt(np.maximum(2 - 1 / square, 0) / square)
-                found.append(np.arctan2(sine, 1 - 1 / square))
+                angles.append(np.arctan2(sine, 1 - 1 / square))
             first += len(chain) - 1
-        return found
+        return angles
 
     def _at_rails(self, state: State, missed: Real) -> list[Real]:
-        found = []
+        angles = []
         for k, (body, z, guide, through, direction, _, _) in enumerate(zip(*self._rails)):
             moves = self.moving(missed[:, [2 * len(self._pins[0]) + k]])
             ends = [state[0][:, b] + state[1][:, b] * p for b, p in ((body, z), (guide, through))]
-            apart = self._way(state, moves, body, z) - self._way(state, moves, guide, through)
-            turned = (1j * moves[1][:, 0, guide] * (ends[0] - ends[1]) / self.size)[:, None]
-            along = np.conj(state[1][:, guide] * direction) * (apart - turned)[:, 0]
-            found.append(np.arctan2(1.0, np.abs(along.real)))
-        return found
+            apart = self._velocity(state, moves, body, z) - self._velocity(state, moves, guide, through)
+            rotation = (1j * moves[1][:, 0, guide] * (ends[0] - ends[1]) / self.size)[:, None]
+            along = np.conj(state[1][:, guide] * direction) * (apart - rotation)[:, 0]
+            angles.append(np.arctan2(1.0, np.abs(along.real)))
+        return angles
 
-    def _way(self, state: State, moves: State, body: int, z: complex) -> Complex:
-        """How a point moves, in units of size, (frames, moves)."""
+    def _velocity(self, state: State, moves: State, body: int, z: complex) -> Complex:
+        """Velocity of a point, in units of size, (frames, moves)."""
         return (moves[0][..., body] + 1j * moves[1][..., body] * (state[1][:, body] * z)[:, None]) / self.size
 
 

@@ -1,7 +1,8 @@
-"""How bodies are placed one after the other: what that is told by, and the placements without a choice.
+"""Poses and kinematic coefficients of bodies, and the placements that involve no choice of branch.
 
-A placement writes where its bodies are, and their first and second kinematic coefficients: the derivatives of that by
-the drive q, whatever the driver's speed (Uicker, Pennock, Shigley, Theory of Machines and Mechanisms, chapters 3, 4).
+A placement computes the poses of its bodies and their first and second kinematic coefficients: derivatives by the drive
+q, which do not depend on the driver's speed (Uicker, Pennock, Shigley, Theory of Machines and Mechanisms, chapters 3,
+4).
 """
 
 from __future__ import annotations
@@ -24,40 +25,40 @@ Numbers = TypeVar("Numbers", Real, Complex)
 
 @record(eq=False)
 class Coefficients:
-    """Kinematic coefficients of one order over a row of frames, in the fixed body's frame.
+    """Kinematic coefficients of one order over the frames, in the fixed body's frame.
 
-    origin: of the bodies' origins, mm per unit of drive to that order; turn: of their angles, rad.
+    origin: derivatives of the bodies' origins, mm per unit of drive to that order; theta_prime: of their angles, rad.
     """
 
     origin: dict[str, Complex] = field(default_factory=dict)
-    turn: dict[str, Real] = field(default_factory=dict)
+    theta_prime: dict[str, Real] = field(default_factory=dict)
 
 
 @record(eq=False)
 class Poses:
-    """Where bodies are over a row of frames, in the fixed body's frame.
+    """Poses of bodies over the frames, in the fixed body's frame.
 
-    origin: places, mm, of the bodies' origins; turn: their directions, unit complex. drive: q, rad or mm. kept: what a
-    placement worked out and needs again. elsewhere: poses and first coefficients at other drives, of the placements
-    before one that looks between the frames.
+    origin: positions, mm, of the bodies' origins; direction: of their x axes, unit complex. drive: q, rad or mm. cache:
+    intermediate results of a placement. elsewhere: poses and first coefficients at other drives, of the placements
+    before one that needs poses between the frames.
     """
 
     origin: dict[str, Complex] = field(default_factory=dict)
-    turn: dict[str, Complex] = field(default_factory=dict)
+    direction: dict[str, Complex] = field(default_factory=dict)
     drive: Real = field(default_factory=lambda: np.zeros(()))
-    kept: dict[Placement, Any] = field(default_factory=dict)
+    cache: dict[Placement, Any] = field(default_factory=dict)
     elsewhere: Callable[[Real], tuple[Poses, Coefficients]] | None = None
 
     @cached_property
     def half(self) -> tuple[Real, Real]:
-        """Cosine and sine of q/2: the dearest numbers of a frame, worked out once."""
+        """Cosine and sine of q/2, computed once, as they are the most expensive numbers of a frame."""
         half = 0.5 * self.drive
         return np.cos(half), np.sin(half)
 
 
 @record(eq=False)
 class Anchor:
-    """A point of a placed body, then along arms that turn with bodies: origin + turn place + sum(turn arm)."""
+    """A point of a placed body plus arms that turn with bodies: origin + direction place + sum(direction arm)."""
 
     body: str
     place: complex | Complex
@@ -68,22 +69,24 @@ class Anchor:
         return [(b, z) for b, z in ((self.body, self.place), *self.arms) if isinstance(z, np.ndarray) or z != 0]
 
     def at(self, p0: Poses) -> Complex:
-        """Its position, mm."""
-        return _sum(p0.origin[self.body], [scaled(p0.turn[b], z) for b, z in self._arms])
+        """Position, mm."""
+        return _sum(p0.origin[self.body], [scaled(p0.direction[b], z) for b, z in self._arms])
 
     def first(self, p0: Poses, p1: Coefficients) -> Complex:
-        """Its first derivative."""
-        arms = [times(1j * p1.turn[b], scaled(p0.turn[b], z)) for b, z in self._arms]
+        """First derivative of the position."""
+        arms = [times(1j * p1.theta_prime[b], scaled(p0.direction[b], z)) for b, z in self._arms]
         return _sum(p1.origin[self.body], arms)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> Complex:
-        """Its second derivative."""
-        arms = [times(1j * p2.turn[b] - p1.turn[b] ** 2, scaled(p0.turn[b], z)) for b, z in self._arms]
+        """Second derivative of the position."""
+        arms = [
+            times(1j * p2.theta_prime[b] - p1.theta_prime[b] ** 2, scaled(p0.direction[b], z)) for b, z in self._arms
+        ]
         return _sum(p2.origin[self.body], arms)
 
 
 def _sum(origin: Complex, arms: list[Complex]) -> Complex:
-    """Their sum, written over the arms; an origin at zero, as that of most grounds, is not added to every frame."""
+    """The sum, written into the arms; an origin at zero, as of most grounds, is not added to every frame."""
     if not arms:
         return origin
     total = arms[0] if np.ndim(origin) == 0 and origin == 0 else plus(arms[0], origin)
@@ -92,9 +95,9 @@ def _sum(origin: Complex, arms: list[Complex]) -> Complex:
     return total
 
 
-# A new row of frames costs as much as what is calculated in it, so that rows nobody needs any more are written over.
+# Allocating an array of frames costs as much as a calculation in it, so temporary arrays are written over.
 def plus(used: Array, other: Array) -> Array:
-    """used + other, written over `used` where it has the room."""
+    """used + other, written into `used` if the shape allows."""
     if other.shape and other.shape != used.shape:
         return used + other
     used += other
@@ -102,7 +105,7 @@ def plus(used: Array, other: Array) -> Array:
 
 
 def times(used: Array, by: Array | complex) -> Array:
-    """used * by, written over `used` where it has the room."""
+    """used * by, written into `used` if the shape allows."""
     if isinstance(by, np.ndarray) and by.shape and by.shape != used.shape:
         return used * by
     used *= by
@@ -110,18 +113,18 @@ def times(used: Array, by: Array | complex) -> Array:
 
 
 def paired(real: Real, imag: Real) -> Complex:
-    """Complex numbers of their parts, which 1j * imag would not be where that is not finite."""
-    for one in (real, imag):
-        if isinstance(one, Recorded):
-            recorded: Any = one.tape.record(tape.paired, (real, imag))
+    """Complex numbers from their parts; real + 1j * imag would be wrong for parts that are not finite."""
+    for part in (real, imag):
+        if isinstance(part, Recorded):
+            recorded: Any = part.tape.record(tape.paired, (real, imag))
             return recorded
-    both: Complex = np.empty(real.shape, dtype=complex)
-    both.real, both.imag = real, imag
-    return both
+    z: Complex = np.empty(real.shape, dtype=complex)
+    z.real, z.imag = real, imag
+    return z
 
 
 def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
-    """z times a constant, at a third of the price where that is real; `used`: written over z."""
+    """z times a constant, three times faster if the constant is real; `used`: written into z."""
     real = not (isinstance(by, np.ndarray) and by.ndim) and by.imag == 0
     factor = by.real if real else by
     return times(z, factor) if used else z * factor
@@ -135,59 +138,59 @@ class SlideAxis:
     direction: complex | Complex
 
     def at(self, p0: Poses) -> Complex:
-        """The direction seen from the fixed body."""
-        return p0.turn[self.body] * self.direction
+        """The direction in the fixed body's frame."""
+        return p0.direction[self.body] * self.direction
 
 
 class Placement(ABC):
-    """Places one or two bodies, or what is left of them, on those that are placed already."""
+    """Places one or two bodies, or all remaining ones, on those that are placed already."""
 
     @abstractmethod
     def place(self, p0: Poses, branch: Whole | int) -> None:
-        """Poses, on one branch of a dyad; nan where it cannot close."""
+        """Compute the poses, on one branch of a dyad; nan where it cannot close."""
 
     def reached(self, p0: Poses) -> Complex | None:
-        """What is nan where the bodies cannot be placed; None where they always can."""
+        """An array that is nan where the bodies cannot be placed; None if they always can."""
         return None
 
     @abstractmethod
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        """First derivatives by the drive."""
+        """Compute the first derivatives by the drive."""
 
     @abstractmethod
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        """Second derivatives by the drive."""
+        """Compute the second derivatives by the drive."""
 
-    def meeting(self, p0: Poses) -> tuple[Complex, Complex] | None:
-        """Where a joint has two ways to go, those directions, of any length: parallel at a dead centre."""
+    def joint_directions(self, p0: Poses) -> tuple[Complex, Complex] | None:
+        """Directions, of any length, in which a joint's two members let it move: parallel at a dead centre; or None."""
         return None
 
     def transmission_angle(self, p0: Poses) -> Real | None:
-        """Least acute angle between the ways in which a joint's two members let it move, rad; None where none has."""
-        ways = self.meeting(p0)
-        return None if ways is None else np.arctan2(np.abs(cross(*ways)), np.abs(dot(*ways)))
+        """Smallest acute angle between the directions in which two members let their joint move, rad; or None."""
+        directions = self.joint_directions(p0)
+        return None if directions is None else np.arctan2(np.abs(cross(*directions)), np.abs(dot(*directions)))
 
 
 @record(eq=False)
 class RevoluteInput(Placement):
-    """The driver where it is a body's angle: its direction is e^{iq}."""
+    """The driver if it is the angle of a body: its direction is e^{iq}."""
 
     body: str
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
         cosine, sine = p0.half
-        p0.turn[self.body] = paired((cosine - sine) * (cosine + sine), 2 * sine * cosine)
+        p0.direction[self.body] = paired((cosine - sine) * (cosine + sine), 2 * sine * cosine)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        p1.turn[self.body] = np.asarray(1.0)
+        p1.theta_prime[self.body] = np.asarray(1.0)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        p2.turn[self.body] = np.zeros(())
+        p2.theta_prime[self.body] = np.zeros(())
 
 
 @record(eq=False)
 class PrismaticInput(Placement):
-    """The driver where it slides: a body of known direction whose `local` point is q beyond `through` along `rail`."""
+    """The driver if it slides: a body of known direction whose point `local` is at `through` + q along `rail`."""
 
     body: str
     local: complex | Complex
@@ -202,53 +205,53 @@ class PrismaticInput(Placement):
         p0.origin[self.body] = self._anchor.at(p0) + p0.drive * self.rail.at(p0)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        turn = p1.turn[self.rail.body]
-        p1.origin[self.body] = self._anchor.first(p0, p1) + (1 + 1j * turn * p0.drive) * self.rail.at(p0)
+        theta_prime = p1.theta_prime[self.rail.body]
+        p1.origin[self.body] = self._anchor.first(p0, p1) + (1 + 1j * theta_prime * p0.drive) * self.rail.at(p0)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        turn, turn_2 = p1.turn[self.rail.body], p2.turn[self.rail.body]
-        # 2 i turn is the Coriolis term.
-        gain = 2j * turn + (1j * turn_2 - turn**2) * p0.drive
-        p2.origin[self.body] = self._anchor.second(p0, p1, p2) + gain * self.rail.at(p0)
+        theta_prime, theta_second = p1.theta_prime[self.rail.body], p2.theta_prime[self.rail.body]
+        # 2 i theta' is the Coriolis term.
+        coefficient = 2j * theta_prime + (1j * theta_second - theta_prime**2) * p0.drive
+        p2.origin[self.body] = self._anchor.second(p0, p1, p2) + coefficient * self.rail.at(p0)
 
 
 @record(eq=False)
 class StrokeInput(Placement):
-    """The drive as the place of a body of its own, `name`, for loops that an actuator among them has to meet."""
+    """The drive as the position of an artificial body `name`, for loops that contain the actuator."""
 
     name: str
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
-        p0.origin[self.name], p0.turn[self.name] = paired(p0.drive, np.zeros(())), np.ones((), dtype=complex)
+        p0.origin[self.name], p0.direction[self.name] = paired(p0.drive, np.zeros(())), np.ones((), dtype=complex)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        p1.origin[self.name], p1.turn[self.name] = np.ones((), dtype=complex), np.zeros(())
+        p1.origin[self.name], p1.theta_prime[self.name] = np.ones((), dtype=complex), np.zeros(())
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        p2.origin[self.name], p2.turn[self.name] = np.zeros((), dtype=complex), np.zeros(())
+        p2.origin[self.name], p2.theta_prime[self.name] = np.zeros((), dtype=complex), np.zeros(())
 
 
 @record(eq=False)
 class AlignedBody(Placement):
-    """A body that turns with another: `turn` from its x axis."""
+    """A body that turns with another one, at the constant angle of `rotation` from its x axis."""
 
     body: str
     with_body: str
-    turn: complex | Complex
+    rotation: complex | Complex
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
-        p0.turn[self.body] = p0.turn[self.with_body] * self.turn
+        p0.direction[self.body] = p0.direction[self.with_body] * self.rotation
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
-        p1.turn[self.body] = p1.turn[self.with_body]
+        p1.theta_prime[self.body] = p1.theta_prime[self.with_body]
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
-        p2.turn[self.body] = p2.turn[self.with_body]
+        p2.theta_prime[self.body] = p2.theta_prime[self.with_body]
 
 
 @record(eq=False)
 class PinnedBody(Placement):
-    """A body whose direction is known, pinned at a point that is: its own `local` on `pin`."""
+    """A body of known direction whose point `local` is pinned at a known point `pin`."""
 
     body: str
     local: complex | Complex

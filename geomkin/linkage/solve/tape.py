@@ -1,7 +1,7 @@
-"""The formulas of placements, written down once as they run, and run again over any frames without their Python.
+"""Records the operations of a position solution once and replays them on arrays.
 
-A `Recorded` value goes through the placements in the drive's place and leaves a list of operations on the `Tape`:
-each formula has one source, whoever runs it, and what does not depend on the drive is worked out while it is recorded.
+A `Recorded` value goes through the placements in place of the drive and leaves a list of operations on the `Tape`. So
+each formula has one source, and constants are computed while recording.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real
 
-# An operation takes its arguments and, last, the array that it writes.
+# An operation takes its arguments and, last, its output array.
 Operation = Callable[..., Any]
 COMPARISONS = {np.isfinite, np.greater, np.greater_equal, np.less, np.less_equal, np.logical_and, np.bitwise_and}
 
 
 def chosen_from(mask: Mask, one: Array, other: Array, out: Array) -> None:
-    """`np.where`, written into an array."""
+    """`np.where` with an output array."""
     np.copyto(out, other)
     np.copyto(out, one, where=mask)
 
 
 def paired(real: Real, imag: Real, out: Complex) -> None:
-    """A complex number of its parts, written into an array."""
+    """A complex number from its parts, with an output array."""
     out.real, out.imag = real, imag
 
 
@@ -43,21 +43,21 @@ def imag_part(z: Complex) -> Real:
 
 
 def larger(one: Real, other: Real, out: Real) -> None:
-    """`np.maximum`, which takes no third argument by its place."""
+    """`np.maximum`, whose output array is a keyword only."""
     np.maximum(one, other, out=out)
 
 
-# What is recorded in the place of an operation.
+# Operations that are recorded as another one.
 INSTEAD: dict[Operation, Operation] = {np.maximum: larger}
-# What shares the numbers of its argument.
+# Operations whose result shares the memory of the argument.
 VIEWS = {real_part, imag_part}
 
 
 @record
 class Step:
-    """An operation on values by their numbers on the tape; kind: of the result, float, complex or bool.
+    """An operation on values, given by their numbers on the tape; kind: of the result, float, complex or bool.
 
-    extent: 0 for one number, 1 for one at every frame, 2 where it differs from linkage to linkage besides.
+    extent: 0 for one number, 1 for one per frame, 2 if it also differs between linkages.
     """
 
     operation: Operation
@@ -68,7 +68,7 @@ class Step:
 
 @record(eq=False)
 class Tape:
-    """Operations in the order in which they ran, what they start from, and the constants among them, all by number."""
+    """Operations in the order in which they ran, their inputs and constants, all by number."""
 
     steps: list[Step] = field(default_factory=list)
     constants: dict[int, Array] = field(default_factory=dict)
@@ -76,20 +76,20 @@ class Tape:
     known: dict[tuple[Any, ...], int] = field(default_factory=dict)
 
     def start(self, name: str, kind: type = float, extent: int = 1) -> Any:
-        """What stands for a value that is to be given; who works with it takes it for an array."""
+        """A symbolic value for an input; it behaves like an array."""
         self.given[name] = len(self.steps)
         self.steps.append(Step(np.positive, (), kind, extent))
         return Recorded(self, self.given[name], kind)
 
     def result(self, value: Any) -> int | Array:
-        """The number of what was recorded, of a part of a value as a value of its own; or the constant that it is."""
+        """The number of a recorded value, or the constant that it is; a view becomes a value of its own."""
         if not isinstance(value, Recorded):
             return np.asarray(value)
-        parted = self.steps[value.number].operation in VIEWS
-        return self.record(np.positive, (value,)).number if parted else value.number
+        is_view = self.steps[value.number].operation in VIEWS
+        return self.record(np.positive, (value,)).number if is_view else value.number
 
     def number(self, value: Any) -> int:
-        """Of a recorded value, or of a constant, which is put on the tape."""
+        """The number of a recorded value, or of a constant, which is added to the tape."""
         if isinstance(value, Recorded):
             return value.number
         array = np.asarray(value)
@@ -103,11 +103,11 @@ class Tape:
         return self.known[key]
 
     def record(self, operation: Operation, inputs: Iterable[Any]) -> Recorded:
-        """The result of an operation, which is put on the tape unless it is there."""
+        """The result of an operation, which is added to the tape unless it is there already."""
         operation = INSTEAD.get(operation, operation)
         of = tuple([self.number(value) for value in inputs])
         if any(self.steps[k].kind is complex for k in of):
-            # Told as complex numbers once, constants are not made so at every call.
+            # Constants are converted to complex once, instead of at every call.
             of = tuple([self.number(self.constants[k] + 0j) if k in self.constants else k for k in of])
         if operation is np.power and of[1] in self.constants and self.constants[of[1]] == 2:
             operation, of = np.square, of[:1]
@@ -135,11 +135,11 @@ def _kind(operation: Operation, of: list[Step]) -> type:
 
 
 class Recorded(NDArrayOperatorsMixin):
-    """A number of every frame that is not known yet: what is done with it goes on the tape."""
+    """A symbolic value, one per frame. Operations on it are recorded."""
 
     __slots__ = ("kind", "number", "tape")
     ndim = 1
-    # Like no array's: nothing is written over.
+    # Unlike the shape of any array, so that nothing is written in place.
     shape = (-1,)
 
     def __init__(self, tape: Tape, number: int, kind: type):
@@ -154,7 +154,7 @@ class Recorded(NDArrayOperatorsMixin):
         return self.tape.record(chosen_from, args) if function is np.where and not kwargs else NotImplemented
 
     def __bool__(self) -> bool:
-        raise TypeError("what is recorded is not known yet")
+        raise TypeError("a recorded value is not known yet")
 
     @property
     def real(self) -> Recorded:

@@ -84,7 +84,7 @@ def best_pairs(search: Search, held: HeldPins, most: int, rng: np.random.Generat
     score = _scored(search, held, one, other)
     order = np.argsort(-score, kind="stable")
     bad = rng.permutation(np.flatnonzero(~np.isfinite(score)))[: 20 * DEFECTIVE]
-    watch.tell(0.5)
+    watch.report(0.5)
     starts = order[np.isfinite(score[order])]
     starts = starts[distinct(_at_first(held, one[starts], other[starts]), STARTS, DISTINCT * search.size)]
     found: list[tuple[float, int, int]] = []

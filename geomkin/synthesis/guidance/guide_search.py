@@ -171,7 +171,7 @@ class Search:
         """Pairs of pins, (linkages, 2): the sound, the best first, and some of the defective."""
         sound, scores, bad = np.zeros((0, 2), dtype=complex), np.zeros(0), np.zeros((0, 2), dtype=complex)
         for done in range(ROUNDS):
-            watch.tell(0.5 * done / ROUNDS)
+            watch.report(0.5 * done / ROUNDS)
             pairs = self._pairs(rng)
             guides = self.made(pairs)
             with np.errstate(all="ignore"):
@@ -188,7 +188,7 @@ class Search:
         starts = sound[order][self.distinct(sound[order], STARTS)]
         if len(starts):
             starts = self._bettered(starts, rng, watch)
-        watch.tell(1.0)
+        watch.report(1.0)
         return starts, bad[self.distinct(bad, DEFECTIVE)]
 
     def _pairs(self, rng: np.random.Generator) -> Complex:
@@ -231,7 +231,7 @@ def climbed(
     for generation in range(GENERATIONS):
         if watch.over():
             break
-        watch.tell(0.5 + 0.5 * generation / GENERATIONS)
+        watch.report(0.5 + 0.5 * generation / GENERATIONS)
         shape = (len(pairs), CHILDREN, 2)
         moves = (rng.normal(size=shape) + 1j * rng.normal(size=shape)) * wide[:, None, None]
         # Half of them move one pin alone.

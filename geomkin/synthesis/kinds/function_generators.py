@@ -207,7 +207,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     def x(self) -> Real:
         """x over the frames."""
         first, last = self.found.drive
-        share = np.clip((self.design.way.frames - first) / (last - first), 0, 1)
+        share = np.clip((self.design.input_range.frames - first) / (last - first), 0, 1)
         return np.asarray(self.wanted.x_start + (self.wanted.x_end - self.wanted.x_start) * share)
 
     @cached_property

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity
-from ...core.names import csv_cells, text_beside
+from ...core.names import csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
 from ...linkage.coupler_curve import CouplerCurve
@@ -68,7 +68,7 @@ class FileName:
 
     def points(self, count: int) -> Complex:
         """The points, of a drawing so many."""
-        text = text_beside(self.name, self.folder, "a CSV or an SVG file")
+        text = read_text_file(self.name, self.folder, "a CSV or an SVG file")
         if self.name.lower().endswith(".svg"):
             try:
                 return drawing_points(text, count)

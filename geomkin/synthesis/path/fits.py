@@ -387,7 +387,7 @@ def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tu
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(ROUNDS):
         x, t, sums = least_squares(fit, x, t, low, high, STEPS if k < ROUNDS - 1 else LAST, watch)
-        watch.tell(0.3 + 0.7 * (k + 1) / ROUNDS)
+        watch.report(0.3 + 0.7 * (k + 1) / ROUNDS)
         if watch.over():
             break
         if k in KEPT:

@@ -39,7 +39,7 @@ def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Rea
     idle, share = 0, 0.0
     while idle < IDLE and not watch.over():
         share = max(share, idle / IDLE)
-        watch.tell(share)
+        watch.report(share)
         size = np.exp(rng.normal(0, 0.7, (STARTS, 4)))
         starts = (size * (rng.normal(size=(STARTS, 4)) + 1j * rng.normal(size=(STARTS, 4)))).view(float)
         x = np.concatenate([np.repeat(fresh, 8, axis=0), starts])

@@ -270,7 +270,7 @@ class PathSearch:
         for one in found:
             if not any(_alike(one, other) for other in distinct):
                 distinct.append(replace(one, cut_short=watch.cut, may_be_incomplete=nine))
-        watch.tell(1.0)
+        watch.report(1.0)
         return tuple(distinct[:RANKED]), watch.cut
 
     def searched(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:

@@ -105,7 +105,7 @@ def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tupl
     for k in range(SCORED // SCORED_AT_ONCE):
         if watch.over():
             break
-        watch.tell(0.3 * k * SCORED_AT_ONCE / SCORED)
+        watch.report(0.3 * k * SCORED_AT_ONCE / SCORED)
         x = np.zeros((SCORED_AT_ONCE, 10))
         x[:, [GROUND, CRANK, COUPLER, ROCKER]] = random_linkages(task, rng, SCORED_AT_ONCE)
         low, high = task.low[START], task.high[START]
@@ -186,7 +186,7 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
     for k in range(tried // TRIED_AT_ONCE):
         if watch.over():
             break
-        watch.tell(0.3 * k * TRIED_AT_ONCE / tried)
+        watch.report(0.3 * k * TRIED_AT_ONCE / tried)
         x = np.zeros((TRIED_AT_ONCE, 10))
         x[:, [GROUND, CRANK, COUPLER, ROCKER]] = random_linkages(task, rng, TRIED_AT_ONCE)
         arm = x[:, COUPLER] * (0.5 + rng.normal(size=TRIED_AT_ONCE) + 1j * rng.normal(size=TRIED_AT_ONCE))

@@ -8,9 +8,9 @@ from math import fsum
 import numpy as np
 
 from ...core.records import record
-from ...linkage.moving import move, planned
+from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import FourBar
-from ...linkage.solve.branch import chosen
+from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.formulas import Timing
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
@@ -96,11 +96,11 @@ def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 
 def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     general = problem.linkage.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
+    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
 
     def call() -> Directions:
-        solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
-        return solution.told("direction", "coupler"), solution.told("direction", "rocker")
+        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
+        return solution.value("direction", "coupler"), solution.value("direction", "rocker")
 
     return call
 

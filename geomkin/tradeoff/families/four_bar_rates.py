@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...linkage.moving import move, planned
+from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import FourBar
-from ...linkage.solve.branch import chosen
+from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Real
@@ -41,11 +41,11 @@ def _library(problem: FourBarProblem, _: float) -> Call:
 
 def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     general = problem.linkage.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
+    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
 
     def call() -> Rates:
-        solution = LinkageSolution(general, steps, problem.drive, chosen(1), STEADY)
-        first, second = ((solution.told(k, "coupler"), solution.told(k, "rocker")) for k in ("first", "second"))
+        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
+        first, second = ((solution.value(k, "coupler"), solution.value(k, "rocker")) for k in ("first", "second"))
         return *first, *second
 
     return call

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...linkage.linkage import Linkage
-from ...linkage.moving import move, planned
+from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import FourBar, StephensonSixBar
-from ...linkage.solve.branch import chosen
+from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.loops import Loops
@@ -40,8 +40,8 @@ def _library(track: Track, _: float) -> Call:
 
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).told("direction", "output")
+    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).value("direction", "output")
 
 
 def _circles(track: Track, _: float) -> Call:
@@ -146,7 +146,7 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 def _loops(track: Track, _: float) -> Call:
     told = with_estimate("crank", track.drive)
-    return lambda: _iterated(told, track.drive).told("direction", "output")
+    return lambda: _iterated(told, track.drive).value("direction", "output")
 
 
 def with_estimate(driver: str, drive: Real) -> Linkage:
@@ -159,11 +159,11 @@ def with_estimate(driver: str, drive: Real) -> Linkage:
 def _iterated(linkage: Linkage, drive: Real) -> LinkageSolution:
     """The linkage with all but its crank left to iteration, made anew, since what was iterated once is kept."""
     # The crank's turn and its pin come first.
-    crank = planned(linkage, 1)[:2]
+    crank = placements_for(linkage, 1)[:2]
     known = frozenset((linkage.ground, linkage.driver))
     waiting = tuple(body for body in linkage.bodies if body not in known)
     steps = (*crank, Loops(linkage, waiting, known, known, True, False))
-    return LinkageSolution(linkage, steps, drive, chosen(1), STEADY)
+    return LinkageSolution(linkage, steps, drive, as_branch_spec(1), STEADY)
 
 
 SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(

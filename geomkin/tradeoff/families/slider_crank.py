@@ -8,9 +8,9 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from ...linkage.moving import move, planned
+from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import SliderCrank
-from ...linkage.solve.branch import chosen
+from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Real
@@ -34,8 +34,8 @@ def _library(track: Track, _: float) -> Call:
 
 def _general_dyad(track: Track, _: float) -> Call:
     general = LINKAGE.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in planned(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, chosen(1), STEADY).origin("slider", 0).real
+    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).origin("slider", 0).real
 
 
 def _factors(track: Track, _: float) -> Call:
