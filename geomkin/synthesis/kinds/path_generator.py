@@ -26,7 +26,7 @@ from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
-from ..found import sizes_told, ten_digits
+from ..found import size_entries, ten_digits
 from ..path.path import LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
 from ..path.points import svg_path_points
 from ..path.search import PathFound
@@ -339,7 +339,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
-        cognates = [{**sizes_told(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
+        cognates = [{**size_entries(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
         told: dict[str, object] = {
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
