@@ -10,7 +10,7 @@ from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
 from geomkin.synthesis.path.fits import _solved
 from geomkin.synthesis.path.nine_points import reached, with_cognates
-from geomkin.synthesis.path.search import PathFound, way_through
+from geomkin.synthesis.path.search import PathFound, crank_motion
 from tests.synthesis.test_nine_points import POINTS, THREE
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
@@ -172,7 +172,7 @@ def test_what_is_made_of_a_row_is_that_linkage_in_mm(asked, slides):
 
 def test_limits_that_are_stood_on_are_told_and_those_passed_keep_a_linkage_out():
     task, drive = task_of(np.ones(4)), np.array([0.3, 1, 2, 2.5])
-    way = way_through(task, CROSSING, drive, np.ones(4, dtype=int))
+    way = crank_motion(task, CROSSING, drive, np.ones(4, dtype=int))
     ratio = 3.0
     for angle, most, told in (
         (0.999 * way.transmission, 1.001 * ratio, ()),
@@ -263,7 +263,7 @@ def test_a_crank_that_stays_for_a_point_goes_no_turn_for_it(sense):
     task = task_of(np.ones(4))
     for hair in (0.0, 1e-12, -1e-12):
         cranks = 3 + sense * np.array([-1, 0, hair, 1])
-        way = way_through(task, CROSSING, cranks, np.ones(4, dtype=int))
+        way = crank_motion(task, CROSSING, cranks, np.ones(4, dtype=int))
         assert way.defects == () and way.drive == pytest.approx(cranks, abs=1e-9)
 
 
@@ -275,7 +275,7 @@ def test_of_both_senses_the_shorter_is_taken_if_it_closes():
         ([0.2, 6.0, 5.0], [0.2, 6.0 - 2 * np.pi, 5.0 - 2 * np.pi]),
     ):
         for turned in (0, 2, -4):
-            way = way_through(task, CROSSING, np.array(cranks) + np.array([0, 0, turned * np.pi]), ones)
+            way = crank_motion(task, CROSSING, np.array(cranks) + np.array([0, 0, turned * np.pi]), ones)
             assert way.defects == () and way.drive == pytest.approx(drive)
     swinging = np.array([3.0, 1.0, 1.9, 1.7, 1.5, -1.6, 0, 0, 0, 0])
     reach = [q for q in np.linspace(0, 2 * np.pi, 721) if np.isfinite(at(swinging, [q]))[0]]
@@ -284,8 +284,8 @@ def test_of_both_senses_the_shorter_is_taken_if_it_closes():
     ends = np.array([reach[gap] - 0.01, reach[gap] - 0.01, reach[gap + 1] + 0.01 - 2 * np.pi])
     assert ends[0] - ends[2] > np.pi + 0.3
     for there in (ends, -ends):
-        way = way_through(task, swinging, there % (2 * np.pi), ones)
+        way = crank_motion(task, swinging, there % (2 * np.pi), ones)
         assert way.defects == () and np.diff(way.drive) == pytest.approx(np.diff(there)) and way.transmission > 0
     # Where both close the shorter one is taken.
     for there in ([1.0, 1.0, 0.2], [0.2, 1.0, 1.0], [0.2, 0.2, -0.5]):
-        assert way_through(task, CROSSING, np.array(there), ones).drive == pytest.approx(there)
+        assert crank_motion(task, CROSSING, np.array(there), ones).drive == pytest.approx(there)

@@ -14,7 +14,7 @@ from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import Fit, Linearised, PathTask, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
 from geomkin.synthesis.path.path import _turns
-from geomkin.synthesis.path.search import way_through
+from geomkin.synthesis.path.search import crank_motion
 from geomkin.synthesis.path.starts import loop, short_tour
 from tests.synthesis.test_nine_points import DRIVE, KNOWN, NO_KEYS, POINTS, SEEN, SIZE, THREE
 
@@ -217,7 +217,7 @@ def test_defects_of_a_way():
     one, other = np.full(4, 1), np.array([1, 1, -1, 1])
 
     def way(cranks, branch=one, x=sizes, task=free):
-        return way_through(task, x, np.array(cranks), branch)
+        return crank_motion(task, x, np.array(cranks), branch)
 
     forward, back = way([0.2, 1.0, 2.0, 2.0 - 4 * np.pi]), way([6.0, 5.0, 4.0, 1.0])
     assert forward.defects == back.defects == ()
@@ -259,7 +259,7 @@ def test_circuits_of_a_way_are_those_of_the_motion():
         for i, j, side in zip(closed[:-1:12], closed[1::12], rng.integers(0, 2, 50).tolist()):
             of = circuits[0][i], circuits[side][j]
             branch = np.array([1, -1 if side else 1])
-            found = way_through(free, in_units(bar, np.array([-1, 1])), drive[[i, j]], branch).defects
+            found = crank_motion(free, in_units(bar, np.array([-1, 1])), drive[[i, j]], branch).defects
             assert ("circuit" in found) == (of[0] != of[1])
             assert ("branch" in found) == side
             seen.add((of[0] != of[1], side, bool(motions[0].assembled.all())))

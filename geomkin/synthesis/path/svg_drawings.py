@@ -16,7 +16,7 @@ import numpy as np
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
 from ...plane.vec import Complex
-from .points import evenly_spaced, first_run
+from .points import evenly_spaced, first_subpath
 
 # Elements of a drawing, and visits of them: uses of uses multiply. Both are worked off in a second.
 MOST_ELEMENTS = 50_000
@@ -83,7 +83,7 @@ def drawing_points(text: str, count: int) -> Complex:
         raise _refused(f"it has no visible path{other}", "turn an object into a path")
     data, placement = found
     try:
-        line, closed = first_run(data)
+        line, closed = first_subpath(data)
         line = placement.place(line)
         if not (np.abs(line) < FARTHEST).all():
             raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} mm of 0")

@@ -94,9 +94,7 @@ class MotionBetween:
 
 
 def motion_between(wanted: TwoPositions, sizes: Mapping[str, Real]) -> MotionBetween:
-    """Motion of four-bars that reach both positions. Circuits are told apart by the joint facing the shortest link;
-    derived here.
-    """
+    """Motion of four-bars that reach both positions. The joint facing the shortest link gives the circuit."""
     with np.errstate(all="ignore"):
         return _motion_between(wanted, *(sizes[name] for name in ("ground", "crank", "coupler", "rocker")))
 
