@@ -205,8 +205,12 @@ def rectification(
         directions = _driven_directions(Displacements(origins, directions), driven)
         lines = [Segment(driven - reach * way, driven + reach * way) for way in directions.tolist()]
     return Rectification(
-        image_poles=images, circles=tuple(circles), driven=driven, lines=tuple(lines), directions=directions
-    )  # type: ignore[arg-type]
+        image_poles=(images[0], images[1], images[2]),
+        circles=tuple(circles),
+        driven=driven,
+        lines=tuple(lines),
+        directions=directions,
+    )
 
 
 def _driven_directions(body: Displacements, driven: complex) -> Complex:
