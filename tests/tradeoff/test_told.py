@@ -15,8 +15,8 @@ from geomkin.tradeoff import results as measurement
 from tests.tradeoff.toy import FAMILY, METHODS, point
 
 # Two methods, of which the second is the default at four settings.
-SOME = replace(METHODS[1], name="mine", because="it is kept.", despite="It is safe.")
-PAIR = replace(FAMILY, methods=(METHODS[1], replace(METHODS[0], name="other", because=""), SOME))
+SOME = replace(METHODS[1], name="mine", rationale="it is kept.", caveat="It is safe.")
+PAIR = replace(FAMILY, methods=(METHODS[1], replace(METHODS[0], name="other", rationale=""), SOME))
 
 
 def verdict(*points):

@@ -200,16 +200,16 @@ def rectification(
                 1j * complex(ends[0 if is_far[0] else 1].direction),
             )
             circles.append(Segment(finite_end - reach * across, finite_end + reach * across))
-    directions, lines = np.zeros(3, dtype=complex), []
+    link_directions, lines = np.zeros(3, dtype=complex), []
     if driven is not None:
-        directions = _driven_directions(Displacements(origins, directions), driven)
-        lines = [Segment(driven - reach * way, driven + reach * way) for way in directions.tolist()]
+        link_directions = _driven_directions(Displacements(origins, directions), driven)
+        lines = [Segment(driven - reach * way, driven + reach * way) for way in link_directions.tolist()]
     return Rectification(
         image_poles=(images[0], images[1], images[2]),
         circles=tuple(circles),
         driven=driven,
         lines=tuple(lines),
-        directions=directions,
+        directions=link_directions,
     )
 
 

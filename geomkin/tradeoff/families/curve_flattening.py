@@ -120,8 +120,8 @@ METHODS = (
         _chords(flatten),
         "tolerance, mm",
         TOLERANCES,
-        because="It keeps the tolerance and takes the fewest chords there can be, within 3 %.",
-        despite="Even steps are as fast, but take two to four times as many vertices, and whatever reads, cuts or "
+        rationale="It keeps the tolerance and takes the fewest chords there can be, within 3 %.",
+        caveat="Even steps are as fast, but take two to four times as many vertices, and whatever reads, cuts or "
         "meshes them pays for each; arcs take fewer still, but solids and many programs want chords.",
     ),
     Method(

@@ -94,8 +94,8 @@ CSV_WRITING: MethodFamily[Table, bytes] = MethodFamily(
             "ten digits",
             "Digits counted from each column's largest value (`write`).",
             _library_csv,
-            because="What lies beyond is a processor's own: without it a recipe gives the same bytes everywhere.",
-            despite="Rounding to ten digits is work that writing all of them spares.",
+            rationale="What lies beyond is a processor's own: without it a recipe gives the same bytes everywhere.",
+            caveat="Rounding to ten digits is work that writing all of them spares.",
         ),
         Method(
             "fixed digits",
@@ -211,8 +211,8 @@ DXF_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
             _library_dxf(False),
             "tolerance, mm",
             TOLERANCES,
-            because="Every program that cuts reads chords, and reads them alike.",
-            despite="Most of its time goes into the head of the file, which a bare one leaves out: then a reader takes "
+            rationale="Every program that cuts reads chords, and reads them alike.",
+            caveat="Most of its time goes into the head of the file, which a bare one leaves out: then a reader takes "
             "the numbers for inches, or for metres.",
         ),
         Method(
@@ -315,8 +315,8 @@ STL_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
             _library_stl,
             "tolerance, mm",
             TOLERANCES,
-            because="Its chords keep the tolerance, and no file leaves it that leaks.",
-            despite="Half of its time is the proof that the solid is closed and of the right volume.",
+            rationale="Its chords keep the tolerance, and no file leaves it that leaks.",
+            caveat="Half of its time is the proof that the solid is closed and of the right volume.",
         ),
         Method(
             "even parameters",

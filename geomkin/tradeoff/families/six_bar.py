@@ -184,8 +184,8 @@ SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(
             "The library's call, for any linkage: the first dyad by the toggle-proof form, the second by the general "
             "dyad solver.",
             _library,
-            because=LIBRARY.because,
-            despite=LIBRARY.despite,
+            rationale=LIBRARY.rationale,
+            caveat=LIBRARY.caveat,
         ),
         Method(
             "general dyad solver",
