@@ -19,7 +19,7 @@ from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
 from ..found import Found, ten_digits
 from ..rounding import Rounding
 from .dyads import dyads_through
-from .guide_groups import KINDS, LARGEST_RATIO, Asked, Group, Kind, along_curves, of_chosen, of_dyads, searched
+from .guide_groups import KINDS, LARGEST_RATIO, Group, GuideRequest, Kind, along_curves, of_chosen, of_dyads, searched
 from .guide_search import Displacements
 from .guides import AbstractGuides
 from .poses import Poses, placed
@@ -196,7 +196,7 @@ def body_guides(
     has_points = moving_points is not None or fixed_points is not None
     any_point = len(origins) == 3 or body.translated
     kinds: Sequence[Kind] = (kind,) if kind else KINDS[:1] if any_point or has_points else KINDS
-    request = Asked(
+    request = GuideRequest(
         body=body,
         kinds=kinds,
         shuttle=trammel_driver == "shuttle",
@@ -208,7 +208,7 @@ def body_guides(
         watch=watch,
     )
 
-    def search(request: Asked) -> tuple[BodyGuide, ...]:
+    def search(request: GuideRequest) -> tuple[BodyGuide, ...]:
         if has_points:
             return _ranked(request, of_chosen(request, moving_points, fixed_points))
         if any_point:
@@ -237,17 +237,17 @@ def body_guides(
     raise DesignError("poses", problem, "give weaker limits, another kind or other poses: more room does not help")
 
 
-def _ranked(ask: Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
+def _ranked(request: GuideRequest, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
     """Linkages of all groups within the limits, the best first."""
-    ratio = np.inf if ask.largest_ratio is None else ask.largest_ratio
+    ratio = np.inf if request.largest_ratio is None else request.largest_ratio
     ranked: list[BodyGuide] = []
     for kind, guides in groups:
         with np.errstate(all="ignore"):
             no_defects, angle = guides.defects.none, guides.angle
-            is_kept = _possible(guides) & (guides.ratio <= ratio) & ~(no_defects & (angle < ask.least_angle))
-        ranked += [_body_guide(ask, kind, guides, k) for k in np.flatnonzero(is_kept).tolist()]
-    size = float(np.abs(ask.body.ways).max()) or 1.0
-    if len(ask.body.origins) > 5 and ask.largest_ratio is None:
+            is_kept = _possible(guides) & (guides.ratio <= ratio) & ~(no_defects & (angle < request.least_angle))
+        ranked += [_body_guide(request, kind, guides, k) for k in np.flatnonzero(is_kept).tolist()]
+    size = float(np.abs(request.body.ways).max()) or 1.0
+    if len(request.body.origins) > 5 and request.largest_ratio is None:
         # The best fits are often two dyads that nearly coincide. Exact solutions have no limit.
         ranked = [guide for guide in ranked if guide.ratio <= LARGEST_RATIO or guide.pose_error <= EXACT * size]
 
@@ -269,8 +269,8 @@ def _possible(guides: AbstractGuides) -> Mask:
     return np.asarray(is_finite & has_drive & (sizes.min(axis=0) > LEAST_LINK * sizes.max(axis=0)))
 
 
-def _body_guide(ask: Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
-    origins, directions = ask.body.origins, ask.body.directions
+def _body_guide(request: GuideRequest, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
+    origins, directions = request.body.origins, request.body.directions
     point, angle = guides.holds(k, complex(origins[0]), complex(directions[0]))
     linkage, defects = guides.linkage(k, point), guides.defects
     drive, signs = defects.drive[:, k], defects.sign[:, k]
@@ -286,7 +286,7 @@ def _body_guide(ask: Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyG
         body_angle_deg=body_angle_deg,
         pose_error=float(distances.max()),
         angle_error_deg=float(angles.max()),
-        cut_short=ask.watch.cut,
+        cut_short=request.watch.cut,
         poses=(origins, directions),
     )
 
