@@ -162,7 +162,7 @@ def _title(job: Job, scale: float, width: float) -> _Cell:
         f"sheet of {thicknesses} mm, scale {scale_text(scale)}",
         f"sizes in mm; parts: {len(parts)}, pieces: {pieces}",
         "each part seen from above; drawing 1 of 1",
-        *job.title.length_text(),
+        *job.title.lines(),
     ]
     name = harmless(job.title.name or job.name)
     cell.words(name, complex(3, -3 - TITLE / 2), TITLE)

@@ -65,7 +65,7 @@ class Title:
                 allowed = f"give at most {LONGEST} letters of any script, digits and signs, {SIGNS} too"
                 raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed)
 
-    def told(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The entries besides the name, each with its label."""
         for field in fields(self)[1:]:
             if value := getattr(self, field.name):

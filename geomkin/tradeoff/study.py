@@ -52,7 +52,7 @@ class Stability:
         writer.writerow(["family", "place", "result", "distance", "library_does", "told_by", *heads])
         for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
-            about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.told
+            about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.reported_by
             writer.writerow([*about, *(_digits_text(one, kind) for kind in DIGIT_KINDS for one in row)])
         return stream.getvalue().encode("utf-8")
 
@@ -74,7 +74,7 @@ class Stability:
         ]
         for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
-            does = ANSWERS.get(answer, answer) + (f"; reported by {cell.told}" if cell.told else "")
+            does = ANSWERS.get(answer, answer) + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
             digits = [f"<td>{_digits_text(row[k], kind)}</td>" for kind in DIGIT_KINDS for k in shown]
             about = (cell.place, f"{cell.family}: {cell.result}", cell.distance)
             lines.append(f"<tr>{''.join(f'<th>{escape(text)}</th>' for text in about)}{''.join(digits)}")

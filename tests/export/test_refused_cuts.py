@@ -121,7 +121,7 @@ def test_a_title_is_as_long_as_its_refusal_says():
     assert Title("x" * LONGEST).name and Title(material="Ä°±µ²³Øøß§é").material
     with pytest.raises(gk.DesignError, match=f"which has {LONGEST + 1} letters; give at most {LONGEST} letters"):
         Title(revision="x" * (LONGEST + 1))
-    assert list(Title("a", "7", date="May", general_tolerance="0.1").told()) == [
+    assert list(Title("a", "7", date="May", general_tolerance="0.1").lines()) == [
         "number: 7",
         "general tolerance: 0.1",
         "date: May",

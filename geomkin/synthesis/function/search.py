@@ -206,8 +206,8 @@ def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
     found = task.rounded(found)
     s, errors, real = peaks(task, found, PEAKS, LOOKS)
     broken, worst = task.limits(found)[0].max(axis=1), np.abs(errors).max(axis=1)
-    told = zip(found, worst.tolist(), s, errors, real, broken.tolist())
-    optima = [Optimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in told]
+    rows = zip(found, worst.tolist(), s, errors, real, broken.tolist())
+    optima = [Optimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in rows]
     kept = [one for one in optima if one.broken <= KEPT and np.isfinite(one.worst)]
     if not kept:
         return tuple(sorted(optima, key=lambda one: one.broken)[:1])

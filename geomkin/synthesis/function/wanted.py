@@ -60,7 +60,7 @@ class Expression:
     def __post_init__(self) -> None:
         if len(self.text) > LONGEST:
             raise DesignError("function", f"found {len(self.text):,} characters", f"give at most {LONGEST}")
-        _ = self._value  # read now, or the fault would be told when it is first called
+        _ = self._value  # parsed here, so that a wrong text is refused at once
 
     @cached_property
     def _value(self) -> Value:

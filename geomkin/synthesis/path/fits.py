@@ -302,7 +302,7 @@ class Fit:
         self.pairs = np.array([ones[i] - ones[j] for i in range(links) for j in range(links) if i != j])
 
     def limits(self, which: Whole, x: Real, cranks: Real) -> tuple[Real, Real, Real, Real, Real, Real, Real]:
-        """Violations of limits with multipliers, and their derivatives at points by size and crank, at ends, of links."""
+        """Violations of limits with multipliers, and their derivatives, at points, at the ends, and of links."""
         task = self.task
         most = np.cos(task.least_transmission) ** 2
         value, by_size, by_crank = folding(x, cranks, task.slides)

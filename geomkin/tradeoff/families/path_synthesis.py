@@ -160,7 +160,7 @@ PATH_SYNTHESIS: MethodFamily[TimedPath, list[StrokeInput | None]] = MethodFamily
             "the limits, all but the best few left behind on the way (`path_generator`).",
             _from_seeds(_searched),
             rationale="From any seed it finds the best linkage that is known of this problem, and ranks the others.",
-            caveat="Few starts do for this problem, and not for one with more valleys.",
+            caveat="Few starts suffice for this problem, but not for one with more valleys.",
         ),
         Method(
             "fits alone",

@@ -145,8 +145,8 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 
 def _loops(track: Track, _: float) -> Call:
-    told = with_estimate("crank", track.drive)
-    return lambda: _iterated(told, track.drive).told("direction", "output")
+    estimated = with_estimate("crank", track.drive)
+    return lambda: _iterated(estimated, track.drive).told("direction", "output")
 
 
 def with_estimate(driver: str, drive: Real) -> Linkage:
