@@ -59,7 +59,7 @@ def test_members_are_within_their_ends_and_within_what_a_linkage_may_have():
 def test_one_thing_is_chosen_and_no_two():
     assert given_choice({"crank": None, "rocker": None}) is None
     assert given_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
-    with pytest.raises(gk.DesignError, match="rocker: is given besides crank; give one of them: the others follow"):
+    with pytest.raises(gk.DesignError, match="rocker:"):
         given_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
 
 

@@ -75,7 +75,7 @@ def test_linkages_are_alike_that_differ_by_less_than_a_thousandth():
     bar = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j)
     slider = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j)
     for one in (bar, slider):
-        assert search._alike(found_of(one), found_of(one))
+        assert search._is_same(found_of(one), found_of(one))
         for name in (
             "crank",
             "coupler",
@@ -86,14 +86,14 @@ def test_linkages_are_alike_that_differ_by_less_than_a_thousandth():
             value = getattr(one, name)
             for share, alike in ((0.9e-3, True), (-0.9e-3, True), (1.2e-3, False), (-1.2e-3, False)):
                 other = dataclasses.replace(one, **{name: value * (1 + share)})
-                assert search._alike(found_of(one), found_of(other)) is alike
-                assert search._alike(found_of(other), found_of(one)) is alike
+                assert search._is_same(found_of(one), found_of(other)) is alike
+                assert search._is_same(found_of(other), found_of(one)) is alike
         # What is 0 of both but for rounding is alike; a crank's thousandth of a thousandth is not nothing.
         moved = [dataclasses.replace(one, origin=at) for at in (0, 2e-5j, 4e-5j)]
-        assert [search._alike(found_of(moved[0]), found_of(other)) for other in moved] == [True, True, False]
+        assert [search._is_same(found_of(moved[0]), found_of(other)) for other in moved] == [True, True, False]
     # A slide line may be named from its other end, a four-bar's other branch is another linkage.
-    assert search._alike(found_of(slider), found_of(dataclasses.replace(slider, offset=-12), -1))
-    assert not search._alike(found_of(bar), found_of(bar, -1))
+    assert search._is_same(found_of(slider), found_of(dataclasses.replace(slider, offset=-12), -1))
+    assert not search._is_same(found_of(bar), found_of(bar, -1))
 
 
 def test_usable_is_what_has_no_defect_and_keeps_both_limits():

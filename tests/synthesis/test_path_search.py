@@ -74,7 +74,7 @@ def test_all_of_many_points_count_though_few_are_searched_with(known, asked, mon
         few = np.interp(np.linspace(0, 39, 12), np.arange(40), drive)
         return (starts, np.ones(4)) if timed else (starts, np.tile(few, (4, 1)), np.ones(4))
 
-    monkeypatch.setattr(search, "SEARCHED", 12)
+    monkeypatch.setattr(search, "SEARCH_POINTS", 12)
     monkeypatch.setattr(search, "timed_starts" if timed else "free_starts", given)
     asked = {"timed": {"drive_deg": np.degrees(drive)}, "open": {}, "closed": {"closed": True}}[asked]
     found = gk.path_generator(points, slides=known is SLIDER, time_limit=60, **asked)
