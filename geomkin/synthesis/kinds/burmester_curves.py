@@ -79,7 +79,19 @@ class FourWanted:
 
 @record(checked=True, kw_only=True)
 class BurmesterCurvesRecipe(AbstractRecipe):
-    """The possible pivots and pins of four poses: the centre-point curve, and dashed the circle-point curve."""
+    """The possible pivots and pins of four poses: the centre-point curve, and dashed the circle-point curve.
+
+    Parameters
+    ----------
+    wanted : FourWanted
+        The four poses, mm and deg, and the extent of the curves, mm.
+    rows : int
+        Number of dyads in the table, 2 to 20000.
+    stock : PlateStock
+        Material of the engraved plate.
+    files : Files
+        Formats and their options.
+    """
 
     can_be_scaled: ClassVar[bool] = True
     kind: Literal["burmester-curves"] = "burmester-curves"

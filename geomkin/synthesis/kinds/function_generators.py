@@ -255,7 +255,21 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
 @record(kw_only=True)
 class FunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """A four-bar whose rocker follows a function of its crank's angle, with its plates and its error."""
+    """A four-bar whose rocker follows a function of its crank's angle, with its plates and its error.
+
+    Parameters
+    ----------
+    wanted : WantedAngle
+        The function, the ranges of crank and rocker, deg, and the method.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["function-generator"] = "function-generator"
     wanted: WantedAngle
@@ -284,7 +298,21 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
 @record(kw_only=True)
 class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """A slider-crank whose slider follows a function of its crank's angle, with its plates and its error."""
+    """A slider-crank whose slider follows a function of its crank's angle, with its plates and its error.
+
+    Parameters
+    ----------
+    wanted : WantedPlace
+        The function, the range of the crank, deg, the travel of the slider, mm, and the method.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
     wanted: WantedPlace
