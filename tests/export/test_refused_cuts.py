@@ -69,7 +69,7 @@ def test_the_hole_that_is_too_near_is_told_by_its_number(wrong):
     places = [(8 + 8j, 2.0), (20 + 20j, 2.0), (32 + 8j, 2.0)]
     places[wrong] = (places[wrong][0].real + 1.99j, 2.0)
     told = refusal(square(40, *places), 0.1)
-    assert told.startswith(f"plate: hole {wrong + 1} reaches the outline, or comes nearer than the tolerance of 0.1 mm")
+    assert told.startswith(f"plate: hole {wrong + 1} meets the outline, or comes nearer than the tolerance of 0.1 mm")
 
 
 def checks(*held):
@@ -97,7 +97,7 @@ def test_a_driver_stands_at_the_frame_next_to_where_it_is_asked_for():
     assert [frame_at(scene, at) for at in (0.0, 90.0, 94.0, 96.0, 360.0, 369.0, -9.0)] == [0, 9, 9, 10, 36, 36, 0]
     for at in (371.0, -11.0, 720.0):
         with pytest.raises(
-            gk.DesignError, match=f"assembly_at: found {at:g} deg, where the driver never is; give 0 to 360"
+            gk.DesignError, match=f"assembly_at: found {at:g} deg, outside the range of the driver; give 0 to 360"
         ):
             frame_at(scene, at)
     # A share of a turn, or half of a way; the nearest to it where the mechanism can be.

