@@ -136,7 +136,7 @@ def test_of_fits_the_resting_are_kept_by_their_mean(monkeypatch):
 
 def test_a_least_angle_in_the_way_is_told_with_one_that_works(quick):
     asked = WISH | {"method": "points", "points": 4, "input_start_deg": 100}
-    with pytest.raises(gk.DesignError, match="found 30, which no linkage kept that was tried") as refusal:
+    with pytest.raises(gk.DesignError, match="found 30") as refusal:
         gk.function_generator(**asked)
     assert refusal.value.field == "least_transmission_angle_deg"
     most = float(refusal.value.remedy.split("give at most ")[1].split(",")[0])
