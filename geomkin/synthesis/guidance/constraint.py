@@ -11,7 +11,7 @@ from ...plane.vec import Array, Complex, Mask, Real, Whole, unit
 
 # Newton steps: two or three suffice from a simple root of the quartic; a double root halves its error per step.
 STEPS = 12
-# The same of complex points, to tell which of them are real. Fewer, and one that is counts as none; more cost time.
+# Newton steps of complex points before the real ones are selected. With fewer a real one is missed; more cost time.
 FIRST_STEPS = 2
 # Imaginary share of a complex point up to which its real part is tried: two real points that nearly meet appear in
 # the quartic as such a pair. A smaller value misses them; a larger one costs time.
